@@ -1,0 +1,78 @@
+"""Timoshenko beam in element deformations: the state is what each element strains, not where its nodes are.
+
+Node positions of a long slender shaft cancel to a part in 1e12 when subtracted; element deformations do not.
+An element from node 1 to node 2 strains by d = q_2 - T q_1, T the rigid transport over its length.
+"""
+
+from lowfi.jit import kernel
+
+
+@kernel
+def transport(q, length, out):  # type: ignore[no-untyped-def]
+    """Rigid transport of the motion q (6,) = (u, theta) over ``length`` along z: u + theta x (length e_z)."""
+    out[0] = q[0] + length * q[4]
+    out[1] = q[1] - length * q[3]
+    out[2] = q[2]
+    out[3] = q[3]
+    out[4] = q[4]
+    out[5] = q[5]
+
+
+@kernel
+def element_constants(length, section):  # type: ignore[no-untyped-def]
+    """Stiffnesses of an element's end deformation: k_uu, k_uu L/2, k_rr, axial, torsional (mends Lin D.1, D.2).
+
+    section (4,): EA, EI, GJ, kappa G A. k_uu = 1/(L (L^2/(12 EI) + 1/(kappa G A))), k_rr = k_uu L^2/3 + k_uu EI/(kGA).
+    """
+    kuu = 1.0 / (length * (length * length / (12.0 * section[1]) + 1.0 / section[3]))
+    krr = kuu * (length * length / 3.0 + section[1] / section[3])
+    return kuu, 0.5 * length * kuu, krr, section[0] / length, section[2] / length
+
+
+@kernel
+def element_force(d, length, section, out):  # type: ignore[no-untyped-def]
+    """Force and moment (6,) at node 2 that the deformation d (6,) takes."""
+    kuu, kur, krr, ka, kt = element_constants(length, section)
+    out[0] = kuu * d[0] - kur * d[4]
+    out[4] = krr * d[4] - kur * d[0]
+    out[1] = kuu * d[1] + kur * d[3]
+    out[3] = krr * d[3] + kur * d[1]
+    out[2] = ka * d[2]
+    out[5] = kt * d[5]
+
+
+@kernel
+def add_element(band, node, length, section):  # type: ignore[no-untyped-def]
+    """Add an element's stiffness between ``node`` and the next one to the lower band (see ``banded``)."""
+    kuu, kur, krr, ka, kt = element_constants(length, section)
+    off = length * kur - krr
+    i, j = 6 * node, 6 * node + 6
+    # plane x-z (ux, ry): sign +; plane y-z (uy, rx): sign -
+    for plane in range(2):
+        sign = 1.0 if plane == 0 else -1.0
+        u, r = (0, 4) if plane == 0 else (1, 3)
+        band[i + u, 0] += kuu
+        band[i + r, 0] += krr
+        band[i + u, r - u] += sign * kur
+        band[i + u, j - i] -= kuu
+        band[i + u, j + r - i - u] += sign * kur
+        band[i + r, j + u - i - r] -= sign * kur
+        band[i + r, j - i] += off
+        band[j + u, 0] += kuu
+        band[j + r, 0] += krr
+        band[j + u, r - u] -= sign * kur
+    band[i + 2, 0] += ka
+    band[i + 2, 6] -= ka
+    band[j + 2, 0] += ka
+    band[i + 5, 0] += kt
+    band[i + 5, 6] -= kt
+    band[j + 5, 0] += kt
+
+
+@kernel
+def positions(q, d, lengths):  # type: ignore[no-untyped-def]
+    """Fill the nodes' motions q (n, 6) from the first node's and the element deformations d (n - 1, 6)."""
+    for e in range(d.shape[0]):
+        transport(q[e], lengths[e], q[e + 1])
+        for k in range(6):
+            q[e + 1, k] += d[e, k]

@@ -1,0 +1,63 @@
+"""Approach of a ball to a groove flank, with its first and second derivatives in the section plane."""
+
+from math import atan2, cos, hypot, sin
+
+from lowfi.jit import kernel
+
+
+@kernel
+def arc(mx, mz, offset):  # type: ignore[no-untyped-def]
+    """Approach, normal and curvature term for a circular flank; see ``flank``.
+
+    offset = (x3, z3 of the nominal w, its size, nominal approach). The approach is built as nominal value plus change,
+    so that its round-off is that of the motion (1e-22 m), not that of the radii (1e-18 m).
+    """
+    wx, wz = offset[0] + mx, offset[1] + mz
+    size = hypot(wx, wz)
+    if size <= 1e-30:
+        return offset[3] - offset[2], 0.0, 0.0, 0.0
+    change = (mx * (2.0 * offset[0] + mx) + mz * (2.0 * offset[1] + mz)) / (size + offset[2])
+    return offset[3] + change, wx / size, wz / size, 1.0 / size
+
+
+@kernel
+def flank(mx, mz, offset, r_ball, radius, profile, sx, sz):  # type: ignore[no-untyped-def]
+    """Approach of a ball to the flank rho(gamma) (s_x cos gamma, s_z sin gamma) around the groove's centre.
+
+    (mx, mz): motion of the ball's centre relative to the flank [m]; offset (4,): the nominal position w = (x3, z3) of
+    the ball from the groove's centre, its size, and the nominal approach [m]; rho is ``radius`` minus the polynomial
+    ``profile`` (ascending powers of gamma; Lin 2.3, 2.27). Returns the approach delta = r_B - |w - A|, the unit vector
+    m from the ball to the closest point, and kt = 1/(R_c - d) [1/m]: delta has gradient m and Hessian kt t t^T by w,
+    with t normal to m and R_c the profile's radius of curvature.
+    """
+    if profile.shape[0] == 0:
+        return arc(mx, mz, offset)
+    ux, uz = sx * (offset[0] + mx), sz * (offset[1] + mz)
+    gamma = atan2(uz, ux)
+    rho, rho1, rho2 = radius, 0.0, 0.0
+    for _ in range(30):
+        rho, rho1, rho2 = radius, 0.0, 0.0
+        power, slope, bend = 1.0, 0.0, 0.0
+        for k in range(profile.shape[0]):
+            rho -= profile[k] * power
+            rho1 -= profile[k] * slope
+            rho2 -= profile[k] * bend
+            bend = bend * gamma + 2.0 * slope
+            slope = slope * gamma + power
+            power = power * gamma
+        c, s = cos(gamma), sin(gamma)
+        along, across = ux * c + uz * s, -ux * s + uz * c
+        f = (along - rho) * rho1 + across * rho
+        slope_f = (across - rho1) * rho1 + (along - rho) * rho2 - along * rho + across * rho1
+        if slope_f >= 0.0:
+            break
+        step = min(0.5, max(-0.5, f / slope_f))
+        gamma -= step
+        if abs(step) < 1e-15:
+            break
+    c, s = cos(gamma), sin(gamma)
+    dx, dz = rho * c - ux, rho * s - uz
+    d = hypot(dx, dz)
+    curvature = (rho * rho + 2.0 * rho1 * rho1 - rho * rho2) / (rho * rho + rho1 * rho1) ** 1.5
+    reach = 1.0 / curvature - d
+    return r_ball - d, sx * dx / d, sz * dz / d, (1.0 / reach if reach > 0.0 else 0.0)

@@ -1,0 +1,324 @@
+"""Regularised Newton with line search on the convex energy of screw and balls (seed audit; Lin 2.23-2.25).
+
+E(q) = beam(q) - f q + sum over balls of min over the centre of the contact energies. One unknown motion (6) per node;
+banded Cholesky, so the cost is linear in the number of balls.
+"""
+
+from math import sqrt
+
+import numpy as np
+
+from lowfi.jit import kernel
+
+from .ball import ball, reduced_hessian
+from .banded import solve_banded
+from .beam import add_element, element_force, positions
+
+CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
+
+
+@kernel
+def evaluate(beam, contacts, state, out):  # type: ignore[no-untyped-def]
+    """Energy and gradient at the state; fills out = (gradient (n, 6), hessians (N, 4, 4)); returns energy and scale.
+
+    beam = (lengths, sections, fixed, load); contacts = (node, B, offset, closure, r_ball, radius, profile, signs, C,
+    use, tiny); state = (q, d, p, force, normal). The scale [N] is the largest force met: applied, in an element, or of
+    a contact.
+    """
+    lengths, sections, _, load = beam
+    node, B, offset, closure, r_ball, radius, profile, signs, C, use, tiny = contacts
+    q, d, p, force, normal = state
+    gradient, hessians = out
+    positions(q, d, lengths)
+    energy, scale = 0.0, 0.0
+    for i in range(q.shape[0]):
+        for k in range(6):
+            gradient[i, k] = -load[i, k]
+            energy -= load[i, k] * q[i, k]
+            if k < 3:
+                scale = max(scale, abs(load[i, k]))
+    f = np.empty(6)
+    for e in range(lengths.shape[0]):
+        element_force(d[e], lengths[e], sections[e], f)
+        for k in range(6):
+            energy += 0.5 * f[k] * d[e, k]
+            gradient[e, k] -= f[k]
+            gradient[e + 1, k] += f[k]
+            if k < 3:
+                scale = max(scale, abs(f[k]))
+        gradient[e, 3] += lengths[e] * f[1]
+        gradient[e, 4] -= lengths[e] * f[0]
+    shift = np.zeros((4, 2))
+    tangent = np.empty((4, 2))
+    flat = q.ravel()
+    grad = gradient.ravel()
+    m = B.shape[3]
+    for i in range(r_ball.shape[0]):
+        for s in range(2):
+            if use[s]:
+                start = 6 * node[i, s]
+                for a in range(2):
+                    total = 0.0
+                    for k in range(m):
+                        total += B[i, s, a, k] * flat[start + k]
+                    shift[s, a] = total
+        energy += ball(
+            p[i], shift, offset[i], closure[i], r_ball[i], radius, profile, signs, C[i], use, tiny,
+            force[i], normal[i], tangent,
+        )  # fmt: skip
+        reduced_hessian(force[i], normal[i], tangent, hessians[i])
+        for s in range(4):
+            scale = max(scale, force[i, s])
+        for s in range(2):
+            if use[s] and force[i, s] > 0.0:
+                start = 6 * node[i, s]
+                for k in range(m):
+                    grad[start + k] -= force[i, s] * (
+                        normal[i, s, 0] * B[i, s, 0, k] + normal[i, s, 1] * B[i, s, 1, k]
+                    )
+    return energy, scale
+
+
+@kernel
+def assemble(band, beam, contacts, hessians, shift, arm):  # type: ignore[no-untyped-def]
+    """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
+    lengths, sections, fixed, _ = beam
+    node, B, use = contacts[0], contacts[1], contacts[9]
+    band[:, :] = 0.0
+    for e in range(lengths.shape[0]):
+        add_element(band, e, lengths[e], sections[e])
+    m = B.shape[3]
+    hb = np.empty((2, m))
+    for i in range(node.shape[0]):
+        for s in range(2):
+            if not use[s]:
+                continue
+            for t in range(2):
+                if not use[t] or (hessians[i, 2 * s, 2 * t] == 0.0 and hessians[i, 2 * s + 1, 2 * t + 1] == 0.0):
+                    continue
+                for a in range(2):
+                    for k in range(m):
+                        hb[a, k] = (
+                            hessians[i, 2 * s + a, 2 * t] * B[i, t, 0, k]
+                            + hessians[i, 2 * s + a, 2 * t + 1] * B[i, t, 1, k]
+                        )
+                rows, cols = 6 * node[i, s], 6 * node[i, t]
+                for j in range(m):
+                    b0, b1 = B[i, s, 0, j], B[i, s, 1, j]
+                    row = rows + j
+                    for k in range(m):
+                        col = cols + k
+                        if row >= col:
+                            band[col, row - col] += b0 * hb[0, k] + b1 * hb[1, k]
+    n, width = band.shape
+    for i in range(n):
+        band[i, 0] += shift * (1.0 if i % 6 < 3 else arm * arm)
+    for i in range(n):
+        if fixed[i // 6, i % 6]:
+            for w in range(width):
+                band[i, w] = 0.0
+            for w in range(1, min(width, i + 1)):
+                band[i - w, w] = 0.0
+            band[i, 0] = 1.0
+
+
+@kernel
+def residual_of(gradient, fixed, scale, arm):  # type: ignore[no-untyped-def]
+    """Largest free component of the gradient over the scale [N]; moments divided by ``arm`` [m]."""
+    worst = 0.0
+    for i in range(gradient.shape[0]):
+        for k in range(6):
+            if not fixed[i, k]:
+                worst = max(worst, abs(gradient[i, k]) / (1.0 if k < 3 else arm))
+    return worst / scale if scale > 0.0 else worst
+
+
+@kernel
+def advance(q, d, lengths, q0, d0, step, t):  # type: ignore[no-untyped-def]
+    """State at q0 + t step, in element deformations: the strain of the step is taken from the step alone."""
+    for k in range(6):
+        q[0, k] = q0[k] + t * step[0, k]
+    for e in range(d.shape[0]):
+        x = lengths[e]
+        d[e, 0] = d0[e, 0] + t * (step[e + 1, 0] - step[e, 0] - x * step[e, 4])
+        d[e, 1] = d0[e, 1] + t * (step[e + 1, 1] - step[e, 1] + x * step[e, 3])
+        for k in range(2, 6):
+            d[e, k] = d0[e, k] + t * (step[e + 1, k] - step[e, k])
+
+
+@kernel
+def slope_along(gradient, step, fixed):  # type: ignore[no-untyped-def]
+    """Directional derivative of the energy."""
+    total = 0.0
+    for i in range(step.shape[0]):
+        for k in range(6):
+            if not fixed[i, k]:
+                total += gradient[i, k] * step[i, k]
+    return total
+
+
+@kernel
+def line_search(beam, contacts, state, out, step, energy, slope, limit):  # type: ignore[no-untyped-def]
+    """Step length along ``step``: shrunk on overshoot, stretched while the slope does not change (open gaps).
+
+    Returns the energy, scale, and the number of evaluations; the state is left at the accepted point.
+    """
+    q, d = state[0], state[1]
+    fixed = beam[2]
+    q0, d0 = q[0].copy(), d.copy()
+    low, high, t = 0.0, 0.0, 1.0
+    new, scale = energy, 0.0
+    evaluations = 0
+    while evaluations < 60:
+        advance(q, d, beam[0], q0, d0, step, t)
+        new, scale = evaluate(beam, contacts, state, out)
+        evaluations += 1
+        ahead = slope_along(out[0], step, fixed)
+        if ahead > 0.0:
+            if ahead <= 0.5 * abs(slope) and new <= energy:
+                break
+            if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
+                break
+            high = t
+            t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
+        else:
+            if ahead >= 0.9 * slope or high > 0.0 or t > limit:
+                break
+            low = t
+            t *= 4.0
+    return new, scale, evaluations
+
+
+@kernel
+def solve(beam, contacts, state, options, history):  # type: ignore[no-untyped-def]
+    """Minimise the energy from the given state; returns status, iterations, evaluations, residual, energy, scale.
+
+    options (8,): tolerance, largest number of iterations, reference stiffness [N/m], arm [m], largest motion of a flank
+    [m] before the screw counts as not held, and the half bandwidth. history (max iterations + 1,): residual per step.
+    The regularisation is proportional to the residual, so it vanishes at the solution and convergence stays fast.
+    """
+    tolerance, most, stiffness, arm, bound = options[0], int(options[1]), options[2], options[3], options[4]
+    q, d = state[0], state[1]
+    lengths, fixed, node = beam[0], beam[2], contacts[0]
+    n = q.shape[0]
+    out = (np.empty((n, 6)), np.zeros((node.shape[0], 4, 4)))
+    band = np.empty((6 * n, int(options[5]) + 1))
+    energy, scale = evaluate(beam, contacts, state, out)
+    residual = residual_of(out[0], fixed, scale, arm)
+    history[0] = residual
+    evaluations, stalled, factor = 1, 0, 1e-3
+    status, it = ITERATIONS, 0
+    best = residual
+    if residual <= tolerance:
+        return CONVERGED, 0, 1, residual, energy, scale
+    for it in range(1, most + 1):  # noqa: B007
+        step = np.empty((n, 6))
+        solved = False
+        for _ in range(12):
+            shift = factor * stiffness * min(1.0, residual)
+            assemble(band, beam, contacts, out[1], shift, arm)
+            for i in range(n):
+                for k in range(6):
+                    step[i, k] = 0.0 if fixed[i, k] else -out[0][i, k]
+            solved = solve_banded(band, step.ravel())
+            if solved:
+                break
+            factor *= 100.0
+        if not solved:
+            status = SINGULAR
+            break
+        slope = slope_along(out[0], step, fixed)
+        if residual < 1e-7:
+            q0, d0 = q[0].copy(), d.copy()
+            advance(q, d, lengths, q0, d0, step, 1.0)
+            energy, scale = evaluate(beam, contacts, state, out)
+            evaluations += 1
+        else:
+            energy, scale, used = line_search(beam, contacts, state, out, step, energy, slope, 1e12)
+            evaluations += used
+        residual = residual_of(out[0], fixed, scale, arm)
+        history[it] = residual
+        factor = max(1e-3, factor * 0.1)
+        if residual <= tolerance:
+            status = CONVERGED
+            break
+        moved = 0.0
+        for i in range(n):
+            moved = max(moved, sqrt(q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2))
+        if moved > bound:
+            status = NOT_HELD
+            break
+        stalled = stalled + 1 if residual >= 0.5 * best else 0
+        best = min(best, residual)
+        if stalled >= 4 and residual <= 1e-8:
+            break
+    return status, it, evaluations, residual, energy, scale
+
+
+@kernel
+def ensemble(beam, contacts, state, options, radii, closures, offsets, forces, statuses, residuals):  # type: ignore[no-untyped-def]
+    """Solve many specimens of one screw from the same start; they differ in ball radii [m] and groove centres.
+
+    radii (M, N), closures (M, N, 2), offsets (M, N, 4, 4) replace those of ``contacts``; forces (M, N, 4), statuses (M,),
+    residuals (M,) are filled. Returns the total number of iterations.
+    """
+    node, B, _, _, _, radius, profile, signs, C, use, tiny = contacts
+    q, d, p, force, normal = state
+    q0, d0, p0 = q.copy(), d.copy(), p.copy()
+    history = np.empty(int(options[1]) + 1)
+    total = 0
+    for member in range(radii.shape[0]):
+        q[:], d[:], p[:] = q0, d0, p0
+        own = (
+            node, B, offsets[member], closures[member], radii[member], radius, profile, signs, C, use, tiny,
+        )  # fmt: skip
+        status, it, _, residual, _, _ = solve(beam, own, state, options, history)
+        statuses[member], residuals[member] = status, residual
+        forces[member] = force
+        total += it
+    return total
+
+
+@kernel
+def linear_start(beam, contacts, state, options):  # type: ignore[no-untyped-def]
+    """Start of the iteration: equilibrium of the screw on linear springs (reference stiffness) in place of contacts.
+
+    Overwrites the motions and element deformations of ``state``; False (state untouched) where they cannot be found.
+    """
+    lengths, sections, fixed, load = beam
+    use = contacts[9]
+    q, d = state[0], state[1]
+    stiffness, arm = options[2], options[3]
+    n, count = q.shape[0], contacts[0].shape[0]
+    hessians = np.zeros((count, 4, 4))
+    for i in range(count):
+        for s in range(2):
+            if use[s]:
+                wx, wz = contacts[2][i, s, 0], contacts[2][i, s, 1]
+                size = max(sqrt(wx * wx + wz * wz), 1e-30)
+                hessians[i, 2 * s, 2 * s] = stiffness * wx * wx / (size * size)
+                hessians[i, 2 * s, 2 * s + 1] = stiffness * wx * wz / (size * size)
+                hessians[i, 2 * s + 1, 2 * s] = hessians[i, 2 * s, 2 * s + 1]
+                hessians[i, 2 * s + 1, 2 * s + 1] = stiffness * wz * wz / (size * size)
+    band = np.empty((6 * n, int(options[5]) + 1))
+    assemble(band, beam, contacts, hessians, 1e-9 * stiffness, arm)
+    step = np.zeros((n, 6))
+    f = np.empty(6)
+    for i in range(n):
+        for k in range(6):
+            step[i, k] = load[i, k]
+    for e in range(lengths.shape[0]):
+        element_force(d[e], lengths[e], sections[e], f)
+        for k in range(6):
+            step[e, k] += f[k]
+            step[e + 1, k] -= f[k]
+        step[e, 3] -= lengths[e] * f[1]
+        step[e, 4] += lengths[e] * f[0]
+    for i in range(n):
+        for k in range(6):
+            if fixed[i, k]:
+                step[i, k] = 0.0
+    if not solve_banded(band, step.ravel()):
+        return False
+    advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0)
+    return True

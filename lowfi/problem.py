@@ -1,0 +1,264 @@
+"""From the description of the parts to the arrays that the kernels solve on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printed_hertz
+from lowfi.shape import motion_matrix, rigid_transport
+from meshes.errors import Specimen, specimen
+from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
+from meshes.parts import FREEDOMS, SIDE_SIGNS, Errors, Scene
+from meshes.partition import beam_nodes, contact_stations
+from meshes.section import BeamSection, screw_section
+from meshes.surface import principal_curvatures, printed_radii
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Arrays of one static problem; shapes with n nodes, N balls, m = 6 or 12 freedoms per flank.
+
+    nodes (n,) [m]; section; fixed (n, 6); prescribed (n, 6); load (n, 6); node (N, 2), B (N, 2, 2, m): motion of each
+    screw flank in the section plane; offset (N, 4, 4), closure (N, 2): nominal distances (see kernel.contact, .ball);
+    radius (4,), profile (4, d), C (N, 4), r_ball (N,), use (4,). ``basis``: for a rigid screw the motions its supports
+    leave, (6, 6), else None.
+    """
+
+    scene: Scene
+    layout: BallLayout
+    drawn: Specimen
+    nodes: Array
+    section: BeamSection
+    fixed: NDArray[np.bool_]
+    prescribed: Array
+    load: Array
+    node: NDArray[np.int64]
+    B: Array
+    offset: Array
+    closure: Array
+    C: Array
+    use: NDArray[np.bool_]
+    left_out_elements: int
+    basis: Array | None = None
+
+    @property
+    def unknowns(self) -> int:
+        """Free motions of the screw; centres and contact angles of the balls are eliminated."""
+        return int(np.count_nonzero(~self.fixed))
+
+    @property
+    def half_bandwidth(self) -> int:
+        """Half bandwidth of the stiffness matrix."""
+        width = 11 if self.nodes.size > 1 else 5
+        used = [s for s in range(2) if self.use[s]]
+        if used:
+            reach = self.B.shape[3] - 1
+            low, high = self.node[:, used].min(axis=1), self.node[:, used].max(axis=1)
+            width = max(width, int((6 * (high - low)).max()) + reach)
+        return width
+
+
+def nominal_hertz(scene: Scene) -> HertzConstants:
+    """Hertz constants of the nominal geometry for each side, shape ``(4,)``, at the nominal contact angle."""
+    bare = replace(scene, errors=Errors(), balls=replace(scene.balls, azimuths=(scene.track.phase,)))
+    layout = ball_layout(bare)
+    return actual_hertz(bare, specimen(bare, layout), np.full((layout.z.size, 4), scene.track.contact_angle), slice(1))
+
+
+def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array, pick: Any = slice(None)) -> HertzConstants:
+    """Hertz constants per contact at contact angles gamma ``(N, 4)`` [rad], from the exact surfaces with errors.
+
+    Returns arrays ``(N, 4)``; with ``pick = slice(1)`` those of the first ball only, ``(4,)``.
+    Raises ValueError where ball and groove conform.
+    """
+    inverse = 1.0 / drawn.ball_radius[:, None]
+    columns = []
+    for side in range(4):
+        body = scene.screw if side < 2 else scene.nut
+        modulus = contact_modulus(
+            scene.balls.material.youngs_modulus,
+            scene.balls.material.poissons_ratio,
+            body.material.youngs_modulus,
+            body.material.poissons_ratio,
+        )
+        groove = principal_curvatures(scene, drawn, side, gamma[:, side])[pick]
+        relative = inverse[pick] + groove
+        columns.append(hertz_constants(relative[:, 0], relative[:, 1], modulus))
+    stack = [np.stack([getattr(c, f) for c in columns], axis=-1) for f in ("C", "C_a", "C_b", "eccentricity")]
+    if isinstance(pick, slice) and pick == slice(1):
+        stack = [x[0] for x in stack]
+    return HertzConstants(*stack)
+
+
+def printed_constants(scene: Scene) -> Array:
+    """Constants C of each side with the faults of Table B.1, shape ``(4,)`` [m/N^(2/3)]."""
+    bare = replace(scene, errors=Errors())
+    drawn = specimen(bare, ball_layout(bare))
+    gamma = np.full(scene.ball_count, scene.track.contact_angle)
+    values = []
+    for body, side in ((scene.screw, 0), (scene.nut, 3)):
+        modulus = contact_modulus(
+            scene.balls.material.youngs_modulus,
+            scene.balls.material.poissons_ratio,
+            body.material.youngs_modulus,
+            body.material.poissons_ratio,
+        )
+        low, high = printed_radii(bare, drawn, side, gamma)[0]
+        values += 2 * [printed_hertz(scene.balls.radius, (float(low), float(high)), modulus).C]
+    return np.array(values)
+
+
+def hertz_C(scene: Scene) -> Array:
+    """Constant C of each ball and side before any update to the actual geometry, shape ``(N, 4)``."""
+    row = printed_constants(scene) if scene.ingredients.hertz == "as printed" else nominal_hertz(scene).C
+    return np.repeat(row[None, :], scene.ball_count, axis=0)
+
+
+def distances(scene: Scene, drawn: Specimen) -> tuple[Array, Array]:
+    """Offsets ``(N, 4, 4)`` and pair closures ``(N, 2)`` of the kernels, from the groove centres of a specimen.
+
+    Built from differences, so that a nominal contact has an approach of zero to round-off of its errors only.
+    """
+    centre = drawn.centre
+    slack = groove_radii(scene) - scene.balls.radius
+    size = np.hypot(centre[..., 0], centre[..., 1])
+    nominal = np.hypot(*nominal_groove_centres(scene).T)
+    grown = (size - nominal[None, :]) - (slack - nominal)[None, :]
+    approach = (
+        (drawn.ball_radius - scene.balls.radius)[:, None] - (drawn.radius - groove_radii(scene))[None, :] + grown
+    )
+    offset = np.concatenate([-centre, size[..., None], approach[..., None]], axis=-1)
+    closure = np.empty((centre.shape[0], 2))
+    for a in range(2):
+        b = 3 - a
+        d = centre[:, a] - centre[:, b]
+        closure[:, a] = approach[:, a] + approach[:, b] + (np.hypot(d[:, 0], d[:, 1]) - size[:, a] - size[:, b])
+    return offset, closure
+
+
+def _flank_rows(scene: Scene, layout: BallLayout, side: int, origin_z: Array) -> Array:
+    """Rows e . (u + theta x r) for the flank's point that carries the force, ``(N, 2, 6)``; u, theta at ``origin_z``."""
+    point = nominal_contact_points(scene)[side] if scene.ingredients.arm == "nominal" else (
+        nominal_groove_centres(scene)[side]
+    )  # fmt: skip
+    x = layout.centre + point[0] * layout.radial + point[1] * layout.binormal
+    r = x - np.stack([0.0 * origin_z, 0.0 * origin_z, origin_z], axis=1)
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    return np.concatenate([axes, np.cross(r[:, None, :], axes)], axis=2)
+
+
+def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Array]:
+    fixed = np.zeros((nodes.size, 6), dtype=bool)
+    prescribed, load = np.zeros((nodes.size, 6)), np.zeros((nodes.size, 6))
+    for support in scene.supports:
+        j = int(np.argmin(np.abs(nodes - support.at)))
+        for name, value in support.fixed:
+            fixed[j, FREEDOMS.index(name)] = True
+            prescribed[j, FREEDOMS.index(name)] = value
+    for x in scene.loads:
+        j = int(np.argmin(np.abs(nodes - x.at)))
+        load[j, :3] += x.force
+        load[j, 3:] += x.moment
+    return fixed, prescribed, load
+
+
+def build(
+    scene: Scene, drawn: Specimen, layout: BallLayout, use: NDArray[np.bool_], *, everything: bool = False,
+    refine: int = 1,
+) -> Problem:  # fmt: skip
+    """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many."""
+    offset, closure = distances(scene, drawn)
+    section = screw_section(scene)
+    stations = contact_stations(scene, layout)
+    used = [s for s in range(2) if use[s]]
+    if scene.ingredients.screw == "rigid":
+        return _rigid(scene, drawn, layout, use, offset, closure, section)
+    nodes, left_out = beam_nodes(scene, stations[:, used], everything=everything)
+    if refine > 1:
+        steps = np.arange(refine) / refine
+        nodes = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * steps[None, :]).ravel(), nodes[-1])
+    fixed, prescribed, load = _supports(scene, nodes)
+    count = layout.z.size
+    node = np.zeros((count, 2), dtype=np.int64)
+    nodal = scene.ingredients.partition == "nodal"
+    B = np.zeros((count, 2, 2, 6 if nodal else 12))
+    for s in used:
+        if nodal:
+            node[:, s] = np.abs(nodes[None, :] - stations[:, s, None]).argmin(axis=1) if count < 400 else (
+                _nearest(nodes, stations[:, s])
+            )  # fmt: skip
+            B[:, s] = _flank_rows(scene, layout, s, nodes[node[:, s]])
+        else:
+            rows = _flank_rows(scene, layout, s, stations[:, s])
+            for i in range(count):
+                node[i, s], m = motion_matrix(float(stations[i, s]), nodes, section)
+                B[i, s] = rows[i] @ m
+    for s in range(2):
+        if not use[s]:
+            node[:, s] = node[:, used[0]] if used else 0
+    return Problem(
+        scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, offset, closure,
+        hertz_C(scene), use, left_out,
+    )  # fmt: skip
+
+
+def _nearest(nodes: Array, stations: Array) -> NDArray[np.int64]:
+    j = np.clip(np.searchsorted(nodes, stations), 1, nodes.size - 1)
+    return np.where(stations - nodes[j - 1] < nodes[j] - stations, j - 1, j).astype(np.int64)
+
+
+def _rigid(
+    scene: Scene, drawn: Specimen, layout: BallLayout, use: NDArray[np.bool_], offset: Array, closure: Array,
+    section: BeamSection,
+) -> Problem:  # fmt: skip
+    """One rigid body, its motion taken at the nut's centre; supports become linear constraints on that motion."""
+    z0 = scene.nut.position
+    arm = scene.track.pitch_radius
+    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    rows, values = [], []
+    load = np.zeros(6)
+    for support in scene.supports:
+        t = rigid_transport(support.at - z0)
+        for name, value in support.fixed:
+            k = FREEDOMS.index(name)
+            rows.append(t[k] * scale / scale[k])
+            values.append(value / scale[k])
+    for x in scene.loads:
+        load += rigid_transport(x.at - z0).T @ np.concatenate([x.force, x.moment])
+    held = 0
+    basis = np.eye(6)
+    lift = np.zeros(6)
+    if rows:
+        a = np.array(rows)
+        u, sv, vt = np.linalg.svd(a)
+        held = int(np.sum(sv > 1e-9 * sv[0]))
+        basis = np.concatenate([vt[held:], vt[:held]]).T
+        lift = np.linalg.lstsq(a, np.array(values), rcond=None)[0]
+        del u
+    to_motion = scale[:, None] * basis / scale[None, :]
+    count = layout.z.size
+    B = np.zeros((count, 2, 2, 6))
+    origin = np.full(count, z0)
+    shift = scale * lift
+    offset = offset.copy()
+    for s in range(2):
+        rows_s = _flank_rows(scene, layout, s, origin)
+        B[:, s] = rows_s @ to_motion
+    fixed = np.zeros((1, 6), dtype=bool)
+    if held:
+        fixed[0, 6 - held :] = True
+    prescribed = np.linalg.solve(to_motion, shift)[None, :]
+    return Problem(
+        scene, layout, drawn, np.array([z0]), section, fixed, prescribed, (to_motion.T @ load)[None, :],
+        np.zeros((count, 2), dtype=np.int64), B, offset, closure, hertz_C(scene), use, 0, to_motion,
+    )  # fmt: skip
+
+
+#: Signs of the contact directions, shape (4, 2).
+SIGNS = np.array(SIDE_SIGNS)

@@ -1,0 +1,250 @@
+"""Static load distribution by the convex energy: the source's model (Lin chapter 2) with its misprints mended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import perf_counter
+from types import ModuleType
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi import jit
+from lowfi.mechanism import Mechanism, free_motions
+from lowfi.problem import SIGNS, Problem, actual_hertz, build
+from lowfi.result import SolverReport, StaticResult
+from lowfi.selection import choose_sides, describe_left_out, touched_sides
+from lowfi.summary import assemble_result, failed_result
+from meshes.errors import Specimen, specimen
+from meshes.helix import BallLayout, ball_layout
+from meshes.parts import Scene
+
+Array = NDArray[np.float64]
+Engine = Literal["auto", "interpreted", "compiled"]
+
+#: Relative residual that the solver drives for, and the one at which it counts as converged.
+TOLERANCE, ACCEPTED = 1e-12, 1e-10
+MAX_ITERATIONS = 200
+#: Above this many balls the compiled engine pays even for a single solve.
+COMPILE_ABOVE = 120
+
+
+@dataclass
+class Prepared:
+    """A problem ready for the kernels: argument tuples and the state arrays they fill."""
+
+    problem: Problem
+    engine: ModuleType
+    beam: tuple[Any, ...]
+    contacts: tuple[Any, ...]
+    state: tuple[Any, ...]
+    options: Array
+    history: Array
+
+
+def pick_engine(engine: Engine, balls: int) -> ModuleType:
+    """Interpreted kernels for one small solve, compiled ones for large or many."""
+    if engine == "compiled" or (engine == "auto" and ("load" in jit.timing or balls > COMPILE_ABOVE)):
+        return jit.compiled()
+    return jit.interpreted()
+
+
+def reference_scale(problem: Problem) -> tuple[float, float]:
+    """Force [N] of a typical loaded contact and its stiffness [N/m], from loads, interference and prescribed motion."""
+    count = max(1, problem.C.shape[0])
+    pair = float(np.mean(problem.C[:, 0] + problem.C[:, 3]))
+    arm = problem.scene.track.pitch_radius
+    applied = float(np.abs(problem.load[:, :3]).sum() + np.abs(problem.load[:, 3:]).sum() / arm)
+    squeeze = max(0.0, float(problem.closure.max(initial=0.0)))
+    force = max(applied / count, (squeeze / pair) ** 1.5)
+    if force == 0.0 and np.any(problem.prescribed):
+        force = (1e-6 / pair) ** 1.5
+    return force, (1.5 * np.cbrt(force) / pair if force > 0.0 else 1.0)
+
+
+def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
+    """Arrays for the kernels, with a start that meets the prescribed displacements."""
+    nodes = problem.nodes
+    lengths = np.diff(nodes)
+    s = problem.section
+    sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1)).reshape(lengths.size, 4)
+    force, stiffness = reference_scale(problem)
+    count = problem.C.shape[0]
+    q = _lift(problem)
+    d = np.zeros((lengths.size, 6))
+    if lengths.size:
+        moved = q[:-1].copy()
+        moved[:, 0] += lengths * q[:-1, 4]
+        moved[:, 1] -= lengths * q[:-1, 3]
+        d = q[1:] - moved
+    contacts = (
+        problem.node, problem.B, problem.offset, problem.closure, problem.drawn.ball_radius, problem.drawn.radius,
+        problem.drawn.profile, SIGNS, problem.C, problem.use, 1e-16 * force,
+    )  # fmt: skip
+    state = (q, d, np.zeros((count, 2)), np.zeros((count, 4)), np.zeros((count, 4, 2)))
+    options = np.array(
+        [tolerance, MAX_ITERATIONS, stiffness, problem.scene.track.pitch_radius, 1e3, problem.half_bandwidth]
+    )
+    beam = (lengths, sections, problem.fixed, problem.load)
+    return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
+
+
+def _lift(problem: Problem) -> Array:
+    """A motion of all nodes that has the prescribed values: each freedom interpolated along the shaft."""
+    q = np.zeros((problem.nodes.size, 6))
+    for k in range(6):
+        held = np.flatnonzero(problem.fixed[:, k])
+        if held.size:
+            q[:, k] = np.interp(problem.nodes, problem.nodes[held], problem.prescribed[held, k])
+    return q
+
+
+def run(prepared: Prepared, *, start: bool = True) -> tuple[int, int, int, float, float]:
+    """Solve from the linear start (or from the state as it is); returns status, iterations, evaluations, residual, scale."""
+    if start:
+        prepared.engine.linear_start(prepared.beam, prepared.contacts, prepared.state, prepared.options)
+    status, it, evaluations, residual, _, scale = prepared.engine.solve(
+        prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history
+    )
+    return status, it, evaluations, residual, scale
+
+
+def round_off_bound(prepared: Prepared, scale: float) -> float:
+    """Relative residual that double precision cannot get below, from the rounding of motions in stiff contacts.
+
+    eps x (largest motion of a flank) x (largest contact stiffness) / (largest force), times 4.
+    """
+    q, _, _, force, _ = prepared.state
+    problem = prepared.problem
+    motion = float(np.abs(q[:, :3]).max(initial=0.0))
+    stiff = float((1.5 * np.cbrt(force) / problem.C).max(initial=0.0))
+    radii = 3e-3 if problem.drawn.profile.shape[1] else 0.0
+    return 4.0 * np.finfo(float).eps * (motion + radii * problem.scene.balls.radius / 3e-3) * stiff / scale if scale else 0.0
+
+
+def solve_static(
+    scene: Scene,
+    *,
+    engine: Engine = "auto",
+    everything: bool = False,
+    member: int = 0,
+    refine: int = 1,
+    discretisation: bool = False,
+    drawn: Specimen | None = None,
+) -> StaticResult:
+    """Contact loads, contact angles and shaft motion of a scene in static equilibrium (Lin 2.23-2.25).
+
+    engine: interpreted, compiled, or chosen by size; everything: leave nothing out; member: which specimen of a scene
+    with random errors; refine: split every element; discretisation: also estimate the beam's discretisation error.
+    Never raises for a scene without equilibrium: ``status`` names the reason.
+    """
+    start = perf_counter()
+    layout = ball_layout(scene)
+    drawn = drawn if drawn is not None else specimen(scene, layout, member)
+    kernels = pick_engine(engine, scene.ball_count)
+    use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
+    notes: list[str] = []
+    while True:
+        problem = build(scene, drawn, layout, use, everything=everything, refine=refine)
+        mechanism = free_motions(problem)
+        if mechanism.driven:
+            return failed_result(problem, "lin", f"not held: {mechanism.text}", perf_counter() - start)
+        problem = pin(problem, mechanism)
+        prepared = prepare(problem, kernels)
+        ready = perf_counter()
+        outcome = solve_with_hertz(prepared)
+        touched = touched_sides(prepared, layout)
+        if outcome[0] == 0 and not np.any(touched & ~use) or np.all(use):
+            break
+        notes.append("sides " + ", ".join(_names(~use)) + " were left out at first, but touch: included")
+        use = np.ones(4, dtype=bool)
+    status = verdict(outcome, round_off_bound(prepared, outcome[4]))
+    report = SolverReport(
+        iterations=outcome[1], evaluations=outcome[2], residual=outcome[3], seconds=perf_counter() - start,
+        unknowns=problem.unknowns, elements=problem.nodes.size - 1,
+        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted", formulation="convex energy",
+        round_off_bound=round_off_bound(prepared, outcome[4]), setup_seconds=ready - start,
+    )  # fmt: skip
+    left_out = (*describe_left_out(prepared, layout, mechanism, everything=everything), *notes)
+    result = assemble_result(prepared, "lin", status, report, left_out)
+    if discretisation and result.converged:
+        result = with_discretisation(scene, result, engine=engine, member=member, drawn=drawn)
+    return result
+
+
+def _names(mask: NDArray[np.bool_]) -> list[str]:
+    return [n for n, m in zip(("SL", "SR", "NL", "NR"), mask, strict=True) if m]
+
+
+def pin(problem: Problem, mechanism: Mechanism) -> Problem:
+    """Hold motions that nothing resists and nothing drives, and torsion where no contact can twist the shaft."""
+    if not mechanism.pins and not mechanism.no_torsion:
+        return problem
+    fixed = problem.fixed.copy()
+    for k in mechanism.pins:
+        fixed[0, k] = True
+    if mechanism.no_torsion and problem.basis is None:
+        fixed[:, 5] = True
+    return replace(problem, fixed=fixed)
+
+
+def solve_with_hertz(prepared: Prepared) -> tuple[int, int, int, float, float]:
+    """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
+    outcome = run(prepared)
+    problem = prepared.problem
+    if problem.scene.ingredients.hertz != "actual" or outcome[0] not in (0, 1):
+        return outcome
+    iterations, evaluations = outcome[1], outcome[2]
+    nominal = np.full(problem.C.shape, problem.scene.track.contact_angle)
+    for _ in range(12):
+        _, _, _, force, normal = prepared.state
+        gamma = np.where(force > 0.0, contact_angles(normal), nominal)
+        updated = actual_hertz(problem.scene, problem.drawn, gamma).C
+        change = float(np.abs(updated / prepared.contacts[8] - 1.0).max())
+        prepared.contacts[8][:] = updated
+        outcome = run(prepared, start=False)
+        iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
+        if change < 1e-13:
+            break
+    return outcome[0], iterations, evaluations, outcome[3], outcome[4]
+
+
+def contact_angles(normal: Array) -> Array:
+    """Contact angle gamma of each contact [rad] from the normals (ball to groove), ``(..., 4, 2)`` -> ``(..., 4)``."""
+    return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
+
+
+def verdict(outcome: tuple[int, int, int, float, float], bound: float) -> str:
+    """Status sentence of a solver outcome."""
+    code, iterations, _, residual, _ = outcome
+    if residual <= max(ACCEPTED, bound) and code in (0, 1):
+        return "converged"
+    if code == 2:
+        return "not held: the load opens every contact that could carry it, so the screw moves without limit"
+    if code == 3:
+        return "stopped: the stiffness matrix is not positive definite"
+    return f"not converged: relative residual {residual:.1e} after {iterations} iterations"
+
+
+def with_discretisation(
+    scene: Scene, result: StaticResult, *, engine: Engine, member: int, drawn: Specimen
+) -> StaticResult:
+    """Add the beam's discretisation error: largest change of a ball's load, in per cent of the mean loaded contact.
+
+    A nodal partition is compared with the same one at half the element length, any other with the nodal one.
+    """
+    if scene.ingredients.screw == "rigid":
+        return replace(result, solver=replace(result.solver, discretisation_percent=0.0))
+    if scene.ingredients.partition == "nodal":
+        other = solve_static(scene, engine=engine, member=member, refine=2, drawn=drawn)
+    else:
+        finer = replace(scene, ingredients=replace(scene.ingredients, partition="nodal"))
+        other = solve_static(finer, engine=engine, member=member, drawn=drawn)
+    loaded = other.load[other.load > 0.0]
+    mean = float(loaded.mean()) if loaded.size else 1.0
+    error = 100.0 * float(np.abs(result.load - other.load).max()) / mean
+    return replace(result, solver=replace(result.solver, discretisation_percent=error))
+
+
+__all__ = ["BallLayout", "Prepared", "prepare", "run", "solve_static"]

@@ -1,0 +1,160 @@
+"""From the kernels' arrays to a result record: contact points, equilibrium, centreline."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.problem import SIGNS, Problem
+from lowfi.result import Equilibrium, SolverReport, StaticResult
+from lowfi.shape import motion_matrix
+from meshes.section import groove_section, nut_groove_range
+
+if TYPE_CHECKING:
+    from lowfi.static import Prepared
+
+Array = NDArray[np.float64]
+
+#: Statements that hold for every run of the source's low-order model.
+MODEL_ASSUMPTIONS = (
+    "the nut is rigid and fixed, apart from the Hertzian contacts (Lin 2.3.1)",
+    "sections of the screw stay plane and rigid; the shaft is a straight Timoshenko beam (Lin 2.18)",
+    "each ball stays in the section plane of its nominal azimuth (Lin 2.3.2, remark 1); no friction, no cage, no ball-to-ball contact",
+    "displacements are small: directions and lever arms of the undeformed helix",
+)
+
+
+def centreline(problem: Problem, q: Array, step: float = 10e-3) -> tuple[Array, Array]:
+    """Stations ``(k,)`` [m] over the whole screw, nodes included, and the motions there ``(k, 6)``."""
+    length = problem.scene.screw.length
+    stations = np.unique(np.concatenate([np.arange(0.0, length + 0.5 * step, step), problem.nodes, [length]]))
+    stations = stations[stations <= length]
+    flat = q.ravel()
+    if problem.basis is not None:
+        from lowfi.shape import rigid_transport
+
+        motion = problem.basis @ flat
+        return stations, np.stack([rigid_transport(float(z - problem.nodes[0])) @ motion for z in stations])
+    rows = []
+    for z in stations:
+        j, m = motion_matrix(float(z), problem.nodes, problem.section)
+        rows.append(m @ flat[6 * j : 6 * j + 12])
+    return stations, np.stack(rows)
+
+
+def contact_geometry(problem: Problem, normal: Array) -> tuple[Array, Array]:
+    """Contact points ``(N, 4, 3)`` [m] of the undeformed flanks in the contact direction, and force directions on the ball."""
+    layout = problem.layout
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    direction = np.einsum("nsa,nak->nsk", normal, axes)
+    centre = np.einsum("nsa,nak->nsk", problem.drawn.centre, axes) + layout.centre[:, None, :]
+    return centre + problem.drawn.radius[None, :, None] * direction, -direction
+
+
+def equilibrium(prepared: Prepared, points: Array, on_ball: Array) -> Equilibrium:
+    """Global balance of the screw: applied loads, support reactions, contact forces at their contact points."""
+    problem = prepared.problem
+    force = prepared.state[3]
+    scene = problem.scene
+    on_screw = -on_ball[:, :2] * force[:, :2, None]
+    contact_force = on_screw.sum(axis=(0, 1))
+    contact_moment = np.cross(points[:, :2], on_screw).sum(axis=(0, 1))
+    applied_force, applied_moment = np.zeros(3), np.zeros(3)
+    for load in scene.loads:
+        f = np.array(load.force)
+        applied_force += f
+        applied_moment += np.array(load.moment) + np.cross([0.0, 0.0, load.at], f)
+    reaction_force, reaction_moment = np.zeros(3), np.zeros(3)
+    if problem.basis is None:
+        nodal = reactions(prepared)
+        for j, z in enumerate(problem.nodes):
+            reaction_force += nodal[j, :3]
+            reaction_moment += nodal[j, 3:] + np.cross([0.0, 0.0, z], nodal[j, :3])
+    else:  # the supports of a rigid screw take what is left along the motions they hold
+        t = problem.basis
+        z0 = np.array([0.0, 0.0, problem.nodes[0]])
+        wrench = np.concatenate([applied_force + contact_force, applied_moment + contact_moment])
+        wrench[3:] -= np.cross(z0, wrench[:3])
+        held = np.where(problem.fixed[0], t.T @ wrench, 0.0)
+        w = -np.linalg.solve(t.T, held)
+        reaction_force, reaction_moment = w[:3], w[3:] + np.cross(z0, w[:3])
+    size = max(
+        float(np.abs(applied_force).max()), float(np.abs(contact_force).max()), float(np.abs(reaction_force).max()),
+        float(force.max(initial=0.0)),
+    )  # fmt: skip
+    moments = (applied_moment, reaction_moment, contact_moment)
+    size_m = max(max(float(np.abs(m).max()) for m in moments), size * scene.track.pitch_radius)
+    df = applied_force + reaction_force + contact_force
+    dm = applied_moment + reaction_moment + contact_moment
+    return Equilibrium(
+        applied_force, applied_moment, reaction_force, reaction_moment, contact_force, contact_moment,
+        float(np.abs(df).max()) / size if size else 0.0, float(np.abs(dm).max()) / size_m if size_m else 0.0,
+    )  # fmt: skip
+
+
+def reactions(prepared: Prepared) -> Array:
+    """Forces and moments of the supports on the nodes, ``(n, 6)``: the gradient at the held freedoms."""
+    problem = prepared.problem
+    n = problem.nodes.size
+    gradient = np.zeros((n, 6))
+    hessians = np.zeros((problem.C.shape[0], 4, 4))
+    prepared.engine.evaluate(prepared.beam, prepared.contacts, prepared.state, (gradient, hessians))
+    return np.where(problem.fixed, gradient, 0.0)
+
+
+def warnings_of(problem: Problem, force: Array, gamma: Array, shift: Array, semi_axis: Array | None = None) -> tuple[str, ...]:
+    """Where the solution leaves the range in which the model holds."""
+    notes = []
+    scene = problem.scene
+    groove = groove_section(scene)
+    loaded = force > 0.0
+    low = np.array([groove.gamma_1] * 2 + [nut_groove_range(scene)[0]] * 2)
+    high = np.array([groove.gamma_2] * 2 + [nut_groove_range(scene)[1]] * 2)
+    off = loaded & ((gamma < low) | (gamma > high))
+    if off.any():
+        notes.append(f"{int(off.sum())} contact(s) lie beyond the groove's arc (apex or land edge): loads there are not valid")
+    if float(np.abs(shift).max(initial=0.0)) > 0.1 * scene.balls.radius:
+        notes.append("a ball moves by more than a tenth of its radius: small-displacement theory is left")
+    if semi_axis is not None and (loaded & (semi_axis > 0.5 * scene.balls.radius)).any():
+        notes.append("a contact ellipse is longer than the ball's radius: Hertz's half space does not hold")
+    return tuple(notes)
+
+
+def assemble_result(
+    prepared: Prepared, model: str, status: str, report: SolverReport, left_out: tuple[str, ...]
+) -> StaticResult:
+    """Result record of a finished solve."""
+    problem = prepared.problem
+    q, _, p, force, normal = prepared.state
+    force = force.copy()
+    raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
+    gamma = np.where(force > 0.0, raw, np.nan)
+    points, on_ball = contact_geometry(problem, normal)
+    z, motion = centreline(problem, q)
+    from lowfi.problem import nominal_hertz
+
+    semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
+    notes = warnings_of(problem, force, raw, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
+    return StaticResult(
+        model=model, status=status, azimuth=problem.layout.azimuth, z=problem.layout.z, load=force,
+        contact_angle=gamma, contact_point=points, force_direction=on_ball, centre_shift=p.copy(),
+        hertz_C=prepared.contacts[8].copy(), centreline_z=z, centreline=motion,
+        equilibrium=equilibrium(prepared, points, on_ball), solver=report,
+        assumed=(*problem.scene.assumed, *MODEL_ASSUMPTIONS), left_out=left_out, warnings=notes,
+    )  # fmt: skip
+
+
+def failed_result(problem: Problem, model: str, status: str, seconds: float) -> StaticResult:
+    """Result record of a scene that has no equilibrium: no loads, and the reason."""
+    n = problem.layout.z.size
+    nan = np.full((n, 4), np.nan)
+    report = SolverReport(0, 0, float("nan"), seconds, problem.unknowns, problem.nodes.size - 1, "none", "none")
+    return StaticResult(
+        model=model, status=status, azimuth=problem.layout.azimuth, z=problem.layout.z, load=nan, contact_angle=nan,
+        contact_point=np.full((n, 4, 3), np.nan), force_direction=np.full((n, 4, 3), np.nan),
+        centre_shift=np.full((n, 2), np.nan), hertz_C=problem.C, centreline_z=np.zeros(0),
+        centreline=np.zeros((0, 6)), equilibrium=None, solver=report,
+        assumed=(*problem.scene.assumed, *MODEL_ASSUMPTIONS), left_out=(),
+    )  # fmt: skip

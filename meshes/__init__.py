@@ -1,0 +1,1 @@
+"""What the bodies are: parts, exact geometry of helix, grooves and balls with their errors (numpy only)."""

@@ -1,0 +1,79 @@
+"""The nominal ball path and the section frames that follow it (Lin 2.1, 2.2, 2.5, 2.6; Appendix A, rot_y mended)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, cos, pi, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.parts import SIDE_SIGNS, Scene, Track
+
+Array = NDArray[np.float64]
+
+
+def reduced_lead(track: Track) -> float:
+    """Signed gear ratio r_g = lead / (2 pi) [m/rad] (Lin 2.2), negative for a left-hand track."""
+    return (1.0 if track.hand == "right" else -1.0) * track.lead / (2.0 * pi)
+
+
+def lead_angle(track: Track) -> float:
+    """Signed lead angle alpha [rad] at the pitch radius (Lin 2.5)."""
+    return atan2(reduced_lead(track), track.pitch_radius)
+
+
+@dataclass(frozen=True)
+class BallLayout:
+    """Where the balls are, start after start.
+
+    azimuth: unwrapped azimuth of each ball, including its start's offset, shape ``(n,)`` [rad].
+    z: station of each ball's centre, shape ``(n,)`` [m].
+    centre: nominal ball centres, shape ``(n, 3)`` [m].
+    radial, binormal, tangent: unit vectors x3, z3, y3 of each section frame, shape ``(n, 3)``.
+    """
+
+    azimuth: Array
+    z: Array
+    centre: Array
+    radial: Array
+    binormal: Array
+    tangent: Array
+
+
+def ball_layout(scene: Scene) -> BallLayout:
+    """Nominal ball centres and section frames of a scene (Lin 2.1, 2.6).
+
+    The helix of start k passes the azimuth ``phase + 2 pi k / starts`` at the nut's centre.
+    """
+    track = scene.track
+    offsets = 2.0 * pi * np.arange(track.starts) / track.starts
+    own = np.asarray(scene.balls.azimuths, dtype=float)
+    azimuth = (own[None, :] + offsets[:, None]).ravel()
+    z = scene.nut.position + reduced_lead(track) * np.tile(own - track.phase, track.starts)
+    alpha = lead_angle(track)
+    c, s = np.cos(azimuth), np.sin(azimuth)
+    zero = np.zeros_like(c)
+    radial = np.stack([c, s, zero], axis=1)
+    binormal = np.stack([s * sin(alpha), -c * sin(alpha), zero + cos(alpha)], axis=1)
+    tangent = np.stack([-s * cos(alpha), c * cos(alpha), zero + sin(alpha)], axis=1)
+    centre = np.stack([track.pitch_radius * c, track.pitch_radius * s, z], axis=1)
+    return BallLayout(azimuth, z, centre, radial, binormal, tangent)
+
+
+def groove_radii(scene: Scene) -> Array:
+    """Nominal groove radius of each side, shape ``(4,)`` [m]."""
+    return np.array([scene.screw.groove_radius] * 2 + [scene.nut.groove_radius] * 2)
+
+
+def nominal_groove_centres(scene: Scene) -> Array:
+    """Groove centres in the section frame, shape ``(4, 2)`` [m]: (r_G - r_B) opposite to the contact (Lin 2.4)."""
+    beta = scene.track.contact_angle
+    direction = np.array(SIDE_SIGNS) * np.array([cos(beta), sin(beta)])
+    return -(groove_radii(scene) - scene.balls.radius)[:, None] * direction
+
+
+def nominal_contact_points(scene: Scene) -> Array:
+    """Nominal contact points in the section frame, shape ``(4, 2)`` [m]: r_B along the contact direction."""
+    beta = scene.track.contact_angle
+    return scene.balls.radius * np.array(SIDE_SIGNS) * np.array([cos(beta), sin(beta)])

@@ -1,0 +1,93 @@
+"""Where the nodes of the screw's beam lie."""
+
+from __future__ import annotations
+
+from math import ceil, cos, floor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.helix import BallLayout, lead_angle, nominal_contact_points
+from meshes.parts import Scene
+
+Array = NDArray[np.float64]
+
+#: Stations closer than this share a node; the rest of the way is rigid. [m]
+MERGE = 1.0e-5
+#: Element length of the source inside the nut (Lin 2.4.1). [m]
+SOURCE_ELEMENT = 15.0e-3
+
+
+def contact_stations(scene: Scene, layout: BallLayout) -> Array:
+    """Station at which each screw flank's force enters the beam, shape ``(n, 2)`` [m], sides SL and SR.
+
+    The nominal contact point's z; with ``arm = "ball"`` the ball's own.
+    """
+    if scene.ingredients.arm == "ball":
+        return np.repeat(layout.z[:, None], 2, axis=1)
+    rise = nominal_contact_points(scene)[:2, 1] * cos(lead_angle(scene.track))
+    return layout.z[:, None] + rise[None, :]
+
+
+def needed_stations(scene: Scene) -> Array:
+    """Stations of supports and loads [m]."""
+    return np.array([x.at for x in (*scene.supports, *scene.loads)])
+
+
+def merge(stations: Array) -> Array:
+    """Sorted stations without those closer than ``MERGE`` to the one before."""
+    ordered = np.sort(stations)
+    keep = [ordered[0]]
+    for z in ordered[1:]:
+        if z - keep[-1] > MERGE:
+            keep.append(z)
+    return np.array(keep)
+
+
+def _steps(start: float, end: float, length: float, *, whole: bool = False) -> Array:
+    count = max(1, ceil((end - start) / length - 1e-9)) if not whole else max(1, floor((end - start) / length + 1e-9))
+    return np.linspace(start, end, count + 1)
+
+
+def fixed_partition(scene: Scene) -> Array:
+    """Nodes of the ``"source"`` or ``"uniform"`` partition over the whole screw [m].
+
+    source: as many 15 mm elements as fit the nut, centred on it; outside equal elements of at most the pitch diameter.
+    For Table 2.1's screw that makes 12 + 3 + 12 = 27 elements, the number of Table 2.2.
+    """
+    nut = scene.nut
+    low, high = nut.position - nut.length / 2.0, nut.position + nut.length / 2.0
+    if scene.ingredients.partition == "source":
+        count = max(1, floor(nut.length / SOURCE_ELEMENT + 1e-9))
+        half = min(count * SOURCE_ELEMENT, nut.length) / 2.0
+        inside = np.linspace(nut.position - half, nut.position + half, count + 1)
+    else:
+        inside = _steps(low, high, scene.ingredients.element_length)
+    pitch_diameter = 2.0 * scene.track.pitch_radius
+    parts = [inside]
+    if inside[0] > MERGE:
+        parts.insert(0, _steps(0.0, inside[0], pitch_diameter)[:-1])
+    if scene.screw.length - inside[-1] > MERGE:
+        parts.append(_steps(inside[-1], scene.screw.length, pitch_diameter)[1:])
+    return np.concatenate(parts)
+
+
+def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tuple[Array, int]:
+    """Nodes of the beam [m] for contact ``stations``, and how many elements of the partition were left out.
+
+    Elements beyond the outermost support, load or contact carry nothing and are left out unless ``everything``.
+    """
+    needed = np.concatenate([needed_stations(scene), stations.ravel()])
+    if scene.ingredients.partition == "nodal":
+        ends = np.array([0.0, scene.screw.length])
+        nodes = merge(np.concatenate([needed, ends]))
+    else:
+        nodes = merge(np.concatenate([fixed_partition(scene), needed_stations(scene)]))
+    if everything:
+        return nodes, 0
+    first = int(np.searchsorted(nodes, needed.min() + MERGE, side="right")) - 1
+    last = int(np.searchsorted(nodes, needed.max() - MERGE, side="left"))
+    first, last = max(first, 0), min(last, nodes.size - 1)
+    if last == first:
+        last, first = min(first + 1, nodes.size - 1), max(0, min(first, nodes.size - 2))
+    return nodes[first : last + 1], nodes.size - 1 - (last - first)

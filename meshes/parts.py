@@ -1,0 +1,209 @@
+"""Description of the parts of a ball screw or ball bearing: plain records in SI units.
+
+Both fidelities read these records and nothing else of each other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+#: Contact sides in the order of every ``(n, 4)`` array: screw left, screw right, nut left, nut right.
+SIDES = ("SL", "SR", "NL", "NR")
+
+#: Unit factors ``(s_x, s_z)`` of the contact direction ``(s_x cos(gamma), s_z sin(gamma))`` in the plane of the
+#: groove section (x3 radial, z3 along the binormal), one row per side (Lin 2019, Figure 2.4).
+SIDE_SIGNS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
+
+#: Freedoms of a station of the screw: displacements along x, y, z and small rotations about them.
+FREEDOMS = ("ux", "uy", "uz", "rx", "ry", "rz")
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic elastic material: Young's modulus [Pa] and Poisson's ratio."""
+
+    youngs_modulus: float
+    poissons_ratio: float
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus E / (2 (1 + nu)) [Pa]."""
+        return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
+
+
+@dataclass(frozen=True)
+class Track:
+    """Nominal ball path (Lin 2.1, 2.2, 2.5): pitch radius [m], lead [m], hand, starts, contact angle [rad].
+
+    ``phase`` [rad] is the azimuth of the helix at the nut's centre; a lead of zero is a ball bearing.
+    """
+
+    pitch_radius: float
+    lead: float
+    contact_angle: float
+    hand: Literal["right", "left"] = "right"
+    starts: int = 1
+    phase: float = 0.0
+
+
+@dataclass(frozen=True)
+class Screw:
+    """Screw shaft or inner ring: length, outer diameter, bore and groove radius [m], material."""
+
+    length: float
+    outer_diameter: float
+    groove_radius: float
+    material: Material
+    bore: float = 0.0
+
+
+@dataclass(frozen=True)
+class Nut:
+    """Nut or outer ring: axial position of its centre, length, outer diameter and groove radius [m], material.
+
+    ``azimuth`` [rad] is the angle psi_N between the axes of nut and screw (Lin 2.9), on which the nut's errors depend.
+    """
+
+    position: float
+    length: float
+    outer_diameter: float
+    groove_radius: float
+    material: Material
+    azimuth: float = 0.0
+
+
+@dataclass(frozen=True)
+class Balls:
+    """Balls: nominal radius [m], material, and the unwrapped azimuths [rad] of one start (each start has the same)."""
+
+    radius: float
+    material: Material
+    azimuths: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class FourierTerm:
+    """One term ``sin * sin(h phi) + cos * cos(h phi)`` [m] of an error along the track; ``h`` may be a fraction.
+
+    ``sigma`` [m] > 0 adds independent normal draws to both amplitudes.
+    """
+
+    harmonic: float
+    sin: float = 0.0
+    cos: float = 0.0
+    sigma: float = 0.0
+
+
+@dataclass(frozen=True)
+class SideErrors:
+    """Geometric errors of one groove flank (Lin 2.27, 4.1, 4.3).
+
+    ``profile``: coefficients [m] of the inward offset of the groove radius, a polynomial in gamma [rad];
+    ``profile_sigma``: standard deviations [m] of normal draws added to those coefficients;
+    ``pitch``: displacement of the groove centre along z3 (``pitch_along = "section"``, Lin 2.27) or along the
+    screw's axis (``"axis"``, Lin 4.1); ``roundness``: displacement of the groove centre along the radius (Lin 4.3).
+    """
+
+    profile: tuple[float, ...] = ()
+    profile_sigma: tuple[float, ...] = ()
+    pitch: tuple[FourierTerm, ...] = ()
+    pitch_along: Literal["section", "axis"] = "section"
+    roundness: tuple[FourierTerm, ...] = ()
+
+
+@dataclass(frozen=True)
+class BallErrors:
+    """Errors of the ball radii [m]: the same ``oversize`` for all, ``listed`` by ball number (from 1), and random."""
+
+    oversize: float = 0.0
+    listed: tuple[tuple[int, float], ...] = ()
+    sigma: float = 0.0
+    distribution: Literal["normal", "uniform"] = "normal"
+
+
+@dataclass(frozen=True)
+class Errors:
+    """All geometric errors of a scene, and the seed of every random one."""
+
+    balls: BallErrors = field(default_factory=BallErrors)
+    SL: SideErrors = field(default_factory=SideErrors)
+    SR: SideErrors = field(default_factory=SideErrors)
+    NL: SideErrors = field(default_factory=SideErrors)
+    NR: SideErrors = field(default_factory=SideErrors)
+    seed: int = 0
+
+    def side(self, name: str) -> SideErrors:
+        """Errors of the flank ``name`` (one of SIDES)."""
+        found: SideErrors = getattr(self, name)
+        return found
+
+    @property
+    def random(self) -> bool:
+        """Whether anything is drawn at random."""
+        return self.balls.sigma > 0.0 or any(
+            any(s > 0.0 for s in e.profile_sigma) or any(t.sigma > 0.0 for t in (*e.pitch, *e.roundness))
+            for e in (self.SL, self.SR, self.NL, self.NR)
+        )
+
+
+@dataclass(frozen=True)
+class Support:
+    """Support of the screw at station ``at`` [m]: pairs (freedom, prescribed displacement [m] or rotation [rad])."""
+
+    at: float
+    fixed: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True)
+class Load:
+    """Load on the screw at station ``at`` [m]: force [N] and moment [N m] vectors, applied on the axis."""
+
+    at: float
+    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Ingredients:
+    """Which parts of the low-order model a scene uses.
+
+    hertz: ``"nominal"`` constants, ``"actual"`` geometry of each contact, or ``"as printed"`` (Table B.1's faults).
+    screw: ``"beam"`` (Timoshenko) or ``"rigid"``.
+    partition: ``"nodal"`` (a node at every contact station, exact), ``"source"`` (15 mm in the nut, about the pitch
+    diameter outside), or ``"uniform"`` with ``element_length`` inside the nut.
+    section: ``"groove"`` (Lin C.8: diameters scaled by k_r), ``"groove squared"`` (k_r without the root), ``"full"``.
+    arm: lever arm of the contact force: ``"current"`` contact point, ``"nominal"`` contact point (frozen), or ``"ball"``
+    (current contact point, but the force enters the beam at the ball's station).
+    """
+
+    hertz: Literal["nominal", "actual", "as printed"] = "nominal"
+    screw: Literal["beam", "rigid"] = "beam"
+    partition: Literal["nodal", "source", "uniform"] = "nodal"
+    element_length: float = 1.0e-3
+    section: Literal["groove", "groove squared", "full"] = "groove"
+    arm: Literal["current", "nominal", "ball"] = "current"
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One load case of one ball screw or bearing. ``assumed`` holds the statements about what the source leaves open."""
+
+    name: str
+    title: str
+    track: Track
+    screw: Screw
+    nut: Nut
+    balls: Balls
+    errors: Errors = field(default_factory=Errors)
+    supports: tuple[Support, ...] = ()
+    loads: tuple[Load, ...] = ()
+    ingredients: Ingredients = field(default_factory=Ingredients)
+    source: str = ""
+    assumed: tuple[str, ...] = ()
+    members: int = 1
+
+    @property
+    def ball_count(self) -> int:
+        """Number of balls over all starts."""
+        return len(self.balls.azimuths) * self.track.starts

@@ -1,0 +1,1 @@
+"""Drawing and writing of reports from plain records; imports no model."""

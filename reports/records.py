@@ -1,0 +1,130 @@
+"""Plain records that a report is made of. Whoever runs models fills them; this package draws them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+Cell = str | float | int | bool | None
+
+
+@dataclass(frozen=True)
+class Column:
+    """A table column: key in the rows, heading, unit and format.
+
+    Formats: ``"g4"`` for 4 significant digits, ``"s"`` for text, or Python's such as ``".2f"``. Columns with
+    the keys ``class`` and ``verdict`` are marked in the page.
+    """
+
+    key: str
+    label: str
+    unit: str = ""
+    format: str = "g4"
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table: ``name`` is its CSV file's stem; rows are mappings from column key to cell."""
+
+    name: str
+    title: str
+    columns: Sequence[Column]
+    rows: Sequence[Mapping[str, Cell]]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Series:
+    """One curve: label, x, y, style (``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` up to y2)."""
+
+    label: str
+    x: Sequence[float]
+    y: Sequence[float]
+    style: str = "line+markers"
+    y2: Sequence[float] | None = None
+    emphasis: bool = False
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes: title, labels with units, curves.
+
+    ``log`` is one of ``""``, ``"x"``, ``"y"``, ``"xy"``; ``zero`` extends the ordinate to zero; ``integer_x``
+    labels the abscissa at whole numbers only.
+    """
+
+    title: str
+    xlabel: str
+    ylabel: str
+    series: Sequence[Series]
+    log: str = ""
+    zero: bool = False
+    integer_x: bool = False
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of one to six panels, ``columns`` (at most 3) per row; ``name`` is its SVG file's stem."""
+
+    name: str
+    title: str
+    panels: Sequence[Panel]
+    caption: str = ""
+    columns: int = 2
+
+
+@dataclass(frozen=True)
+class LoadedScrew:
+    """A 3D picture of the screw, nut and balls under load; lengths in m, the screw lies along z from z = 0.
+
+    Arrays are nested sequences: ball centres ``ball_radii_centres`` (n, 3), ``ball_loads`` (n) [N], contact
+    points (m, 3) with the forces on the balls there (m, 3) [N], and ``helix`` (k, 3), the path of one start.
+    A lead of zero is a ball bearing; a groove radius of zero leaves its choice to the drawer.
+    """
+
+    name: str
+    title: str
+    screw_length: float
+    screw_radius: float
+    nut_position: float
+    nut_length: float
+    nut_radius: float
+    track_radius: float
+    ball_radius: float
+    ball_radii_centres: Sequence[Sequence[float]]
+    ball_loads: Sequence[float]
+    helix: Sequence[Sequence[float]]
+    contact_points: Sequence[Sequence[float]]
+    contact_forces: Sequence[Sequence[float]]
+    groove_radius: float = 0.0
+    lead: float = 0.0
+    caption: str = ""
+
+
+@dataclass(frozen=True)
+class Text:
+    """Paragraphs of plain text, or a list of statements when ``bullets``."""
+
+    paragraphs: Sequence[str]
+    bullets: bool = False
+
+
+@dataclass(frozen=True)
+class Section:
+    """A numbered section of the report; ``name`` selects it with ``--only``."""
+
+    name: str
+    title: str
+    items: Sequence[Text | Table | Figure | LoadedScrew]
+
+
+@dataclass(frozen=True)
+class Report:
+    """The whole report: title, one-line summary figures for its head (label, value), provenance, sections."""
+
+    title: str
+    subtitle: str
+    headline: Sequence[tuple[str, str]]
+    provenance: Mapping[str, str]
+    sections: Sequence[Section]
+    scene_hashes: Mapping[str, str] = field(default_factory=dict)
