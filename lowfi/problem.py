@@ -19,14 +19,16 @@ from meshes.surface import principal_curvatures, printed_radii
 
 Array = NDArray[np.float64]
 
+#: Signs of the contact directions, shape (4, 2).
+SIGNS = np.array(SIDE_SIGNS)
+
 
 @dataclass(frozen=True)
 class Problem:
     """Arrays of one static problem; shapes with n nodes, N balls, m = 6 or 12 freedoms per flank.
 
     nodes (n,) [m]; section; fixed (n, 6); prescribed (n, 6); load (n, 6); node (N, 2), B (N, 2, 2, m): motion of each
-    screw flank in the section plane; offset (N, 4, 4), closure (N, 2): nominal distances (see kernel.contact, .ball);
-    radius (4,), profile (4, d), C (N, 4), r_ball (N,), use (4,). ``basis``: for a rigid screw the motions its supports
+    screw flank in the section plane; geometry (N, 4, 9), closure (N, 2): see ``kernel.ball``; use (4,). ``basis``: for a rigid screw the motions its supports
     leave, (6, 6), else None.
     """
 
@@ -40,12 +42,16 @@ class Problem:
     load: Array
     node: NDArray[np.int64]
     B: Array
-    offset: Array
+    geometry: Array
     closure: Array
-    C: Array
     use: NDArray[np.bool_]
     left_out_elements: int
     basis: Array | None = None
+
+    @property
+    def C(self) -> Array:
+        """Hertz constants of each ball and side, ``(N, 4)`` [m/N^(2/3)]: a view, updated in place."""
+        return self.geometry[:, :, 4]
 
     @property
     def unknowns(self) -> int:
@@ -120,8 +126,23 @@ def hertz_C(scene: Scene) -> Array:
     return np.repeat(row[None, :], scene.ball_count, axis=0)
 
 
+def pack_geometry(
+    scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_]
+) -> tuple[Array, Array]:
+    """Geometry ``(N, 4, 9)`` and pair closures ``(N, 2)`` of the kernels (see ``kernel.ball``) for a specimen."""
+    offset, closure = distances(scene, drawn)
+    n = offset.shape[0]
+    rows = np.empty((n, 4, 9))
+    rows[..., :4] = offset
+    rows[..., 4] = C
+    rows[..., 5] = use
+    rows[..., 6] = drawn.radius
+    rows[..., 7:] = SIGNS
+    return rows, closure
+
+
 def distances(scene: Scene, drawn: Specimen) -> tuple[Array, Array]:
-    """Offsets ``(N, 4, 4)`` and pair closures ``(N, 2)`` of the kernels, from the groove centres of a specimen.
+    """Offsets ``(N, 4, 4)`` (w, its size, nominal approach) and pair closures ``(N, 2)`` [m] of a specimen.
 
     Built from differences, so that a nominal contact has an approach of zero to round-off of its errors only.
     """
@@ -173,12 +194,12 @@ def build(
     refine: int = 1,
 ) -> Problem:  # fmt: skip
     """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many."""
-    offset, closure = distances(scene, drawn)
+    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene), use)
     section = screw_section(scene)
     stations = contact_stations(scene, layout)
     used = [s for s in range(2) if use[s]]
     if scene.ingredients.screw == "rigid":
-        return _rigid(scene, drawn, layout, use, offset, closure, section)
+        return _rigid(scene, drawn, layout, use, geometry, closure, section)
     nodes, left_out = beam_nodes(scene, stations[:, used], everything=everything)
     if refine > 1:
         steps = np.arange(refine) / refine
@@ -203,8 +224,8 @@ def build(
         if not use[s]:
             node[:, s] = node[:, used[0]] if used else 0
     return Problem(
-        scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, offset, closure,
-        hertz_C(scene), use, left_out,
+        scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, geometry, closure,
+        use, left_out,
     )  # fmt: skip
 
 
@@ -214,7 +235,7 @@ def _nearest(nodes: Array, stations: Array) -> NDArray[np.int64]:
 
 
 def _rigid(
-    scene: Scene, drawn: Specimen, layout: BallLayout, use: NDArray[np.bool_], offset: Array, closure: Array,
+    scene: Scene, drawn: Specimen, layout: BallLayout, use: NDArray[np.bool_], geometry: Array, closure: Array,
     section: BeamSection,
 ) -> Problem:  # fmt: skip
     """One rigid body, its motion taken at the nut's centre; supports become linear constraints on that motion."""
@@ -246,7 +267,6 @@ def _rigid(
     B = np.zeros((count, 2, 2, 6))
     origin = np.full(count, z0)
     shift = scale * lift
-    offset = offset.copy()
     for s in range(2):
         rows_s = _flank_rows(scene, layout, s, origin)
         B[:, s] = rows_s @ to_motion
@@ -256,9 +276,5 @@ def _rigid(
     prescribed = np.linalg.solve(to_motion, shift)[None, :]
     return Problem(
         scene, layout, drawn, np.array([z0]), section, fixed, prescribed, (to_motion.T @ load)[None, :],
-        np.zeros((count, 2), dtype=np.int64), B, offset, closure, hertz_C(scene), use, 0, to_motion,
+        np.zeros((count, 2), dtype=np.int64), B, geometry, closure, use, 0, to_motion,
     )  # fmt: skip
-
-
-#: Signs of the contact directions, shape (4, 2).
-SIGNS = np.array(SIDE_SIGNS)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.mechanism import Mechanism
-from lowfi.problem import SIGNS, distances
+from lowfi.problem import distances
 from lowfi.shape import motion_matrix
 from meshes.errors import Specimen
 from meshes.helix import BallLayout, nominal_groove_centres
@@ -68,20 +68,20 @@ def touched_sides(prepared: Prepared, layout: BallLayout) -> Mask:
     """Sides (4,) on which any ball carries load when all four flanks are offered to it at the solution's motions."""
     problem = prepared.problem
     if np.all(problem.use):
-        return np.asarray((prepared.state[3] > 0.0).any(axis=0))
+        return np.asarray((prepared.force > 0.0).any(axis=0))
     moved = flank_motions(prepared, layout)
-    use = np.ones(4, dtype=bool)
     touched = np.zeros(4, dtype=bool)
-    p, force, normal, tangent = np.zeros(2), np.zeros(4), np.zeros((4, 2)), np.zeros((4, 2))
-    shift = np.zeros((4, 2))
-    floor = 1e-9 * float(prepared.state[3].max(initial=0.0))
+    p, contact, shift = np.zeros(2), np.zeros((4, 5)), np.zeros((4, 2))
+    floor = 1e-9 * float(prepared.force.max(initial=0.0))
+    offered = problem.geometry.copy()
+    offered[..., 5] = 1.0
     for i in range(layout.z.size):
         shift[:2] = moved[i]
-        prepared.engine.ball(
-            p, shift, problem.offset[i], problem.closure[i], problem.drawn.ball_radius[i], problem.drawn.radius,
-            problem.drawn.profile, SIGNS, problem.C[i], use, 0.1 * floor, force, normal, tangent,
+        prepared.engine.settle(
+            p, shift, offered[i], problem.closure[i], problem.drawn.ball_radius[i], problem.drawn.profile,
+            0.1 * floor, contact,
         )  # fmt: skip
-        touched |= force > floor
+        touched |= contact[:, 0] > floor
     return touched
 
 

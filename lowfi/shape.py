@@ -68,3 +68,42 @@ def rigid_transport(reach: float) -> Array:
     t = np.eye(6)
     t[0, 4], t[1, 3] = reach, -reach
     return t
+
+
+def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int = 0) -> Array:
+    """``shape_matrix`` for many points at once: xi, length ``(n,)`` -> ``(n, 6, 12)``."""
+    phi = np.asarray(shear_ratio(length, section))
+    k = 1.0 / (1.0 + phi)
+    one, zero = np.ones_like(xi), np.zeros_like(xi)
+    powers = {
+        0: (one, xi, xi**2, xi**3),
+        1: (zero, one, 2.0 * xi, 3.0 * xi**2),
+        2: (zero, zero, 2.0 * one, 6.0 * xi),
+    }[order]
+
+    def at(*coefficients: Array | float) -> Array:
+        return sum((c * p for c, p in zip(coefficients, powers, strict=False)), start=zero)
+
+    n = np.zeros((xi.size, 6, 12))
+    u = (
+        k * at(1.0 + phi, -phi, -3.0, 2.0),
+        k * length * at(0.0, 1.0 + phi / 2.0, -(2.0 + phi / 2.0), 1.0),
+        k * at(0.0, phi, 3.0, -2.0),
+        k * length * at(0.0, -phi / 2.0, -(1.0 - phi / 2.0), 1.0),
+    )
+    t = (
+        6.0 * k / length * at(0.0, -1.0, 1.0),
+        k * at(1.0 + phi, -(4.0 + phi), 3.0),
+        -6.0 * k / length * at(0.0, -1.0, 1.0),
+        k * at(0.0, -(2.0 - phi), 3.0),
+    )
+    for axis, columns, sign in ((0, (0, 4, 6, 10), 1.0), (1, (1, 3, 7, 9), -1.0)):
+        rotation = 4 if axis == 0 else 3
+        for i, column in enumerate(columns):
+            odd = i % 2 == 1
+            n[:, axis, column] = u[i] * (sign if odd else 1.0)
+            n[:, rotation, column] = t[i] * (1.0 if odd else sign)
+    for axis in (2, 5):
+        n[:, axis, axis] = at(1.0, -1.0)
+        n[:, axis, axis + 6] = at(0.0, 1.0)
+    return n

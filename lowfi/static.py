@@ -42,6 +42,16 @@ class Prepared:
     options: Array
     history: Array
 
+    @property
+    def force(self) -> Array:
+        """Contact forces, ``(N, 4)`` [N]."""
+        return np.asarray(self.state[3][..., 0])
+
+    @property
+    def normal(self) -> Array:
+        """Unit normals from ball to groove in the section plane, ``(N, 4, 2)``."""
+        return np.asarray(self.state[3][..., 1:3])
+
 
 def pick_engine(engine: Engine, balls: int) -> ModuleType:
     """Interpreted kernels for one small solve, compiled ones for large or many."""
@@ -79,10 +89,10 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         moved[:, 1] -= lengths * q[:-1, 3]
         d = q[1:] - moved
     contacts = (
-        problem.node, problem.B, problem.offset, problem.closure, problem.drawn.ball_radius, problem.drawn.radius,
-        problem.drawn.profile, SIGNS, problem.C, problem.use, 1e-16 * force,
+        problem.node, problem.B, problem.geometry, problem.closure, problem.drawn.ball_radius, problem.drawn.profile,
+        1e-16 * force,
     )  # fmt: skip
-    state = (q, d, np.zeros((count, 2)), np.zeros((count, 4)), np.zeros((count, 4, 2)))
+    state = (q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
     options = np.array(
         [tolerance, MAX_ITERATIONS, stiffness, problem.scene.track.pitch_radius, 1e3, problem.half_bandwidth]
     )
@@ -115,7 +125,7 @@ def round_off_bound(prepared: Prepared, scale: float) -> float:
 
     eps x (largest motion of a flank) x (largest contact stiffness) / (largest force), times 4.
     """
-    q, _, _, force, _ = prepared.state
+    q, force = prepared.state[0], prepared.force
     problem = prepared.problem
     motion = float(np.abs(q[:, :3]).max(initial=0.0))
     stiff = float((1.5 * np.cbrt(force) / problem.C).max(initial=0.0))
@@ -198,11 +208,10 @@ def solve_with_hertz(prepared: Prepared) -> tuple[int, int, int, float, float]:
     iterations, evaluations = outcome[1], outcome[2]
     nominal = np.full(problem.C.shape, problem.scene.track.contact_angle)
     for _ in range(12):
-        _, _, _, force, normal = prepared.state
-        gamma = np.where(force > 0.0, contact_angles(normal), nominal)
+        gamma = np.where(prepared.force > 0.0, contact_angles(prepared.normal), nominal)
         updated = actual_hertz(problem.scene, problem.drawn, gamma).C
-        change = float(np.abs(updated / prepared.contacts[8] - 1.0).max())
-        prepared.contacts[8][:] = updated
+        change = float(np.abs(updated / problem.C - 1.0).max())
+        problem.C[:] = updated
         outcome = run(prepared, start=False)
         iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
         if change < 1e-13:

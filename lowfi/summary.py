@@ -56,7 +56,7 @@ def contact_geometry(problem: Problem, normal: Array) -> tuple[Array, Array]:
 def equilibrium(prepared: Prepared, points: Array, on_ball: Array) -> Equilibrium:
     """Global balance of the screw: applied loads, support reactions, contact forces at their contact points."""
     problem = prepared.problem
-    force = prepared.state[3]
+    force = prepared.force
     scene = problem.scene
     on_screw = -on_ball[:, :2] * force[:, :2, None]
     contact_force = on_screw.sum(axis=(0, 1))
@@ -127,8 +127,8 @@ def assemble_result(
 ) -> StaticResult:
     """Result record of a finished solve."""
     problem = prepared.problem
-    q, _, p, force, normal = prepared.state
-    force = force.copy()
+    q, p = prepared.state[0], prepared.state[2]
+    force, normal = prepared.force.copy(), prepared.normal
     raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
     gamma = np.where(force > 0.0, raw, np.nan)
     points, on_ball = contact_geometry(problem, normal)
@@ -140,7 +140,7 @@ def assemble_result(
     return StaticResult(
         model=model, status=status, azimuth=problem.layout.azimuth, z=problem.layout.z, load=force,
         contact_angle=gamma, contact_point=points, force_direction=on_ball, centre_shift=p.copy(),
-        hertz_C=prepared.contacts[8].copy(), centreline_z=z, centreline=motion,
+        hertz_C=problem.C.copy(), centreline_z=z, centreline=motion,
         equilibrium=equilibrium(prepared, points, on_ball), solver=report,
         assumed=(*problem.scene.assumed, *MODEL_ASSUMPTIONS), left_out=left_out, warnings=notes,
     )  # fmt: skip
@@ -154,7 +154,7 @@ def failed_result(problem: Problem, model: str, status: str, seconds: float) -> 
     return StaticResult(
         model=model, status=status, azimuth=problem.layout.azimuth, z=problem.layout.z, load=nan, contact_angle=nan,
         contact_point=np.full((n, 4, 3), np.nan), force_direction=np.full((n, 4, 3), np.nan),
-        centre_shift=np.full((n, 2), np.nan), hertz_C=problem.C, centreline_z=np.zeros(0),
+        centre_shift=np.full((n, 2), np.nan), hertz_C=problem.C.copy(), centreline_z=np.zeros(0),
         centreline=np.zeros((0, 6)), equilibrium=None, solver=report,
         assumed=(*problem.scene.assumed, *MODEL_ASSUMPTIONS), left_out=(),
     )  # fmt: skip

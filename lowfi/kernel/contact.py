@@ -1,38 +1,35 @@
 """Approach of a ball to a groove flank, with its first and second derivatives in the section plane."""
 
-from math import atan2, cos, hypot, sin
+from math import atan2, cos, hypot, sin, sqrt
 
 from lowfi.jit import kernel
 
 
 @kernel
-def arc(mx, mz, offset):  # type: ignore[no-untyped-def]
+def arc(mx, mz, wx0, wz0, size0, approach):  # type: ignore[no-untyped-def]
     """Approach, normal and curvature term for a circular flank; see ``flank``.
 
-    offset = (x3, z3 of the nominal w, its size, nominal approach). The approach is built as nominal value plus change,
-    so that its round-off is that of the motion (1e-22 m), not that of the radii (1e-18 m).
+    (wx0, wz0), size0: the nominal w and its size; approach: nominal approach [m]. The approach is built as nominal value
+    plus change, so that its round-off is that of the motion (1e-22 m), not that of the radii (1e-18 m).
     """
-    wx, wz = offset[0] + mx, offset[1] + mz
-    size = hypot(wx, wz)
+    wx, wz = wx0 + mx, wz0 + mz
+    size = sqrt(wx * wx + wz * wz)
     if size <= 1e-30:
-        return offset[3] - offset[2], 0.0, 0.0, 0.0
-    change = (mx * (2.0 * offset[0] + mx) + mz * (2.0 * offset[1] + mz)) / (size + offset[2])
-    return offset[3] + change, wx / size, wz / size, 1.0 / size
+        return approach - size0, 0.0, 0.0, 0.0
+    change = (mx * (2.0 * wx0 + mx) + mz * (2.0 * wz0 + mz)) / (size + size0)
+    return approach + change, wx / size, wz / size, 1.0 / size
 
 
 @kernel
-def flank(mx, mz, offset, r_ball, radius, profile, sx, sz):  # type: ignore[no-untyped-def]
+def flank(mx, mz, wx0, wz0, r_ball, radius, profile, sx, sz):  # type: ignore[no-untyped-def]
     """Approach of a ball to the flank rho(gamma) (s_x cos gamma, s_z sin gamma) around the groove's centre.
 
-    (mx, mz): motion of the ball's centre relative to the flank [m]; offset (4,): the nominal position w = (x3, z3) of
-    the ball from the groove's centre, its size, and the nominal approach [m]; rho is ``radius`` minus the polynomial
-    ``profile`` (ascending powers of gamma; Lin 2.3, 2.27). Returns the approach delta = r_B - |w - A|, the unit vector
+    (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position from the groove's
+    centre [m]; rho is ``radius`` minus the polynomial ``profile`` (d,), ascending powers of gamma (Lin 2.3, 2.27). Returns the approach delta = r_B - |w - A|, the unit vector
     m from the ball to the closest point, and kt = 1/(R_c - d) [1/m]: delta has gradient m and Hessian kt t t^T by w,
     with t normal to m and R_c the profile's radius of curvature.
     """
-    if profile.shape[0] == 0:
-        return arc(mx, mz, offset)
-    ux, uz = sx * (offset[0] + mx), sz * (offset[1] + mz)
+    ux, uz = sx * (wx0 + mx), sz * (wz0 + mz)
     gamma = atan2(uz, ux)
     rho, rho1, rho2 = radius, 0.0, 0.0
     for _ in range(30):

@@ -10,7 +10,7 @@ import numpy as np
 
 from lowfi.jit import kernel
 
-from .ball import ball, reduced_hessian
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, reduced_hessian, settle
 from .banded import solve_banded
 from .beam import add_element, element_force, positions
 
@@ -21,13 +21,13 @@ CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
 def evaluate(beam, contacts, state, out):  # type: ignore[no-untyped-def]
     """Energy and gradient at the state; fills out = (gradient (n, 6), hessians (N, 4, 4)); returns energy and scale.
 
-    beam = (lengths, sections, fixed, load); contacts = (node, B, offset, closure, r_ball, radius, profile, signs, C,
-    use, tiny); state = (q, d, p, force, normal). The scale [N] is the largest force met: applied, in an element, or of
+    beam = (lengths, sections, fixed, load); contacts = (node, B, geometry, closure, r_ball, profile, tiny), see ``ball``;
+    state = (q, d, p, contact). The scale [N] is the largest force met: applied, in an element, or of
     a contact.
     """
     lengths, sections, _, load = beam
-    node, B, offset, closure, r_ball, radius, profile, signs, C, use, tiny = contacts
-    q, d, p, force, normal = state
+    node, B, geometry, closure, r_ball, profile, tiny = contacts
+    q, d, p, contact = state
     gradient, hessians = out
     positions(q, d, lengths)
     energy, scale = 0.0, 0.0
@@ -49,33 +49,29 @@ def evaluate(beam, contacts, state, out):  # type: ignore[no-untyped-def]
         gradient[e, 3] += lengths[e] * f[1]
         gradient[e, 4] -= lengths[e] * f[0]
     shift = np.zeros((4, 2))
-    tangent = np.empty((4, 2))
     flat = q.ravel()
     grad = gradient.ravel()
     m = B.shape[3]
     for i in range(r_ball.shape[0]):
         for s in range(2):
-            if use[s]:
+            if geometry[i, s, USE] != 0.0:
                 start = 6 * node[i, s]
-                for a in range(2):
-                    total = 0.0
-                    for k in range(m):
-                        total += B[i, s, a, k] * flat[start + k]
-                    shift[s, a] = total
-        energy += ball(
-            p[i], shift, offset[i], closure[i], r_ball[i], radius, profile, signs, C[i], use, tiny,
-            force[i], normal[i], tangent,
-        )  # fmt: skip
-        reduced_hessian(force[i], normal[i], tangent, hessians[i])
-        for s in range(4):
-            scale = max(scale, force[i, s])
-        for s in range(2):
-            if use[s] and force[i, s] > 0.0:
-                start = 6 * node[i, s]
+                x, z = 0.0, 0.0
                 for k in range(m):
-                    grad[start + k] -= force[i, s] * (
-                        normal[i, s, 0] * B[i, s, 0, k] + normal[i, s, 1] * B[i, s, 1, k]
-                    )
+                    x += B[i, s, 0, k] * flat[start + k]
+                    z += B[i, s, 1, k] * flat[start + k]
+                shift[s, 0], shift[s, 1] = x, z
+        energy += settle(p[i], shift, geometry[i], closure[i], r_ball[i], profile, tiny, contact[i])
+        reduced_hessian(contact[i], hessians[i])
+        for s in range(4):
+            scale = max(scale, contact[i, s, FORCE])
+        for s in range(2):
+            f = contact[i, s, FORCE]
+            if f > 0.0:
+                start = 6 * node[i, s]
+                fx, fz = f * contact[i, s, MX], f * contact[i, s, MZ]
+                for k in range(m):
+                    grad[start + k] -= fx * B[i, s, 0, k] + fz * B[i, s, 1, k]
     return energy, scale
 
 
@@ -83,7 +79,7 @@ def evaluate(beam, contacts, state, out):  # type: ignore[no-untyped-def]
 def assemble(band, beam, contacts, hessians, shift, arm):  # type: ignore[no-untyped-def]
     """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
     lengths, sections, fixed, _ = beam
-    node, B, use = contacts[0], contacts[1], contacts[9]
+    node, B = contacts[0], contacts[1]
     band[:, :] = 0.0
     for e in range(lengths.shape[0]):
         add_element(band, e, lengths[e], sections[e])
@@ -91,10 +87,8 @@ def assemble(band, beam, contacts, hessians, shift, arm):  # type: ignore[no-unt
     hb = np.empty((2, m))
     for i in range(node.shape[0]):
         for s in range(2):
-            if not use[s]:
-                continue
             for t in range(2):
-                if not use[t] or (hessians[i, 2 * s, 2 * t] == 0.0 and hessians[i, 2 * s + 1, 2 * t + 1] == 0.0):
+                if hessians[i, 2 * s, 2 * t] == 0.0 and hessians[i, 2 * s + 1, 2 * t + 1] == 0.0:
                     continue
                 for a in range(2):
                     for k in range(m):
@@ -256,25 +250,25 @@ def solve(beam, contacts, state, options, history):  # type: ignore[no-untyped-d
 
 
 @kernel
-def ensemble(beam, contacts, state, options, radii, closures, offsets, forces, statuses, residuals):  # type: ignore[no-untyped-def]
+def ensemble(beam, contacts, state, options, radii, closures, geometries, forces, statuses, residuals):  # type: ignore[no-untyped-def]
     """Solve many specimens of one screw from the same start; they differ in ball radii [m] and groove centres.
 
-    radii (M, N), closures (M, N, 2), offsets (M, N, 4, 4) replace those of ``contacts``; forces (M, N, 4), statuses (M,),
-    residuals (M,) are filled. Returns the total number of iterations.
+    radii (M, N), closures (M, N, 2), geometries (M, N, 4, 9) replace those of ``contacts``; forces (M, N, 4),
+    statuses (M,), residuals (M,) are filled. Returns the total number of iterations.
     """
-    node, B, _, _, _, radius, profile, signs, C, use, tiny = contacts
-    q, d, p, force, normal = state
-    q0, d0, p0 = q.copy(), d.copy(), p.copy()
+    node, B, _, _, _, profile, tiny = contacts
+    q, d, contact = state[0], state[1], state[3]
+    q0, d0 = q.copy(), d.copy()
     history = np.empty(int(options[1]) + 1)
     total = 0
     for member in range(radii.shape[0]):
-        q[:], d[:], p[:] = q0, d0, p0
-        own = (
-            node, B, offsets[member], closures[member], radii[member], radius, profile, signs, C, use, tiny,
-        )  # fmt: skip
+        q[:], d[:] = q0, d0
+        own = (node, B, geometries[member], closures[member], radii[member], profile, tiny)
         status, it, _, residual, _, _ = solve(beam, own, state, options, history)
         statuses[member], residuals[member] = status, residual
-        forces[member] = force
+        for i in range(contact.shape[0]):
+            for s in range(4):
+                forces[member, i, s] = contact[i, s, FORCE]
         total += it
     return total
 
@@ -286,16 +280,16 @@ def linear_start(beam, contacts, state, options):  # type: ignore[no-untyped-def
     Overwrites the motions and element deformations of ``state``; False (state untouched) where they cannot be found.
     """
     lengths, sections, fixed, load = beam
-    use = contacts[9]
+    geometry = contacts[2]
     q, d = state[0], state[1]
     stiffness, arm = options[2], options[3]
     n, count = q.shape[0], contacts[0].shape[0]
     hessians = np.zeros((count, 4, 4))
     for i in range(count):
         for s in range(2):
-            if use[s]:
-                wx, wz = contacts[2][i, s, 0], contacts[2][i, s, 1]
-                size = max(sqrt(wx * wx + wz * wz), 1e-30)
+            if geometry[i, s, USE] != 0.0:
+                wx, wz = geometry[i, s, WX], geometry[i, s, WZ]
+                size = max(geometry[i, s, SIZE], 1e-30)
                 hessians[i, 2 * s, 2 * s] = stiffness * wx * wx / (size * size)
                 hessians[i, 2 * s, 2 * s + 1] = stiffness * wx * wz / (size * size)
                 hessians[i, 2 * s + 1, 2 * s] = hessians[i, 2 * s, 2 * s + 1]

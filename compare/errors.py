@@ -1,0 +1,42 @@
+"""What is said about bad input: one line with file, key, value found, range allowed and advice."""
+
+from __future__ import annotations
+
+_LONGEST = 120
+
+
+def one_line(text: str, longest: int = _LONGEST) -> str:
+    """``text`` as one printable line of at most ``longest`` characters (controls escaped, the rest cut)."""
+    plain = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+    return plain if len(plain) <= longest else plain[: longest - 3] + "..."
+
+
+class InputError(Exception):
+    """Something that the user gave cannot be used.
+
+    ``file``: where it was found; ``key``: dotted path of the key (``balls.radius``, ``supports[0].fix``), or
+    what stands for it; ``value``: what was found, as written; ``allowed``: the range or the choices;
+    ``advice``: what to do next; ``more``: how many further faults were found. ``str()`` gives one line.
+    """
+
+    def __init__(self, file: str, key: str, value: str, allowed: str, advice: str, more: int = 0) -> None:
+        """Keep the parts; the text is put together by ``str()``."""
+        super().__init__(file, key, value, allowed, advice, more)
+        self.file = file
+        self.key = key
+        self.value = value
+        self.allowed = allowed
+        self.advice = advice
+        self.more = more
+
+    def __str__(self) -> str:
+        """One line: ``file: key: got value; allowed: ...; advice: ...``, and the number of further faults."""
+        rest = "" if self.more == 0 else f" (and {self.more} more fault{'s' if self.more > 1 else ''})"
+        return (
+            f"{one_line(self.file)}: {one_line(self.key)}: got {one_line(self.value)}; "
+            f"allowed: {one_line(self.allowed, 300)}; advice: {one_line(self.advice, 300)}{rest}"
+        )
+
+
+class SceneError(InputError):
+    """A scene file cannot be read, or describes something that cannot be built."""

@@ -1,0 +1,340 @@
+"""Keys of a scene file: names, descriptions, units, ranges and defaults. Values come out in SI units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import PydanticCustomError, core_schema
+
+from compare import units
+
+MAX_BALLS = 100_000
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Range of a quantity, ends as in a scene (``above``, ``below``: without that end), and an example."""
+
+    dimension: str
+    low: str | float
+    high: str | float
+    example: str | float
+    above: bool = False
+    below: bool = False
+
+    @property
+    def allowed(self) -> str:
+        """The range in words: ``0.01 mm to 1 m``, ``above 0 deg, below 90 deg``."""
+        if not (self.above or self.below):
+            return f"{self.low} to {self.high}"
+        low = f"{'above' if self.above else 'from'} {self.low}"
+        return f"{low}, {'below' if self.below else 'up to'} {self.high}"
+
+    def read(self, value: object) -> float:
+        """SI value of ``value``; raises pydantic's error carrying ``allowed`` and ``advice``."""
+        try:
+            number = units.parse(value, self.dimension)
+        except units.UnitError as error:
+            allowed = f"{units.expected(self.dimension).split(',')[0]}, {self.allowed}"
+            raise self._refused(allowed, f"the value {error.reason}: {error.advice}") from None
+        low, high = (units.parse(end, self.dimension) for end in (self.low, self.high))
+        too_low = number <= low if self.above else number < low
+        too_high = number >= high if self.below else number > high
+        if too_low or too_high:
+            side = "small" if too_low else "large"
+            advice = f"the value is too {side}; a usual one is {units.show(self.example)}"
+            raise self._refused(self.allowed, advice)
+        return number
+
+    @staticmethod
+    def _refused(allowed: str, advice: str) -> PydanticCustomError:
+        return PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
+
+    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
+        """Validate with ``read``."""
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """A number, or text with a unit."""
+        kind = "number" if self.dimension == "number" else "string"
+        schema: dict[str, Any] = {"type": kind, "examples": [self.example]}
+        schema |= {"x-dimension": self.dimension, "x-allowed": self.allowed}
+        if kind == "number":
+            low = "exclusiveMinimum" if self.above else "minimum"
+            high = "exclusiveMaximum" if self.below else "maximum"
+            return schema | {low: self.low, high: self.high}
+        return schema | {"x-unit": units.DIMENSIONS[self.dimension][0], "pattern": r"^\s*[+-]?[0-9.].*\S$"}
+
+
+def key(description: str, default: Any = ..., example: Any = None) -> Any:
+    """A key of the file. ``default`` is written as in a scene; without it the key is required."""
+    examples = None if example is None else [example]
+    return Field(default=default, description=description, examples=examples)
+
+
+Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
+Radius = Annotated[float, Quantity("length", "0.01 mm", "1 m", "2.778 mm")]
+Bore = Annotated[float, Quantity("length", "0 mm", "100 m", "10 mm")]
+Station = Annotated[float, Quantity("length", "0 mm", "100 m", "400 mm")]
+Lead = Annotated[float, Quantity("length", "0 mm", "1 m", "20 mm")]
+Deviation = Annotated[float, Quantity("length", "-10 mm", "10 mm", "1 um")]
+Spread = Annotated[float, Quantity("length", "0 mm", "10 mm", "1 um")]
+Shift = Annotated[float, Quantity("length", "-1 m", "1 m", "300 um")]
+Turn = Annotated[float, Quantity("angle", "-200 mrad", "200 mrad", "1 mrad")]
+Azimuth = Annotated[float, Quantity("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
+ContactAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "45 deg", above=True, below=True)]
+Modulus = Annotated[float, Quantity("pressure", "1 MPa", "1000000 GPa", "210 GPa")]
+Poisson = Annotated[float, Quantity("number", 0, 0.5, 0.28, below=True)]
+Conformity = Annotated[float, Quantity("number", 0.5, 50, 0.52, above=True)]
+Turns = Annotated[float, Quantity("number", 0, 10_000, 2, above=True)]
+Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
+Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
+Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
+Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
+Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
+Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
+Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
+
+
+class Table(BaseModel):
+    """A table of a scene file: no other keys, no silent conversions."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, validate_default=True)
+
+
+class MaterialKeys(Table):
+    """Isotropic elastic material. A part that gives only one of the two takes the other from [material]."""
+
+    youngs_modulus: Modulus | None = key("Young's modulus", None)
+    poissons_ratio: Poisson | None = key("Poisson's ratio", None)
+
+
+_MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
+
+
+class TrackKeys(Table):
+    """Nominal path of the ball centres."""
+
+    pitch_radius: Size = key("radius of the helix of the ball centres", example="16.5 mm")
+    lead: Lead = key('advance of the helix per turn; "0 mm" is a ball bearing')
+    contact_angle: ContactAngle = key("nominal angle of the contact normal against the radius")
+    hand: Literal["right", "left"] = key("hand of the helix", "right", "right")
+    starts: Annotated[int, Field(ge=1, le=100)] = key(
+        "number of starts; start k is start 1 turned by k/starts of a revolution", 1, 1
+    )
+    phase: Azimuth = key("azimuth of the helix at the nut's centre", "0 deg", "0 deg")
+
+
+class ScrewKeys(Table):
+    """Screw shaft, or inner ring of a bearing."""
+
+    length: Size = key("length; stations run from 0 to it", example="800 mm")
+    outer_diameter: Size = key("outer diameter of the thread or of the shoulders", example="32 mm")
+    bore: Bore = key("diameter of the hole along the axis", "0 mm", "10 mm")
+    groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
+    conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
+    material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
+
+
+class NutKeys(Table):
+    """Nut, or outer ring of a bearing; held fixed."""
+
+    position: Station = key("station of the nut's centre along the screw", example="400 mm")
+    length: Size = key("length", example="54 mm")
+    outer_diameter: Size = key("outer diameter", example="48 mm")
+    groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
+    conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
+    azimuth: Azimuth = key(
+        "angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg"
+    )
+    material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
+
+
+class BallKeys(Table):
+    """Balls: either count and turns, or the azimuths one by one."""
+
+    radius: Radius = key("nominal radius")
+    count: Count | None = key("number of balls over all starts, spread evenly (with turns)", None, 32)
+    turns: Turns | None = key(
+        "turns filled by the balls of each start, centred on the nut (zero lead: 1)", None
+    )
+    azimuths: Annotated[list[Azimuth], Field(min_length=1, max_length=MAX_BALLS)] | None = key(
+        "unwrapped azimuths of the balls of one start, instead of count and turns",
+        None,
+        ["-90 deg", "90 deg"],
+    )
+    material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
+
+
+class BallErrorKeys(Table):
+    """Errors of the ball radii."""
+
+    oversize: Deviation = key("added to every ball's radius (preload if positive)", "0 um", "7 um")
+    listed: dict[str, Deviation] = key(
+        "added to the radius of single balls, by number from 1 (all balls of start 1 first)",
+        {},
+        {"17": "1 um"},
+    )
+    sigma: Spread = key("standard deviation of random radius errors", "0 um", "1 um")
+    distribution: Literal["normal", "uniform"] = key("distribution of the random errors", "normal", "normal")
+
+
+class TermKeys(Table):
+    """One harmonic of an error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi)."""
+
+    harmonic: Harmonic = key("cycles per turn; may be a fraction")
+    sin: Deviation = key("amplitude of the sine", "0 um", "3 um")
+    cos: Deviation = key("amplitude of the cosine", "0 um", "3 um")
+    sigma: Spread = key("standard deviation of normal draws added to both amplitudes", "0 um", "1 um")
+
+
+Terms = Annotated[list[TermKeys], Field(max_length=1000)]
+
+
+class SideKeys(Table):
+    """Errors of one groove flank: screw left (SL), screw right (SR), nut left (NL), nut right (NR)."""
+
+    profile: Annotated[list[Deviation], Field(max_length=7)] = key(
+        "inward offset of the groove radius: coefficients of a polynomial in gamma / rad",
+        [],
+        ["3 um", "-1 um"],
+    )
+    profile_sigma: Annotated[list[Spread], Field(max_length=7)] = key(
+        "standard deviations of normal draws added to the coefficients of profile", [], ["1 um", "0 um"]
+    )
+    pitch: Terms = key(
+        "displacement of the groove centre along the screw", [], [{"harmonic": 1, "sin": "3 um"}]
+    )
+    pitch_along: Literal["section", "axis"] = key(
+        "direction of the pitch error: in the groove's section (Lin 2.27) or along the axis (Lin 4.1)",
+        "section",
+        "section",
+    )
+    roundness: Terms = key(
+        "displacement of the groove centre along the radius", [], [{"harmonic": 2, "cos": "5 um"}]
+    )
+
+
+class ErrorKeys(Table):
+    """Geometric errors; all are zero if left out."""
+
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = key("seed of every random error", 0, 2019)
+    balls: BallErrorKeys = key("errors of the ball radii", BallErrorKeys(), {"oversize": "7 um"})
+    SL: SideKeys = key("screw, left flank", SideKeys(), {"profile": ["3 um"]})
+    SR: SideKeys = key("screw, right flank", SideKeys(), {"profile": ["3 um"]})
+    NL: SideKeys = key("nut, left flank", SideKeys(), {"profile": ["3 um"]})
+    NR: SideKeys = key("nut, right flank", SideKeys(), {"profile": ["3 um"]})
+
+
+class DisplaceKeys(Table):
+    """Prescribed displacements and small rotations."""
+
+    ux: Shift | None = key("displacement along x", None)
+    uy: Shift | None = key("displacement along y", None)
+    uz: Shift | None = key("displacement along z", None)
+    rx: Turn | None = key("rotation about x", None)
+    ry: Turn | None = key("rotation about y", None)
+    rz: Turn | None = key("rotation about z", None)
+
+
+class SupportKeys(Table):
+    """Support of the screw at one station."""
+
+    at: Station = key("station along the screw", example="0 mm")
+    fix: Annotated[list[Freedom], Field(max_length=6)] = key("freedoms held at zero", [], ["ux", "uy", "uz"])
+    displace: DisplaceKeys = key("freedoms held at other values", DisplaceKeys(), {"ux": "300 um"})
+
+
+class LoadKeys(Table):
+    """Load on the screw at one station, applied on the axis."""
+
+    at: Station = key("station along the screw", example="0 mm")
+    force: Annotated[list[Force], Field(min_length=3, max_length=3)] = key(
+        "force along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"]
+    )
+    moment: Annotated[list[Moment], Field(min_length=3, max_length=3)] = key(
+        "moment about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
+    )
+
+
+class IngredientKeys(Table):
+    """Which parts of the low-order model are used."""
+
+    hertz: Literal["nominal", "actual", "as printed"] = key(
+        "contact constants: nominal geometry, actual geometry of each contact, or as in Table B.1",
+        "nominal",
+        "actual",
+    )
+    screw: Literal["beam", "rigid"] = key("screw as Timoshenko beam or rigid", "beam", "rigid")
+    partition: Literal["nodal", "source", "uniform"] = key(
+        "beam nodes: at every contact, as the source (15 mm in the nut), or every element_length",
+        "nodal",
+        "source",
+    )
+    element_length: Element = key('length of the elements in the nut, for partition = "uniform"', "1 mm")
+    section: Literal["groove", "groove squared", "full"] = key(
+        "beam section: diameters scaled by k_r (Lin C.8), by k_r without the root, or full", "groove", "full"
+    )
+    arm: Literal["current", "nominal", "ball"] = key(
+        "lever arm of a contact force: current contact point, nominal contact point, or the ball's station",
+        "current",
+        "nominal",
+    )
+
+
+class SceneKeys(Table):
+    """One load case of one ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
+
+    title: Sentence = key("one line saying what the scene is", example="Screw under 5 kN")
+    source: Annotated[str, Field(max_length=2000)] = key(
+        "where the numbers come from", "", "Lin 2019, 2.4.1.1"
+    )
+    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
+        "sentences on what the source leaves open", [], ["The nut is rigid."]
+    )
+    members: Annotated[int, Field(ge=1, le=100_000)] = key("number of draws of the random errors", 1, 200)
+    material: MaterialKeys = key("material of every part that gives none", MaterialKeys(), _MATERIAL)
+    track: TrackKeys = key("path of the ball centres")
+    screw: ScrewKeys = key("screw shaft, or inner ring")
+    nut: NutKeys = key("nut, or outer ring")
+    balls: BallKeys = key("balls")
+    errors: ErrorKeys = key("geometric errors", ErrorKeys(), {"seed": 0})
+    supports: Annotated[list[SupportKeys], Field(max_length=1000)] = key(
+        "supports of the screw", [], [{"at": "0 mm", "fix": ["ux", "uy"]}]
+    )
+    loads: Annotated[list[LoadKeys], Field(max_length=1000)] = key(
+        "loads on the screw", [], [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
+    )
+    ingredients: IngredientKeys = key("parts of the low-order model", IngredientKeys(), {"screw": "rigid"})
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of a scene file, with description, unit, range and example of every key."""
+    schema = SceneKeys.model_json_schema()
+    found: dict[str, Any] = _without_null(schema)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "rollbench scene"} | {
+        k: v for k, v in found.items() if k != "title"
+    }
+
+
+def _without_null(node: Any) -> Any:
+    """Drop ``null`` (TOML has none) and pydantic's titles, and defaults that are whole tables."""
+    if isinstance(node, list):
+        return [_without_null(v) for v in node]
+    if not isinstance(node, dict):
+        return node
+    out: dict[str, Any] = {}
+    for name, value in node.items():
+        if name == "anyOf":
+            (kept,) = (v for v in value if v != {"type": "null"})
+            out |= {k: v for k, v in _without_null(kept).items() if k not in node}
+        elif name == "properties" or name == "$defs":
+            out[name] = {k: _without_null(v) for k, v in value.items()}
+        elif name == "default":
+            if value is not None and not isinstance(value, dict):
+                out[name] = value
+        elif not (name == "title" and isinstance(value, str)):
+            out[name] = value if name == "examples" else _without_null(value)
+    return out

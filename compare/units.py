@@ -1,0 +1,202 @@
+"""Quantities as text (``"20 mm"``, ``"5 kN"``) to SI numbers.
+
+Only a number followed by a unit is read: nothing is evaluated. Common units come from a table; pint, which is
+slow to import, is asked only about the others.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from decimal import Decimal
+from functools import lru_cache
+from typing import Any
+
+#: What each dimension is called, its SI unit, and an example.
+DIMENSIONS = {
+    "length": ("m", "20 mm"),
+    "force": ("N", "5 kN"),
+    "pressure": ("Pa", "210 GPa"),
+    "angle": ("rad", "45 deg"),
+    "moment": ("N m", "3 N m"),
+    "number": ("", "0.28"),
+}
+
+#: unit: (dimension, factor to SI as exact decimal text; degrees are turned by ``math.radians``).
+COMMON = {
+    "m": ("length", "1"),
+    "cm": ("length", "1e-2"),
+    "mm": ("length", "1e-3"),
+    "um": ("length", "1e-6"),
+    "nm": ("length", "1e-9"),
+    "in": ("length", "0.0254"),
+    "inch": ("length", "0.0254"),
+    "N": ("force", "1"),
+    "kN": ("force", "1e3"),
+    "MN": ("force", "1e6"),
+    "lbf": ("force", "4.4482216152605"),
+    "Pa": ("pressure", "1"),
+    "kPa": ("pressure", "1e3"),
+    "MPa": ("pressure", "1e6"),
+    "GPa": ("pressure", "1e9"),
+    "rad": ("angle", "1"),
+    "mrad": ("angle", "1e-3"),
+    "deg": ("angle", "deg"),
+    "N m": ("moment", "1"),
+    "N mm": ("moment", "1e-3"),
+    "kN m": ("moment", "1e3"),
+}
+
+_RADIAN = "radian"
+_BASE = {  # pint's base units of each dimension
+    "length": {"meter": 1},
+    "force": {"kilogram": 1, "meter": 1, "second": -2},
+    "pressure": {"kilogram": 1, "meter": -1, "second": -2},
+    "angle": {_RADIAN: 1},
+    "moment": {"kilogram": 1, "meter": 2, "second": -2},
+}
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?"
+_QUANTITY = re.compile(rf"({_NUMBER})\s*(\S.*)?")
+_FACTOR = re.compile(r"([A-Za-zµ°Å_]+)(?:(?:\^|\*\*)?(-?[1-9]))?")
+_LONGEST = 64
+
+
+class UnitError(ValueError):
+    """A text is not a quantity of the dimension asked for; ``reason`` and ``advice`` are half-sentences."""
+
+    def __init__(self, value: object, dimension: str, reason: str, advice: str = "") -> None:
+        """Compose the message from value, reason, what was expected and advice."""
+        self.reason = reason
+        self.advice = advice or f"write a number and a unit, e.g. {example(dimension)}"
+        super().__init__(f"{show(value)} {reason}; expected {expected(dimension)}; {self.advice}")
+
+
+def expected(dimension: str) -> str:
+    """What is expected, with an example: ``a length, e.g. "20 mm"``."""
+    article = "an" if dimension[0] in "aeiou" else "a"
+    return f"{article} {dimension}, e.g. {example(dimension)}"
+
+
+def example(dimension: str) -> str:
+    """An example as it stands in a scene file: in quotes where it has a unit."""
+    unit, text = DIMENSIONS[dimension]
+    return f'"{text}"' if unit else text
+
+
+def show(value: object) -> str:
+    """A value as it stands in a TOML file: text in quotes, booleans in lower case, the rest by ``str``."""
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return "[" + ", ".join(show(v) for v in value) + "]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{k} = {show(v)}" for k, v in value.items()) + " }"
+    return str(value)
+
+
+def parse(value: object, dimension: str) -> float:
+    """Quantity ``value`` in SI units (m, N, Pa, rad, N m, or a plain number for ``dimension = "number"``).
+
+    The conversion is done in decimal and rounded once: ``parse("3.254 mm", "length") == 3.254e-3``.
+    Raises UnitError for a missing or unknown unit, another dimension, anything but a plain number before
+    the unit, and a number that is not finite.
+
+    >>> parse("20 mm", "length")
+    0.02
+    """
+    if dimension == "number":
+        return _plain(value)
+    if isinstance(value, bool) or not isinstance(value, str):
+        missing = isinstance(value, (int, float)) and not isinstance(value, bool)
+        raise UnitError(value, dimension, "has no unit" if missing else "is not text")
+    number, unit = _split(value, dimension)
+    if not unit:
+        raise UnitError(value, dimension, "has no unit")
+    if unit in COMMON:
+        found, factor = COMMON[unit]
+    else:
+        found, factor = _ask_pint(unit)
+    if found != dimension:
+        if found:
+            raise UnitError(value, dimension, f"is {expected(found).split(',')[0]}")
+        raise UnitError(value, dimension, "has no such unit", _nearest(unit, dimension))
+    result = math.radians(float(number)) if factor == "deg" else float(number * Decimal(factor))
+    if not math.isfinite(result):
+        raise UnitError(value, dimension, "is too large to be a number")
+    return result
+
+
+def _plain(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise UnitError(value, "number", "is not a plain number", "write a number without quotes or unit")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise UnitError(value, "number", "is not finite", "write a finite number")
+    return number
+
+
+def _split(value: str, dimension: str) -> tuple[Decimal, str]:
+    """Number and tidied unit; raises UnitError if the text does not begin with a plain finite number."""
+    text = value.strip()
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        if re.match(r"[+-]?(nan|inf)", text, re.IGNORECASE):
+            advice = f"write a finite number, e.g. {example(dimension)}"
+            raise UnitError(value, dimension, "is not finite", advice)
+        raise UnitError(value, dimension, "does not begin with a plain number")
+    return Decimal(match[1]), tidy(match[2] or "")
+
+
+def tidy(unit: str) -> str:
+    """One spelling per unit: micro, degree, products by a space (``N*m``, ``N·m``, ``Nm``: ``N m``)."""
+    unit = re.sub(r"\s*(?:(?<!\*)\*(?!\*)|·|\s)\s*", " ", unit.replace("μ", "µ").strip())
+    unit = {"µm": "um", "°": "deg"}.get(unit, unit)
+    return re.sub(r"^(k|M)?N(mm|m)$", lambda m: f"{m[1] or ''}N {m[2]}", unit)
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry()
+
+
+@lru_cache(maxsize=256)
+def _ask_pint(unit: str) -> tuple[str, str]:
+    """Dimension ("" if none here) and factor to SI of a product or quotient of units, each known to pint."""
+    registry = _registry()
+    factor = 1.0
+    powers: dict[str, float] = {}
+    for i, part in enumerate(re.split(r"\s*/\s*", unit)):
+        for name in part.split() or [""]:
+            match = _FACTOR.fullmatch(name)
+            if match is None:
+                return "", "1"
+            power = int(match[2] or 1) * (-1 if i else 1)
+            try:
+                scale, base = registry.get_base_units(registry.parse_units(match[1]), check_nonmult=True)
+            except Exception:  # undefined, logarithmic or offset units: pint raises several kinds
+                return "", "1"
+            factor *= float(scale) ** power
+            for key, value in dict(base._units).items():
+                powers[key] = powers.get(key, 0.0) + power * float(value)
+    kept = {k: v for k, v in powers.items() if v != 0.0}
+    for dimension, base_units in _BASE.items():
+        if kept == base_units:
+            return dimension, repr(factor)
+    return "", "1"
+
+
+def _nearest(unit: str, dimension: str) -> str:
+    """Advice naming the nearest common unit of the dimension, or all of them."""
+    known = [u for u, (d, _) in COMMON.items() if d == dimension]
+    folded = [u for u in known if u.lower() == unit.lower()]
+    near = folded or difflib.get_close_matches(unit, known, n=1, cutoff=0.6)
+    return f'did you mean "{near[0]}"?' if near else f"use one of {', '.join(known)}"

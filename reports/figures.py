@@ -1,0 +1,254 @@
+"""Figures of a report as SVG: plain, legible in grey print, and the same bytes for the same data."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure as Canvas
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
+from matplotlib.transforms import ScaledTranslation
+
+from reports.records import Figure, Panel, Series
+
+#: Okabe and Ito's palette without its yellow, dark tones first; safe for colour blindness.
+PALETTE = ("#0072B2", "#D55E00", "#009E73", "#7B4EA3", "#E69F00", "#333333", "#56B4E9", "#CC79A7")
+MARKERS = ("o", "s", "^", "D", "v", "x", "P", "*")
+DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.4, 1.3)), (0, (6, 1.5, 1.4, 1.5)))
+STYLES = ("line", "markers", "line+markers", "band")
+
+MAX_PANELS = 6
+#: Fonts of the reader's machine; the layout is made with DejaVu Sans, which is wider than any of them.
+FONTS = "'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', sans-serif"
+
+_WIDTH = {1: 7.6, 2: 10.0, 3: 10.4}  # inches of 96 px
+_HEIGHT = {1: 3.5, 2: 3.2, 3: 2.7}  # of one row
+_INK, _FRAME, _GRID = "#222222", "#8a8f98", "#dfe2e6"
+_RC = {
+    "svg.fonttype": "none",
+    "font.family": ["DejaVu Sans"],
+    "font.size": 8.5,
+    "text.color": _INK,
+    "axes.titlesize": 9.0,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 8.5,
+    "axes.labelcolor": _INK,
+    "axes.edgecolor": _FRAME,
+    "axes.linewidth": 0.7,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.unicode_minus": True,
+    "grid.color": _GRID,
+    "grid.linewidth": 0.6,
+    "xtick.color": _FRAME,
+    "ytick.color": _FRAME,
+    "xtick.labelcolor": _INK,
+    "ytick.labelcolor": _INK,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.fontsize": 8.0,
+    "legend.frameon": False,
+    "path.simplify": False,
+}
+
+
+def draw(figure: Figure) -> str:
+    """Draw a figure of one to six panels.
+
+    Args:
+        figure: the record; equal labels get equal colours and markers in all its panels.
+
+    Returns:
+        An SVG document. Its identifiers begin with the figure's name, so that several may stand in one page;
+        neither date nor version enters it.
+
+    Raises:
+        ValueError: no panel or more than six; lengths of a curve that differ; an unknown style or scale.
+    """
+    if not 1 <= len(figure.panels) <= MAX_PANELS:
+        raise ValueError(f"figure {figure.name!r}: {len(figure.panels)} panels; it must be 1 to {MAX_PANELS}")
+    for panel in figure.panels:
+        _check(figure.name, panel)
+    columns = max(1, min(figure.columns, len(figure.panels), 3))
+    rows = math.ceil(len(figure.panels) / columns)
+    with matplotlib.rc_context({**_RC, "svg.hashsalt": f"rollbench-{figure.name}"}):
+        canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
+        FigureCanvasSVG(canvas)
+        orders = _orders(figure.panels)
+        shared = len(figure.panels) > 1 and _same_labels(figure.panels)
+        legends = 0
+        for number, (panel, order) in enumerate(zip(figure.panels, orders, strict=True), start=1):
+            axes = canvas.add_subplot(rows, columns, number)
+            _draw_panel(axes, panel, order)
+            if not shared:
+                legends = max(legends, _legend_below(axes, 2 if columns > 1 else 3))
+        if shared:
+            handles, labels = canvas.axes[0].get_legend_handles_labels()
+            if labels:
+                place = "outside lower center"
+                canvas.legend(handles, labels, loc=place, ncols=min(4, len(labels)), handlelength=3.2)
+                legends = 1
+        canvas.set_size_inches(_WIDTH[columns], rows * (_HEIGHT[columns] + 0.2 * legends))
+        stream = io.StringIO()
+        canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Title": figure.title})
+    return _own_names(stream.getvalue(), figure.name)
+
+
+def _check(name: str, panel: Panel) -> None:
+    """Refuse what cannot be drawn, with the figure, panel and curve at fault."""
+    place = f"figure {name!r}, panel {panel.title!r}"
+    if panel.log not in ("", "x", "y", "xy"):
+        raise ValueError(f"{place}: log is {panel.log!r}; it must be one of '', 'x', 'y', 'xy'")
+    for series in panel.series:
+        curve = f"{place}, curve {series.label!r}"
+        if series.style not in STYLES:
+            raise ValueError(f"{curve}: style is {series.style!r}; it must be one of {', '.join(STYLES)}")
+        if len(series.x) != len(series.y):
+            raise ValueError(f"{curve}: {len(series.x)} x values but {len(series.y)} y values")
+        if series.style == "band" and (series.y2 is None or len(series.y2) != len(series.x)):
+            raise ValueError(f"{curve}: a band needs y2 of the same length as x")
+
+
+def _orders(panels: Sequence[Panel]) -> list[dict[str, int]]:
+    """Number of each label in each panel; a label of several panels has the same number in all of them."""
+    labels = [list(dict.fromkeys(series.label for series in panel.series)) for panel in panels]
+    count = Counter(label for names in labels for label in names)
+    fixed = {label: number for number, label in enumerate(label for label in count if count[label] > 1)}
+    orders = []
+    for names in labels:
+        taken = {fixed[label] for label in names if label in fixed}
+        free = (number for number in range(len(names) + len(fixed)) if number not in taken)
+        orders.append({label: fixed[label] if label in fixed else next(free) for label in names})
+    return orders
+
+
+def _same_labels(panels: Sequence[Panel]) -> bool:
+    """Whether one legend serves all panels."""
+    return len({tuple(series.label for series in panel.series) for panel in panels}) == 1
+
+
+def _draw_panel(axes: Any, panel: Panel, order: dict[str, int]) -> None:
+    """Draw the curves, labels and scales of one panel into its axes."""
+    for series in panel.series:
+        _draw_series(axes, series, order[series.label])
+    axes.set_title(panel.title, pad=7)
+    axes.set_xlabel(panel.xlabel)
+    axes.set_ylabel(panel.ylabel)
+    values = {
+        "x": np.concatenate([[], *(np.asarray(series.x, float) for series in panel.series)]),
+        "y": np.concatenate([[], *(np.asarray(series.y, float) for series in panel.series)]),
+    }
+    for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
+        finite = values[name][np.isfinite(values[name])]
+        if name in panel.log and np.any(finite > 0.0):
+            _scale_log(axes, axis, name, finite[finite > 0.0])
+        else:
+            formatter = ScalarFormatter(useOffset=False)
+            formatter.set_powerlimits((-4, 6))
+            axis.set_major_formatter(formatter)
+    if panel.integer_x and "x" not in panel.log:
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    if panel.zero and "y" not in panel.log:
+        _include_zero(axes, values["y"])
+    if not np.any(np.isfinite(values["y"])):
+        axes.text(0.5, 0.5, "no data", transform=axes.transAxes, ha="center", va="center", color=_FRAME)
+
+
+def _draw_series(axes: Any, series: Series, number: int) -> None:
+    """Draw one curve or band in the colour, marker and dash of its number."""
+    x, y = np.asarray(series.x, float), np.asarray(series.y, float)
+    colour = PALETTE[number % len(PALETTE)]
+    marker = MARKERS[(number + number // len(PALETTE)) % len(MARKERS)]
+    label = series.label or "_nolegend_"
+    if series.style == "band":
+        upper = np.asarray(series.y2, float)
+        axes.fill_between(x, y, upper, color=colour, alpha=0.20, linewidth=0.0, label=label, zorder=1.5)
+        axes.plot(x, y, color=colour, linewidth=0.5, alpha=0.6)
+        axes.plot(x, upper, color=colour, linewidth=0.5, alpha=0.6)
+        return
+    many = len(x) > 40
+    axes.plot(
+        x,
+        y,
+        label=label,
+        color=colour,
+        linestyle=DASHES[number % len(DASHES)] if series.style != "markers" else "none",
+        linewidth=2.2 if series.emphasis else 1.2,
+        marker=marker if series.style != "line" else "none",
+        markersize=(3.0 if many and series.style == "markers" else 4.6) * (1.15 if series.emphasis else 1.0),
+        markerfacecolor=colour if series.emphasis else "white",
+        markeredgewidth=1.0,
+        markevery=max(1, len(x) // 24) if many and series.style == "line+markers" else None,
+        zorder=3.0 if series.emphasis else 2.5,
+    )
+
+
+def _scale_log(axes: Any, axis: Any, name: str, positive: Any) -> None:
+    """Make one axis logarithmic; short ranges are labelled at 1, 2 and 5; powers are plain text."""
+    getattr(axes, f"set_{name}scale")("log", nonpositive="mask")
+    low, high = float(np.min(positive)), float(np.max(positive))
+    decades = math.log10(high / low)
+    plain = low >= 1e-3 and high < 1e4
+    if decades < 2.0:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    else:
+        axis.set_major_locator(LogLocator(numticks=8))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}" if plain else _power(value)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _power(value: float) -> str:
+    """``value`` as ``5·10⁻³`` without markup, so that any font can set it."""
+    exponent = math.floor(math.log10(value) + 1e-9)
+    mantissa = f"{value / 10.0**exponent:g}"
+    power = "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return power if mantissa == "1" else f"{mantissa}·{power}"
+
+
+def _include_zero(axes: Any, y: Any) -> None:
+    """Extend the ordinate to zero and, where values lie on both sides of it, rule it."""
+    finite = y[np.isfinite(y)]
+    if finite.size and np.min(finite) < 0.0 < np.max(finite):
+        axes.axhline(0.0, color=_FRAME, linewidth=0.9, zorder=1.2)
+    elif finite.size and np.max(finite) <= 0.0:
+        axes.set_ylim(top=0.0)
+    else:
+        axes.set_ylim(bottom=0.0)
+
+
+def _legend_below(axes: Any, columns: int) -> int:
+    """Put a legend below the axes; returns the number of its rows."""
+    handles, labels = axes.get_legend_handles_labels()
+    if not labels or (len(labels) == 1 and labels[0] == axes.get_ylabel()):
+        return 0
+    columns = 1 if max(map(len, labels)) > 34 else min(columns, len(labels))
+    axes.legend(
+        handles,
+        labels,
+        loc="upper left",
+        bbox_to_anchor=(-0.02, 0.0),
+        bbox_transform=axes.transAxes + ScaledTranslation(0.0, -0.45, axes.figure.dpi_scale_trans),
+        ncols=columns,
+        handlelength=3.2,
+        columnspacing=1.6,
+        borderaxespad=0.0,
+    )
+    return math.ceil(len(labels) / columns)
+
+
+def _own_names(svg: str, name: str) -> str:
+    """Prefix the identifiers of an SVG with the figure's name and let it use the reader's fonts."""
+    prefix = re.sub(r"[^A-Za-z0-9_-]", "-", f"fig-{name}-")
+    svg = re.sub(r'(\bid="|href="#|url\(#)', lambda match: match.group(0) + prefix, svg)
+    return svg.replace("'DejaVu Sans'", FONTS)

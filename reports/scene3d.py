@@ -1,0 +1,343 @@
+"""The loaded screw as a 3D picture: nut cut open, balls coloured by load, contact forces as arrows.
+
+VTK ends the process when a machine has no off-screen OpenGL; so a child process makes the picture, and its
+failure comes back as an exception that names what to install.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.records import LoadedScrew
+
+Array = NDArray[np.float64]
+
+SIZE = (1600, 900)
+TIMEOUT = 180.0  # s; two seconds are usual
+ADVICE = "install the off-screen OpenGL libraries (Debian: apt-get install libegl1 libgl1 libxrender1)"
+
+_VIEW = np.radians(155.0)  # azimuth of the viewer and of the opening in the nut; z runs to the right
+_ARROW = 3.6  # length of the longest arrow, in ball radii
+_STEEL, _NUT, _CUT = "#c3c8ce", "#9fb0c2", "#5f7d9c"
+_SCREW_SIDE, _NUT_SIDE, _IDLE = "#d1495b", "#1b1f24", "#eeeeee"
+
+
+def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
+    """Write a PNG of the loaded screw, without an X server.
+
+    Args:
+        picture: the record; lengths in m, forces on the balls in N.
+        path: the file to write.
+
+    Raises:
+        ValueError: arrays of the record do not belong together.
+        RuntimeError: this machine cannot draw it; says which libraries are missing, or what else went wrong.
+    """
+    _check(picture)
+    search = os.pathsep.join([str(Path(__file__).resolve().parents[1]), *filter(None, sys.path)])
+    try:
+        child = subprocess.run(
+            [sys.executable, "-m", "reports.scene3d"],
+            input=pickle.dumps((picture, str(Path(path).resolve()))),
+            capture_output=True,
+            timeout=TIMEOUT,
+            env={**os.environ, "PYTHONPATH": search},
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise RuntimeError(f"3D picture: not finished after {TIMEOUT:.0f} s; {ADVICE}") from None
+    if child.returncode == 0:
+        return
+    words = child.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
+    if child.returncode < 0:
+        raise RuntimeError(f"3D picture: no off-screen OpenGL on this machine; {ADVICE}")
+    if words[-1].startswith(("ImportError", "ModuleNotFoundError")):
+        raise RuntimeError(f"3D picture: pyvista cannot be loaded ({words[-1]}); install it, and {ADVICE}")
+    raise RuntimeError(f"3D picture: {words[-1]}")
+
+
+def _check(picture: LoadedScrew) -> None:
+    """Refuse arrays of the wrong shape before a process is started for them."""
+    name = f"picture {picture.name!r}"
+    for key in ("ball_radii_centres", "helix", "contact_points", "contact_forces"):
+        array = np.asarray(getattr(picture, key), float)
+        if array.size and (array.ndim != 2 or array.shape[1] != 3 or not np.all(np.isfinite(array))):
+            raise ValueError(f"{name}: {key} must be finite and of shape (n, 3); it has {array.shape}")
+    balls, loads = len(picture.ball_radii_centres), len(picture.ball_loads)
+    if balls != loads:
+        raise ValueError(f"{name}: {balls} balls but {loads} loads")
+    points, forces = len(picture.contact_points), len(picture.contact_forces)
+    if points != forces:
+        raise ValueError(f"{name}: {points} contact points but {forces} forces")
+    if len(picture.helix) < 2:
+        raise ValueError(f"{name}: the helix needs at least two points")
+
+
+@dataclass(frozen=True)
+class _Grooves:
+    """Gothic-arch grooves along the helices ``z = level + slope * (phi - phase)``, one for each start."""
+
+    track_radius: float
+    radius: float
+    offset: float
+    slope: float
+    phases: Array
+    pitch: float
+    level: float
+
+    def depth(self, phi: Array, z: Array) -> Array:
+        """Distance [m] from the track to the groove's wall, along the radius; NaN beside the groove."""
+        path = self.level + self.slope * (phi[..., None] - self.phases)
+        away = z[..., None] - path
+        if self.pitch > 0.0:
+            away = (away + 0.5 * self.pitch) % self.pitch - 0.5 * self.pitch
+        lead_angle = np.arctan(abs(self.slope) / self.track_radius)
+        reach = np.min(np.abs(away), axis=-1) * np.cos(lead_angle) + self.offset
+        half: Array = np.sqrt(np.where(reach < self.radius, self.radius**2 - reach**2, np.nan)) - self.offset
+        return half
+
+    def surface(self, phi: Array, z: Array, land: float) -> Array:
+        """Radius [m] at ``phi``, ``z`` of the screw (``land`` less than the track's radius) or of the nut."""
+        depth = self.depth(phi, z)
+        if land < self.track_radius:
+            return np.fmin(land, self.track_radius - depth)
+        return np.fmax(land, self.track_radius + depth)
+
+
+def _grooves(picture: LoadedScrew) -> _Grooves:
+    """Read hand, phase and number of starts off the ball path and the balls.
+
+    The arcs' centres stand off the track by the difference of the radii at 45 degrees, which makes a gothic
+    arch; a groove radius of zero stands for 1.04 times the ball's.
+    """
+    helix = np.asarray(picture.helix, float)
+    phi = np.unwrap(np.arctan2(helix[:, 1], helix[:, 0]))
+    turn = (phi[-1] - phi[0]) * (helix[-1, 2] - helix[0, 2])
+    slope = float(np.sign(turn)) * picture.lead / (2.0 * np.pi)
+    level, first = float(helix[0, 2]), float(phi[0])
+    phases = np.array([first])
+    balls = np.asarray(picture.ball_radii_centres, float).reshape(-1, 3)
+    if slope and len(balls):
+        azimuth = np.arctan2(balls[:, 1], balls[:, 0])
+        start = (azimuth - (balls[:, 2] - level) / slope - first) / (2.0 * np.pi)
+        phases = first + 2.0 * np.pi * np.unique(np.round(start * 12.0) % 12.0) / 12.0
+    radius = picture.groove_radius or 1.04 * picture.ball_radius
+    offset = (radius - picture.ball_radius) * np.sqrt(0.5)
+    return _Grooves(picture.track_radius, radius, float(offset), slope, phases, picture.lead, level)
+
+
+def _grid(grooves: _Grooves, phi: Array, ends: tuple[float, float], step: float) -> tuple[Array, Array]:
+    """Azimuths and heights of a grid cut at ``ends``, with lines along the helix to keep edges sharp."""
+    rise = grooves.slope * (phi - phi[0])
+    low, high = ends[0] - max(rise.max(), 0.0), ends[1] - min(rise.min(), 0.0)
+    lines = np.linspace(low, high, max(2, round((high - low) / step)))
+    z = np.clip(lines[None, :] + rise[:, None], *ends)
+    return np.broadcast_to(phi[:, None], z.shape), z
+
+
+def _sheet(radius: Array, phi: Array, z: Array) -> Any:
+    """A surface from cylindrical coordinates of one two-dimensional grid."""
+    import pyvista
+
+    points = (radius * np.cos(phi), radius * np.sin(phi), z)
+    sheet = pyvista.StructuredGrid(*(np.ascontiguousarray(part)[..., None] for part in points))
+    return sheet.extract_geometry().triangulate().clean(tolerance=1e-9, absolute=True)
+
+
+def _shaft(picture: LoadedScrew, grooves: _Grooves) -> list[Any]:
+    """Surfaces of the stretch of the screw around the nut: the grooved one and both ends; lengths in mm."""
+    half = 0.8 * picture.nut_length
+    low = max(0.0, picture.nut_position - half)
+    high = min(max(picture.screw_length, low + 0.1 * half), picture.nut_position + half)
+    back = _VIEW + np.pi
+    around = np.linspace(back, back + 2.0 * np.pi, 361)
+    phi, z = _grid(grooves, around, (low, high), 0.06 * picture.ball_radius)
+    radius = grooves.surface(phi, z, picture.screw_radius)
+    sheets = [_sheet(radius * 1e3, phi, z * 1e3)]
+    for column in (0, -1):
+        share = np.linspace(0.0, 1.0, 12)[None, :]
+        flat = np.zeros_like(share)
+        rim, height = radius[:, column, None] * 1e3, z[:, column, None] * 1e3
+        sheets.append(_sheet(rim * share, phi[:, :1] + flat, height + flat))
+    return sheets
+
+
+def _shell(picture: LoadedScrew, grooves: _Grooves) -> tuple[list[Any], list[Any]]:
+    """Surfaces of the half of the nut behind the screw, and its two cut faces; lengths in mm."""
+    bore = 2.0 * picture.track_radius - picture.screw_radius
+    ends = (picture.nut_position - 0.5 * picture.nut_length, picture.nut_position + 0.5 * picture.nut_length)
+    around = np.linspace(_VIEW + 0.5 * np.pi, _VIEW + 1.5 * np.pi, 181)
+    phi, z = _grid(grooves, around, ends, 0.06 * picture.ball_radius)
+    inner = np.minimum(grooves.surface(phi, z, bore), 0.98 * picture.nut_radius)
+    outer = np.full_like(inner, picture.nut_radius)
+    share = np.linspace(0.0, 1.0, 8)
+
+    def between(index: Any) -> Any:
+        """The flat face from the bore to the outer diameter along one edge of the grid."""
+        wall = inner[index][:, None] * (1.0 - share) + outer[index][:, None] * share
+        flat = np.zeros_like(wall)
+        return _sheet(wall * 1e3, phi[index][:, None] + flat, z[index][:, None] * 1e3 + flat)
+
+    everywhere = slice(None)
+    body = [_sheet(inner * 1e3, phi, z * 1e3), _sheet(outer * 1e3, phi, z * 1e3)]
+    body += [between((everywhere, 0)), between((everywhere, -1))]
+    return body, [between((0, everywhere)), between((-1, everywhere))]
+
+
+def _directions() -> tuple[Array, Array]:
+    """Unit vectors, across the axis, towards the viewer's side and upwards in the picture."""
+    cosine, sine = np.cos(_VIEW), np.sin(_VIEW)
+    return np.array([cosine, sine, 0.0]), np.array([sine, -cosine, 0.0])
+
+
+def _sight() -> Array:
+    """Unit vector from the nut to the viewer: from the open side, a little from above and from the right."""
+    outward, upward = _directions()
+    eye: Array = outward + 0.22 * upward + 0.34 * np.array([0.0, 0.0, 1.0])
+    return eye / float(np.linalg.norm(eye))
+
+
+def _render(picture: LoadedScrew, path: str) -> None:
+    """Build the scene and write it; runs in the child process."""
+    import pyvista
+
+    pyvista.OFF_SCREEN = True
+    grooves = _grooves(picture)
+    plotter = pyvista.Plotter(off_screen=True, window_size=SIZE, lighting="none")
+    plotter.set_background("white")
+    steel = {"smooth_shading": True, "ambient": 0.3, "diffuse": 0.7, "specular": 0.35, "specular_power": 25}
+    # In a parallel projection a shift along the line of sight leaves a body's image as it is: moved back by
+    # the length of an arrow, the screw does not hide the forces that it exerts, but balls and arrows hide
+    # each other as they should.
+    behind = -1e3 * _ARROW * picture.ball_radius * _sight()
+    for sheet in _shaft(picture, grooves):
+        plotter.add_mesh(sheet.translate(behind), color=_STEEL, **steel)
+    body, cuts = _shell(picture, grooves)
+    for sheet in body:
+        plotter.add_mesh(sheet, color=_NUT, **steel)
+    for sheet in cuts:
+        plotter.add_mesh(sheet, color=_CUT, ambient=0.6, diffuse=0.4)
+    _add_balls(plotter, picture)
+    _add_forces(plotter, picture)
+    _set_view(plotter, picture)
+    plotter.screenshot(path)
+    plotter.close()
+
+
+def _round_scale(low: float, high: float) -> tuple[float, float, int]:
+    """Round limits around ``low`` to ``high`` and the number of labels that divides them evenly."""
+    if high - low < 1e-3 * high:
+        low, high = 0.9 * low, 1.1 * high
+    decade = 10.0 ** np.floor(np.log10((high - low) / 4.0))
+    least = (high - low) / 4.0 - 1e-12 * high
+    step = next(m * decade for m in (1.0, 2.0, 2.5, 5.0, 10.0, 20.0) if m * decade >= least)
+    first, last = np.floor(low / step + 1e-9), np.ceil(high / step - 1e-9)
+    return float(first * step), float(last * step), int(last - first) + 1
+
+
+def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
+    """Balls coloured by load, unloaded ones pale, and the scale of the colours."""
+    import pyvista
+
+    centres = np.asarray(picture.ball_radii_centres, float).reshape(-1, 3) * 1e3
+    loads = np.asarray(picture.ball_loads, float)
+    ball = pyvista.Sphere(radius=picture.ball_radius * 1e3, theta_resolution=40, phi_resolution=40)
+    finish = {"smooth_shading": True, "ambient": 0.3, "diffuse": 0.7, "specular": 0.5, "specular_power": 30}
+    idle = ~(loads > 0.0)
+    if np.any(idle):
+        unloaded = pyvista.PolyData(centres[idle]).glyph(geom=ball, scale=False, orient=False)
+        plotter.add_mesh(unloaded, color=_IDLE, **finish)
+        words = "White balls carry no load"
+        plotter.add_text(words, position=(40, 132), font_size=10, color="black", font="arial")
+    if np.all(idle):
+        return
+    cloud = pyvista.PolyData(centres[~idle])
+    cloud["load"] = loads[~idle]
+    low, high, labels = _round_scale(float(loads[~idle].min()), float(loads[~idle].max()))
+    plotter.add_mesh(
+        cloud.glyph(geom=ball, scale=False, orient=False),
+        scalars="load",
+        cmap="viridis",
+        clim=(low, high),
+        scalar_bar_args={
+            "title": "Ball load [N]\n",
+            "color": "black",
+            "fmt": "%.4g",
+            "n_labels": labels,
+            "position_x": 0.60,
+            "position_y": 0.035,
+            "width": 0.36,
+            "height": 0.085,
+            "title_font_size": 22,
+            "label_font_size": 20,
+        },
+        **finish,
+    )
+
+
+def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
+    """Arrows that end at the contacts on the open side, in proportion to the forces on the balls."""
+    import pyvista
+
+    points = np.asarray(picture.contact_points, float).reshape(-1, 3) * 1e3
+    forces = np.asarray(picture.contact_forces, float).reshape(-1, 3)
+    size = np.linalg.norm(forces, axis=1)
+    if not np.any(size > 0.0):
+        return
+    longest = _ARROW * picture.ball_radius * 1e3
+    facing = points[:, :2] @ np.array([np.cos(_VIEW), np.sin(_VIEW)]) > -0.02 * picture.track_radius * 1e3
+    inside = np.hypot(points[:, 0], points[:, 1]) < picture.track_radius * 1e3
+    for group, colour in ((inside, _SCREW_SIDE), (~inside, _NUT_SIDE)):
+        chosen = facing & group & (size > 1e-3 * size.max())
+        if not np.any(chosen):
+            continue
+        arrows = pyvista.PolyData(points[chosen] - forces[chosen] / size.max() * longest)
+        arrows["force"] = forces[chosen] / size.max() * longest
+        arrow = pyvista.Arrow(tip_length=0.28, tip_radius=0.075, shaft_radius=0.028)
+        mesh = arrows.glyph(orient="force", scale="force", geom=arrow)
+        plotter.add_mesh(mesh, color=colour, ambient=0.45, diffuse=0.55, smooth_shading=True)
+    for text, colour, height in (
+        ("Forces on the balls:", "black", 96),
+        ("from the screw", _SCREW_SIDE, 66),
+        (f"from the nut; longest arrow {size.max():.4g} N", _NUT_SIDE, 36),
+    ):
+        plotter.add_text(text, position=(40, height), font_size=10, color=colour, font="arial")
+
+
+def _set_view(plotter: Any, picture: LoadedScrew) -> None:
+    """Camera, lights, axes triad and edges without steps."""
+    import pyvista
+
+    target = np.array([0.0, 0.0, picture.nut_position * 1e3])
+    outward, upward = _directions()
+    extent = 1e3 * max(2.0 * picture.nut_radius, 1.6 * picture.nut_length * SIZE[1] / SIZE[0])
+    plotter.camera.focal_point = target - 0.05 * extent * upward
+    plotter.camera.position = plotter.camera.focal_point + 5.0 * extent * _sight()
+    plotter.camera.up = upward
+    plotter.enable_parallel_projection()
+    plotter.camera.parallel_scale = 0.66 * extent
+    above = outward + 1.4 * upward - np.array([0.0, 0.0, 0.6])
+    beside = outward - 0.3 * upward + np.array([0.0, 0.0, 2.5])
+    for direction, strength in ((above, 0.75), (_sight(), 0.3), (beside, 0.3)):
+        place = target + 10.0 * extent * direction
+        light = pyvista.Light(position=place, focal_point=target, intensity=strength)
+        light.positional = False
+        plotter.add_light(light)
+    plotter.reset_camera_clipping_range()
+    plotter.add_axes(
+        xlabel="x", ylabel="y", zlabel="z", line_width=4, color="black", viewport=(0.0, 0.72, 0.16, 1.0)
+    )
+    plotter.enable_anti_aliasing("ssaa")
+
+
+if __name__ == "__main__":
+    _render(*pickle.load(sys.stdin.buffer))
