@@ -163,12 +163,18 @@ def distances(scene: Scene, drawn: Specimen) -> tuple[Array, Array]:
     return offset, closure
 
 
-def _flank_rows(scene: Scene, layout: BallLayout, side: int, origin_z: Array) -> Array:
-    """Rows e . (u + theta x r) for the flank's point that carries the force, ``(N, 2, 6)``; u, theta at ``origin_z``."""
-    point = nominal_contact_points(scene)[side] if scene.ingredients.arm == "nominal" else (
-        nominal_groove_centres(scene)[side]
-    )  # fmt: skip
-    x = layout.centre + point[0] * layout.radial + point[1] * layout.binormal
+def _flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
+    """Rows e . (u + theta x r) for the flank's point that carries the force, ``(N, 2, 6)``; u, theta at ``origin_z``.
+
+    That point is the groove's centre of curvature, on every line of action of the arc (plus ``more`` (N, 4, 2) where
+    the profile is no arc), or, frozen, the nominal contact point.
+    """
+    scene, drawn, layout, more = parts
+    if scene.ingredients.arm == "nominal":
+        point = np.broadcast_to(nominal_contact_points(scene)[side], (layout.z.size, 2))
+    else:
+        point = drawn.centre[:, side] + (more[:, side] if more is not None else 0.0)
+    x = layout.centre + point[:, :1] * layout.radial + point[:, 1:] * layout.binormal
     r = x - np.stack([0.0 * origin_z, 0.0 * origin_z, origin_z], axis=1)
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     return np.concatenate([axes, np.cross(r[:, None, :], axes)], axis=2)
@@ -191,15 +197,19 @@ def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Arr
 
 def build(
     scene: Scene, drawn: Specimen, layout: BallLayout, use: NDArray[np.bool_], *, everything: bool = False,
-    refine: int = 1,
+    refine: int = 1, more: Array | None = None,
 ) -> Problem:  # fmt: skip
-    """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many."""
+    """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many.
+
+    more: see ``_flank_rows``.
+    """
+    parts = (scene, drawn, layout, more)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene), use)
     section = screw_section(scene)
     stations = contact_stations(scene, layout)
     used = [s for s in range(2) if use[s]]
     if scene.ingredients.screw == "rigid":
-        return _rigid(scene, drawn, layout, use, geometry, closure, section)
+        return _rigid(parts, use, geometry, closure, section)
     nodes, left_out = beam_nodes(scene, stations[:, used], everything=everything)
     if refine > 1:
         steps = np.arange(refine) / refine
@@ -214,9 +224,9 @@ def build(
             node[:, s] = np.abs(nodes[None, :] - stations[:, s, None]).argmin(axis=1) if count < 400 else (
                 _nearest(nodes, stations[:, s])
             )  # fmt: skip
-            B[:, s] = _flank_rows(scene, layout, s, nodes[node[:, s]])
+            B[:, s] = _flank_rows(parts, s, nodes[node[:, s]])
         else:
-            rows = _flank_rows(scene, layout, s, stations[:, s])
+            rows = _flank_rows(parts, s, stations[:, s])
             for i in range(count):
                 node[i, s], m = motion_matrix(float(stations[i, s]), nodes, section)
                 B[i, s] = rows[i] @ m
@@ -235,10 +245,11 @@ def _nearest(nodes: Array, stations: Array) -> NDArray[np.int64]:
 
 
 def _rigid(
-    scene: Scene, drawn: Specimen, layout: BallLayout, use: NDArray[np.bool_], geometry: Array, closure: Array,
+    parts: tuple[Scene, Specimen, BallLayout, Array | None], use: NDArray[np.bool_], geometry: Array, closure: Array,
     section: BeamSection,
 ) -> Problem:  # fmt: skip
     """One rigid body, its motion taken at the nut's centre; supports become linear constraints on that motion."""
+    scene, drawn, layout, _ = parts
     z0 = scene.nut.position
     arm = scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
@@ -257,18 +268,17 @@ def _rigid(
     lift = np.zeros(6)
     if rows:
         a = np.array(rows)
-        u, sv, vt = np.linalg.svd(a)
+        _, sv, vt = np.linalg.svd(a)
         held = int(np.sum(sv > 1e-9 * sv[0]))
         basis = np.concatenate([vt[held:], vt[:held]]).T
         lift = np.linalg.lstsq(a, np.array(values), rcond=None)[0]
-        del u
     to_motion = scale[:, None] * basis / scale[None, :]
     count = layout.z.size
     B = np.zeros((count, 2, 2, 6))
     origin = np.full(count, z0)
     shift = scale * lift
     for s in range(2):
-        rows_s = _flank_rows(scene, layout, s, origin)
+        rows_s = _flank_rows(parts, s, origin)
         B[:, s] = rows_s @ to_motion
     fixed = np.zeros((1, 6), dtype=bool)
     if held:

@@ -14,7 +14,7 @@ from lowfi import jit
 from lowfi.mechanism import Mechanism, free_motions
 from lowfi.problem import SIGNS, Problem, actual_hertz, build
 from lowfi.result import SolverReport, StaticResult
-from lowfi.selection import choose_sides, describe_left_out, touched_sides
+from lowfi.selection import choose_sides, describe_left_out, flank_motions, touched_sides
 from lowfi.summary import assemble_result, failed_result
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
@@ -90,7 +90,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         d = q[1:] - moved
     contacts = (
         problem.node, problem.B, problem.geometry, problem.closure, problem.drawn.ball_radius, problem.drawn.profile,
-        1e-16 * force,
+        1e-14 * force,
     )  # fmt: skip
     state = (q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
     options = np.array(
@@ -160,10 +160,12 @@ def solve_static(
         mechanism = free_motions(problem)
         if mechanism.driven:
             return failed_result(problem, "lin", f"not held: {mechanism.text}", perf_counter() - start)
-        problem = pin(problem, mechanism)
-        prepared = prepare(problem, kernels)
+        prepared = prepare(pin(problem, mechanism), kernels)
         ready = perf_counter()
         outcome = solve_with_hertz(prepared)
+        if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
+            outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
+        problem = prepared.problem
         touched = touched_sides(prepared, layout)
         if outcome[0] == 0 and not np.any(touched & ~use) or np.all(use):
             break
@@ -212,6 +214,43 @@ def solve_with_hertz(prepared: Prepared) -> tuple[int, int, int, float, float]:
         updated = actual_hertz(problem.scene, problem.drawn, gamma).C
         change = float(np.abs(updated / problem.C - 1.0).max())
         problem.C[:] = updated
+        outcome = run(prepared, start=False)
+        iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
+        if change < 1e-13:
+            break
+    return outcome[0], iterations, evaluations, outcome[3], outcome[4]
+
+
+def follow_profile(
+    prepared: Prepared, outcome: tuple[int, int, int, float, float], layout: BallLayout, *, everything: bool, refine: int
+) -> tuple[int, int, int, float, float]:
+    """Let the flanks turn about their centre of curvature at the current contact, which an uneven profile shifts.
+
+    Repeats the solution with moved lever arms until they settle (the shift is of the size of the profile error).
+    """
+    more = np.zeros((layout.z.size, 4, 2))
+    iterations, evaluations = outcome[1], outcome[2]
+    for _ in range(6):
+        if outcome[0] not in (0, 1):
+            break
+        problem = prepared.problem
+        moved = np.zeros((layout.z.size, 4, 2))
+        moved[:, :2] = flank_motions(prepared, layout)
+        force, contact = prepared.force, prepared.state[3]
+        w = -problem.drawn.centre + prepared.state[2][:, None, :] - moved
+        with np.errstate(divide="ignore", invalid="ignore"):
+            radius = np.where(force > 0.0, force / contact[..., 4], 0.0)
+        new = np.where(force[..., None] > 0.0, w - prepared.normal * radius[..., None], 0.0)
+        change = float(np.abs(new - more).max())
+        more = new
+        held = problem.fixed
+        rebuilt = build(
+            problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more
+        )
+        rebuilt = replace(rebuilt, fixed=held)
+        rebuilt.C[:] = problem.C
+        prepared.problem = rebuilt
+        prepared.contacts = (prepared.contacts[0], rebuilt.B, rebuilt.geometry, *prepared.contacts[3:])
         outcome = run(prepared, start=False)
         iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
         if change < 1e-13:

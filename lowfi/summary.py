@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.problem import SIGNS, Problem
+from lowfi.problem import SIGNS, Problem, nominal_hertz
 from lowfi.result import Equilibrium, SolverReport, StaticResult
-from lowfi.shape import motion_matrix
+from lowfi.selection import flank_motions
+from lowfi.shape import motion_matrix, rigid_transport
 from meshes.section import groove_section, nut_groove_range
 
 if TYPE_CHECKING:
@@ -33,8 +34,6 @@ def centreline(problem: Problem, q: Array, step: float = 10e-3) -> tuple[Array, 
     stations = stations[stations <= length]
     flat = q.ravel()
     if problem.basis is not None:
-        from lowfi.shape import rigid_transport
-
         motion = problem.basis @ flat
         return stations, np.stack([rigid_transport(float(z - problem.nodes[0])) @ motion for z in stations])
     rows = []
@@ -44,13 +43,20 @@ def centreline(problem: Problem, q: Array, step: float = 10e-3) -> tuple[Array, 
     return stations, np.stack(rows)
 
 
-def contact_geometry(problem: Problem, normal: Array) -> tuple[Array, Array]:
-    """Contact points ``(N, 4, 3)`` [m] of the undeformed flanks in the contact direction, and force directions on the ball."""
+def contact_geometry(prepared: Prepared) -> tuple[Array, Array]:
+    """Contact points ``(N, 4, 3)`` [m] on the undeformed flanks, and directions of the forces on the ball."""
+    problem, normal = prepared.problem, prepared.normal
     layout = problem.layout
     axes = np.stack([layout.radial, layout.binormal], axis=1)
-    direction = np.einsum("nsa,nak->nsk", normal, axes)
-    centre = np.einsum("nsa,nak->nsk", problem.drawn.centre, axes) + layout.centre[:, None, :]
-    return centre + problem.drawn.radius[None, :, None] * direction, -direction
+    plane = problem.drawn.radius[None, :, None] * normal
+    if problem.drawn.profile.shape[1]:
+        moved = np.zeros((layout.z.size, 4, 2))
+        moved[:, :2] = flank_motions(prepared, layout)
+        w = -problem.drawn.centre + prepared.state[2][:, None, :] - moved
+        distance = problem.drawn.ball_radius[:, None] - problem.C * np.cbrt(prepared.force) ** 2
+        plane = w + distance[..., None] * normal
+    points = np.einsum("nsa,nak->nsk", plane + problem.drawn.centre, axes) + layout.centre[:, None, :]
+    return points, -np.einsum("nsa,nak->nsk", normal, axes)
 
 
 def equilibrium(prepared: Prepared, points: Array, on_ball: Array) -> Equilibrium:
@@ -131,10 +137,8 @@ def assemble_result(
     force, normal = prepared.force.copy(), prepared.normal
     raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
     gamma = np.where(force > 0.0, raw, np.nan)
-    points, on_ball = contact_geometry(problem, normal)
+    points, on_ball = contact_geometry(prepared)
     z, motion = centreline(problem, q)
-    from lowfi.problem import nominal_hertz
-
     semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
     notes = warnings_of(problem, force, raw, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
     return StaticResult(

@@ -139,7 +139,11 @@ def settle(p, shift, geometry, closure, r_ball, profile, tiny, contact):  # type
     best = 1e300
     for _ in range(100):
         net, scale = net_force(contact)
-        if scale <= tiny or net <= 2e-15 * scale or (net <= 1e-11 * scale and net >= 0.5 * best):
+        if scale <= tiny:
+            for k in range(4):
+                contact[k, FORCE] = 0.0
+            return 0.0
+        if net <= 2e-15 * scale or (net <= 1e-11 * scale and net >= 0.5 * best):
             break  # balanced, or at the round-off floor
         best = min(best, net)
         sx, sz, slope = newton_step(contact)
