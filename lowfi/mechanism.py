@@ -54,7 +54,7 @@ def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
     r = layout.centre - np.array([0.0, 0.0, z[0]])
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     rows = np.concatenate([axes, np.cross(r[:, None, :], axes)], axis=2)
-    return motions, (rows @ motions).reshape(-1, motions.shape[1]), work
+    return motions, (rows @ motions).reshape(2 * len(r), motions.shape[1]), work
 
 
 def free_motions(problem: Problem) -> Mechanism:

@@ -12,8 +12,8 @@ from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printe
 from lowfi.shape import motion_matrix, rigid_transport
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
-from meshes.parts import FREEDOMS, SIDE_SIGNS, Errors, Scene
 from meshes.partition import beam_nodes, contact_stations
+from meshes.parts import FREEDOMS, SIDE_SIGNS, Errors, Scene
 from meshes.section import BeamSection, screw_section
 from meshes.surface import principal_curvatures, printed_radii
 
@@ -28,8 +28,8 @@ class Problem:
     """Arrays of one static problem; shapes with n nodes, N balls, m = 6 or 12 freedoms per flank.
 
     nodes (n,) [m]; section; fixed (n, 6); prescribed (n, 6); load (n, 6); node (N, 2), B (N, 2, 2, m): motion of each
-    screw flank in the section plane; geometry (N, 4, 9), closure (N, 2): see ``kernel.ball``; use (4,). ``basis``: for a rigid screw the motions its supports
-    leave, (6, 6), else None.
+    screw flank in the section plane; geometry (N, 4, 9), closure (N, 2): see ``kernel.ball``; use (4,).
+    ``basis``: for a rigid screw the motions that its supports leave, (6, 6), else None.
     """
 
     scene: Scene

@@ -12,8 +12,8 @@ from lowfi.problem import distances
 from lowfi.shape import motion_matrix
 from meshes.errors import Specimen
 from meshes.helix import BallLayout, nominal_groove_centres
-from meshes.parts import FREEDOMS, SIDES, Scene
 from meshes.partition import MERGE
+from meshes.parts import FREEDOMS, SIDES, Scene
 
 if TYPE_CHECKING:
     from lowfi.static import Prepared
@@ -86,11 +86,10 @@ def touched_sides(prepared: Prepared, layout: BallLayout) -> Mask:
 
 
 def describe_left_out(
-    prepared: Prepared, layout: BallLayout, mechanism: Mechanism, *, everything: bool
+    prepared: Prepared, mechanism: Mechanism, *, everything: bool
 ) -> tuple[str, ...]:
     """Sentences: what was left out of the system and why."""
     problem = prepared.problem
-    scene = problem.scene
     notes: list[str] = []
     idle = [name for name, used in zip(SIDES, problem.use, strict=True) if not used]
     if idle:
@@ -100,18 +99,20 @@ def describe_left_out(
         )
     if problem.left_out_elements:
         notes.append(
-            f"{problem.left_out_elements} beam element(s) beyond the outermost support, load or contact: they carry nothing"
+            f"{problem.left_out_elements} beam element(s) beyond the outermost support, load or contact: "
+            "they carry nothing"
         )
     elif not everything and problem.nodes.size > 1 and problem.nodes[0] > MERGE:
         notes.append("shaft before the first support, load or contact: it carries nothing")
     if mechanism.no_torsion:
         notes.append("torsion: without lead no contact force twists the shaft, and no moment about it is applied")
-    for k in mechanism.pins:
-        if not (k == 5 and mechanism.no_torsion):
-            notes.append(f"{FREEDOMS[k]} of the first node is held at zero: {mechanism.text} is neither driven nor resisted")
+    notes.extend(
+        f"{FREEDOMS[k]} of the first node is held at zero: {mechanism.text} is neither driven nor resisted"
+        for k in mechanism.pins
+        if not (k == 5 and mechanism.no_torsion)
+    )
     if problem.drawn.profile.shape[1] == 0:
         notes.append("groove profile errors of varying shape: there are none, flanks are exact arcs")
     if not everything and not np.any(problem.drawn.centre_slopes):
         notes.append("pitch and roundness errors: there are none")
-    del layout
     return tuple(notes)

@@ -13,8 +13,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from lowfi import jit
+from lowfi.mechanism import free_motions
 from lowfi.problem import SIGNS, Problem, build
-from lowfi.shape import shape_polynomials
+from lowfi.result import SolverReport, StaticResult
+from lowfi.shape import rigid_transport, shape_polynomials
+from lowfi.static import prepare
+from lowfi.summary import assemble_result, failed_result
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Scene
@@ -86,18 +91,17 @@ class _System:
     free: NDArray[np.int64]
     axes: Array
 
-    def motion_of_flank(self, side: int, gamma: Array, u: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
-        """First freedom of each flank's nodes and M, dM/dgamma, d2M/dgamma2, each ``(N, 2, m)`` (Lin 2.17-2.21, E.13)."""
+    def motion_of_flank(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        """First freedom of each flank's nodes and M with its two derivatives, ``(N, 2, m)`` (Lin 2.17-2.21, E.13)."""
         p = self.problem
         if self.kinematics == "arc":
             zero = np.zeros_like(p.B[:, side])
             return 6 * p.node[:, side], p.B[:, side], zero, zero
-        layout, alpha = p.layout, lead_angle(p.scene.track)
+        layout = p.layout
         a, a1, a2 = self.flank(side, gamma)
         x = layout.centre + a[:, :1] * layout.radial + a[:, 1:] * layout.binormal
         x1 = a1[:, :1] * layout.radial + a1[:, 1:] * layout.binormal
         x2 = a2[:, :1] * layout.radial + a2[:, 1:] * layout.binormal
-        del alpha
         j = np.clip(np.searchsorted(p.nodes, x[:, 2], side="right") - 1, 0, p.nodes.size - 2)
         length = np.diff(p.nodes)[j]
         xi = (x[:, 2] - p.nodes[j]) / length
@@ -121,7 +125,6 @@ class _System:
             + 2.0 * s1 * (arm(x1) @ n1[:, 3:])
             + arm(x2) @ n0[:, 3:]
         )
-        del u
         return 6 * j, m0, m1, m2
 
     def flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
@@ -144,7 +147,7 @@ def _contacts(
     a, t, t1 = system.flank(side, gamma)
     count = p.shape[0]
     if side < 2:
-        dof, m0, m1, m2 = system.motion_of_flank(side, gamma, u)
+        dof, m0, m1, m2 = system.motion_of_flank(side, gamma)
         own = u[dof[:, None] + np.arange(m0.shape[2])[None, :]]
         a = a + np.einsum("nak,nk->na", m0, own)
         t = t + np.einsum("nak,nk->na", m1, own)
@@ -163,7 +166,7 @@ def _contacts(
 def equations(system: _System, x: Array, load: Array, *, jacobian: bool = True) -> tuple[Array, Array | None, Array]:
     """Phi(x) of Lin 2.25 (contact conditions, balls, screw), its Jacobian (Appendix E), and the contact forces."""
     problem = system.problem
-    count, n6 = problem.C.shape[0], 6 * problem.nodes.size
+    count = problem.C.shape[0]
     p, gamma, u = x[: 2 * count].reshape(count, 2), x[2 * count : 6 * count].reshape(count, 4), x[6 * count :]
     phi = np.zeros(x.size)
     jac = np.zeros((x.size, x.size)) if jacobian else None
@@ -206,7 +209,7 @@ def equations(system: _System, x: Array, load: Array, *, jacobian: bool = True) 
 
 
 def _initial(system: _System, start: Start, fraction: float) -> Array:
-    """Nominal state, or the designer's guess: the screw shifted along its axis as if all balls shared the axial load."""
+    """Nominal state, or the designer's guess: the screw shifted along its axis as if all balls shared the load."""
     problem = system.problem
     scene = problem.scene
     count = problem.C.shape[0]
@@ -264,6 +267,32 @@ def solve_source(
     )  # fmt: skip
 
 
+def solve_source_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
+    """``solve_source`` from the designer's guess, as the same result record as the other models."""
+    layout = ball_layout(scene)
+    use = np.ones(4, dtype=bool)
+    problem = build(scene, specimen(scene, layout, member), layout, use, everything=everything)
+    mechanism = free_motions(problem)
+    if mechanism.driven:
+        return failed_result(problem, "source", f"not held: {mechanism.text}", 0.0)
+    solution = solve_source(scene, everything=everything, member=member)
+    if not np.all(np.isfinite(solution.load)) or not np.all(np.isfinite(solution.motion)):
+        return failed_result(problem, "source", solution.status, solution.seconds)
+    prepared = prepare(problem, jit.interpreted())
+    q, d, p, contact = prepared.state
+    q[:] = solution.motion
+    d[:] = q[1:] - np.einsum("nij,nj->ni", np.stack([rigid_transport(x) for x in np.diff(problem.nodes)]), q[:-1])
+    p[:] = solution.centre
+    contact[..., 0] = solution.load
+    contact[..., 1] = SIGNS[:, 0] * np.cos(solution.contact_angle)
+    contact[..., 2] = SIGNS[:, 1] * np.sin(solution.contact_angle)
+    report = SolverReport(
+        solution.iterations, solution.iterations + 1, solution.residual, solution.seconds, solution.unknowns,
+        problem.nodes.size - 1, "numpy, dense", "equilibrium equations of the source",
+    )  # fmt: skip
+    return assemble_result(prepared, "source", solution.status, report, ("nothing: all four sides are built",))
+
+
 def _measure(system: _System, phi: Array, forces: Array, load: Array) -> float:
     """Largest unbalanced force over the largest force; moments over the pitch radius, contact conditions over r_G."""
     count = forces.shape[0]
@@ -274,7 +303,8 @@ def _measure(system: _System, phi: Array, forces: Array, load: Array) -> float:
     if not scale > 0.0:
         return float("inf")
     unbalanced = max(float(np.abs(phi[: 2 * count]).max()), float(np.abs(screw).max(initial=0.0)))
-    return max(unbalanced / scale, float(np.abs(phi[2 * count : 6 * count]).max()) / system.problem.drawn.radius.max())
+    skew = float(np.abs(phi[2 * count : 6 * count]).max()) / float(system.problem.drawn.radius.max())
+    return max(unbalanced / scale, skew)
 
 
 def _newton(system: _System, x: Array, load: Array, tolerance: float, most: int) -> tuple[Array, int, float, str]:

@@ -21,10 +21,12 @@ from meshes.helix import BallLayout, ball_layout
 from meshes.parts import Scene
 
 Array = NDArray[np.float64]
+#: Kernel status, iterations, evaluations, relative residual, force scale [N].
+Outcome = tuple[int, int, int, float, float]
 Engine = Literal["auto", "interpreted", "compiled"]
 
 #: Relative residual that the solver drives for, and the one at which it counts as converged.
-TOLERANCE, ACCEPTED = 1e-12, 1e-10
+TOLERANCE, ACCEPTED = 1e-14, 1e-10
 MAX_ITERATIONS = 200
 #: Above this many balls the compiled engine pays even for a single solve.
 COMPILE_ABOVE = 120
@@ -61,7 +63,7 @@ def pick_engine(engine: Engine, balls: int) -> ModuleType:
 
 
 def reference_scale(problem: Problem) -> tuple[float, float]:
-    """Force [N] of a typical loaded contact and its stiffness [N/m], from loads, interference and prescribed motion."""
+    """Force [N] of a typical loaded contact and its secant stiffness [N/m], from loads, interference, given motion."""
     count = max(1, problem.C.shape[0])
     pair = float(np.mean(problem.C[:, 0] + problem.C[:, 3]))
     arm = problem.scene.track.pitch_radius
@@ -70,7 +72,7 @@ def reference_scale(problem: Problem) -> tuple[float, float]:
     force = max(applied / count, (squeeze / pair) ** 1.5)
     if force == 0.0 and np.any(problem.prescribed):
         force = (1e-6 / pair) ** 1.5
-    return force, (1.5 * np.cbrt(force) / pair if force > 0.0 else 1.0)
+    return force, (np.cbrt(force) / pair if force > 0.0 else 1.0)
 
 
 def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
@@ -110,8 +112,11 @@ def _lift(problem: Problem) -> Array:
     return q
 
 
-def run(prepared: Prepared, *, start: bool = True) -> tuple[int, int, int, float, float]:
-    """Solve from the linear start (or from the state as it is); returns status, iterations, evaluations, residual, scale."""
+def run(prepared: Prepared, *, start: bool = True) -> Outcome:
+    """Solve from the linear start (or from the state as it is).
+
+    Returns status, iterations, evaluations, residual, scale.
+    """
     if start:
         prepared.engine.linear_start(prepared.beam, prepared.contacts, prepared.state, prepared.options)
     status, it, evaluations, residual, _, scale = prepared.engine.solve(
@@ -129,8 +134,10 @@ def round_off_bound(prepared: Prepared, scale: float) -> float:
     problem = prepared.problem
     motion = float(np.abs(q[:, :3]).max(initial=0.0))
     stiff = float((1.5 * np.cbrt(force) / problem.C).max(initial=0.0))
-    radii = 3e-3 if problem.drawn.profile.shape[1] else 0.0
-    return 4.0 * np.finfo(float).eps * (motion + radii * problem.scene.balls.radius / 3e-3) * stiff / scale if scale else 0.0
+    if scale == 0.0:
+        return 0.0
+    lengths = motion + (problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0)
+    return 4.0 * float(np.finfo(float).eps) * lengths * stiff / scale
 
 
 def solve_static(
@@ -167,7 +174,7 @@ def solve_static(
             outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
         problem = prepared.problem
         touched = touched_sides(prepared, layout)
-        if outcome[0] == 0 and not np.any(touched & ~use) or np.all(use):
+        if (outcome[0] == 0 and not np.any(touched & ~use)) or np.all(use):
             break
         notes.append("sides " + ", ".join(_names(~use)) + " were left out at first, but touch: included")
         use = np.ones(4, dtype=bool)
@@ -178,7 +185,7 @@ def solve_static(
         engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted", formulation="convex energy",
         round_off_bound=round_off_bound(prepared, outcome[4]), setup_seconds=ready - start,
     )  # fmt: skip
-    left_out = (*describe_left_out(prepared, layout, mechanism, everything=everything), *notes)
+    left_out = (*describe_left_out(prepared, mechanism, everything=everything), *notes)
     result = assemble_result(prepared, "lin", status, report, left_out)
     if discretisation and result.converged:
         result = with_discretisation(scene, result, engine=engine, member=member, drawn=drawn)
@@ -201,7 +208,7 @@ def pin(problem: Problem, mechanism: Mechanism) -> Problem:
     return replace(problem, fixed=fixed)
 
 
-def solve_with_hertz(prepared: Prepared) -> tuple[int, int, int, float, float]:
+def solve_with_hertz(prepared: Prepared) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
     outcome = run(prepared)
     problem = prepared.problem
@@ -222,8 +229,8 @@ def solve_with_hertz(prepared: Prepared) -> tuple[int, int, int, float, float]:
 
 
 def follow_profile(
-    prepared: Prepared, outcome: tuple[int, int, int, float, float], layout: BallLayout, *, everything: bool, refine: int
-) -> tuple[int, int, int, float, float]:
+    prepared: Prepared, outcome: Outcome, layout: BallLayout, *, everything: bool, refine: int
+) -> Outcome:
     """Let the flanks turn about their centre of curvature at the current contact, which an uneven profile shifts.
 
     Repeats the solution with moved lever arms until they settle (the shift is of the size of the profile error).
@@ -263,7 +270,7 @@ def contact_angles(normal: Array) -> Array:
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
 
-def verdict(outcome: tuple[int, int, int, float, float], bound: float) -> str:
+def verdict(outcome: Outcome, bound: float) -> str:
     """Status sentence of a solver outcome."""
     code, iterations, _, residual, _ = outcome
     if residual <= max(ACCEPTED, bound) and code in (0, 1):
@@ -278,21 +285,21 @@ def verdict(outcome: tuple[int, int, int, float, float], bound: float) -> str:
 def with_discretisation(
     scene: Scene, result: StaticResult, *, engine: Engine, member: int, drawn: Specimen
 ) -> StaticResult:
-    """Add the beam's discretisation error: largest change of a ball's load, in per cent of the mean loaded contact.
+    """Add the beam's discretisation error: largest change of a contact load, and the mean loaded contact [N].
 
     A nodal partition is compared with the same one at half the element length, any other with the nodal one.
     """
     if scene.ingredients.screw == "rigid":
-        return replace(result, solver=replace(result.solver, discretisation_percent=0.0))
+        return replace(result, solver=replace(result.solver, discretisation=(0.0, float(result.load.max()))))
     if scene.ingredients.partition == "nodal":
         other = solve_static(scene, engine=engine, member=member, refine=2, drawn=drawn)
     else:
         finer = replace(scene, ingredients=replace(scene.ingredients, partition="nodal"))
         other = solve_static(finer, engine=engine, member=member, drawn=drawn)
     loaded = other.load[other.load > 0.0]
-    mean = float(loaded.mean()) if loaded.size else 1.0
-    error = 100.0 * float(np.abs(result.load - other.load).max()) / mean
-    return replace(result, solver=replace(result.solver, discretisation_percent=error))
+    mean = float(loaded.mean()) if loaded.size else 0.0
+    change = float(np.abs(result.load - other.load).max())
+    return replace(result, solver=replace(result.solver, discretisation=(change, mean)))
 
 
 __all__ = ["BallLayout", "Prepared", "prepare", "run", "solve_static"]

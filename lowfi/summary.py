@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 MODEL_ASSUMPTIONS = (
     "the nut is rigid and fixed, apart from the Hertzian contacts (Lin 2.3.1)",
     "sections of the screw stay plane and rigid; the shaft is a straight Timoshenko beam (Lin 2.18)",
-    "each ball stays in the section plane of its nominal azimuth (Lin 2.3.2, remark 1); no friction, no cage, no ball-to-ball contact",
+    "each ball stays in the section plane of its nominal azimuth (Lin 2.3.2, remark 1)",
+    "no friction, no cage, no contact between balls (Lin 2.1)",
     "displacements are small: directions and lever arms of the undeformed helix",
 )
 
@@ -72,20 +73,22 @@ def equilibrium(prepared: Prepared, points: Array, on_ball: Array) -> Equilibriu
         f = np.array(load.force)
         applied_force += f
         applied_moment += np.array(load.moment) + np.cross([0.0, 0.0, load.at], f)
-    reaction_force, reaction_moment = np.zeros(3), np.zeros(3)
+    reaction_force: Array = np.zeros(3)
+    reaction_moment: Array = np.zeros(3)
     if problem.basis is None:
         nodal = reactions(prepared)
         for j, z in enumerate(problem.nodes):
             reaction_force += nodal[j, :3]
             reaction_moment += nodal[j, 3:] + np.cross([0.0, 0.0, z], nodal[j, :3])
     else:  # the supports of a rigid screw take what is left along the motions they hold
-        t = problem.basis
+        t: Array = problem.basis
         z0 = np.array([0.0, 0.0, problem.nodes[0]])
-        wrench = np.concatenate([applied_force + contact_force, applied_moment + contact_moment])
+        wrench: Array = np.concatenate([applied_force + contact_force, applied_moment + contact_moment])
         wrench[3:] -= np.cross(z0, wrench[:3])
         held = np.where(problem.fixed[0], t.T @ wrench, 0.0)
         w = -np.linalg.solve(t.T, held)
-        reaction_force, reaction_moment = w[:3], w[3:] + np.cross(z0, w[:3])
+        reaction_force = np.asarray(w[:3])
+        reaction_moment = np.asarray(w[3:] + np.cross(z0, w[:3]))
     size = max(
         float(np.abs(applied_force).max()), float(np.abs(contact_force).max()), float(np.abs(reaction_force).max()),
         float(force.max(initial=0.0)),
@@ -110,7 +113,7 @@ def reactions(prepared: Prepared) -> Array:
     return np.where(problem.fixed, gradient, 0.0)
 
 
-def warnings_of(problem: Problem, force: Array, gamma: Array, shift: Array, semi_axis: Array | None = None) -> tuple[str, ...]:
+def warnings_of(problem: Problem, force: Array, gamma: Array, shift: Array, semi_axis: Array) -> tuple[str, ...]:
     """Where the solution leaves the range in which the model holds."""
     notes = []
     scene = problem.scene
@@ -120,10 +123,10 @@ def warnings_of(problem: Problem, force: Array, gamma: Array, shift: Array, semi
     high = np.array([groove.gamma_2] * 2 + [nut_groove_range(scene)[1]] * 2)
     off = loaded & ((gamma < low) | (gamma > high))
     if off.any():
-        notes.append(f"{int(off.sum())} contact(s) lie beyond the groove's arc (apex or land edge): loads there are not valid")
+        notes.append(f"{int(off.sum())} contact(s) lie beyond the groove's arc (apex or land edge): not valid there")
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * scene.balls.radius:
         notes.append("a ball moves by more than a tenth of its radius: small-displacement theory is left")
-    if semi_axis is not None and (loaded & (semi_axis > 0.5 * scene.balls.radius)).any():
+    if (loaded & (semi_axis > 0.5 * scene.balls.radius)).any():
         notes.append("a contact ellipse is longer than the ball's radius: Hertz's half space does not hold")
     return tuple(notes)
 

@@ -70,10 +70,10 @@ def nominal_groove_centres(scene: Scene) -> Array:
     """Groove centres in the section frame, shape ``(4, 2)`` [m]: (r_G - r_B) opposite to the contact (Lin 2.4)."""
     beta = scene.track.contact_angle
     direction = np.array(SIDE_SIGNS) * np.array([cos(beta), sin(beta)])
-    return -(groove_radii(scene) - scene.balls.radius)[:, None] * direction
+    return np.asarray(-(groove_radii(scene) - scene.balls.radius)[:, None] * direction)
 
 
 def nominal_contact_points(scene: Scene) -> Array:
     """Nominal contact points in the section frame, shape ``(4, 2)`` [m]: r_B along the contact direction."""
     beta = scene.track.contact_angle
-    return scene.balls.radius * np.array(SIDE_SIGNS) * np.array([cos(beta), sin(beta)])
+    return np.asarray(scene.balls.radius * np.array(SIDE_SIGNS) * np.array([cos(beta), sin(beta)]))

@@ -31,7 +31,7 @@ def contact_stations(scene: Scene, layout: BallLayout) -> Array:
 
 def needed_stations(scene: Scene) -> Array:
     """Stations of supports and loads [m]."""
-    return np.array([x.at for x in (*scene.supports, *scene.loads)])
+    return np.array([s.at for s in scene.supports] + [f.at for f in scene.loads])
 
 
 def merge(stations: Array) -> Array:

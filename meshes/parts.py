@@ -173,8 +173,8 @@ class Ingredients:
     partition: ``"nodal"`` (a node at every contact station, exact), ``"source"`` (15 mm in the nut, about the pitch
     diameter outside), or ``"uniform"`` with ``element_length`` inside the nut.
     section: ``"groove"`` (Lin C.8: diameters scaled by k_r), ``"groove squared"`` (k_r without the root), ``"full"``.
-    arm: lever arm of the contact force: ``"current"`` contact point, ``"nominal"`` contact point (frozen), or ``"ball"``
-    (current contact point, but the force enters the beam at the ball's station).
+    arm: lever arm of the contact force: ``"current"`` contact point, ``"nominal"`` contact point (frozen), or
+    ``"ball"`` (current contact point, but the force enters the beam at the ball's station).
     """
 
     hertz: Literal["nominal", "actual", "as printed"] = "nominal"
@@ -187,7 +187,7 @@ class Ingredients:
 
 @dataclass(frozen=True)
 class Scene:
-    """One load case of one ball screw or bearing. ``assumed`` holds the statements about what the source leaves open."""
+    """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open."""
 
     name: str
     title: str

@@ -68,10 +68,10 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int, gamma: Array) 
 def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
     """First and second fundamental forms ``(n, 2, 2)`` and the unit normal S_phi x S_gamma ``(n, 3)`` (Lin B.5)."""
     normal = np.cross(d["Sp"], d["Sg"])
-    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
     def pair(u: Array, v: Array) -> Array:
-        return np.einsum("ni,ni->n", u, v)
+        return np.asarray(np.einsum("ni,ni->n", u, v))
 
     cross = pair(d["Sp"], d["Sg"])
     first = np.stack([pair(d["Sp"], d["Sp"]), cross, cross, pair(d["Sg"], d["Sg"])], -1).reshape(-1, 2, 2)

@@ -49,7 +49,7 @@ def write(report: Report, out: Path, progress: Progress | None = None) -> Path:
             given twice; a figure's data are inconsistent.
     """
     out = Path(out).resolve()
-    _refuse_foreign(out)
+    check_target(out)
     _check_names(report)
     say = progress or (lambda _: None)
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -128,8 +128,8 @@ def _csv_cell(value: Cell) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def _refuse_foreign(out: Path) -> None:
-    """Raise unless ``out`` may be replaced."""
+def check_target(out: Path) -> None:
+    """Raise ValueError unless a report may replace the directory ``out``."""
     if not out.exists():
         return
     if not out.is_dir():

@@ -1,8 +1,9 @@
 """One ball in its grooves: its centre eliminated from the contact energy (2 x 2), for up to four contacts.
 
 Packed rows, one per side SL, SR, NL, NR:
-geometry (4, 9): nominal w = (x3, z3) of the ball from the groove's centre, its size, nominal approach [m], Hertz constant
-C [m/N^(2/3)], 1 or 0 whether the flank takes part, groove radius [m], and the signs s_x, s_z of the contact direction;
+geometry (4, 9): nominal w = (x3, z3) of the ball from the groove's centre, its size, nominal approach [m], Hertz
+constant C [m/N^(2/3)], 1 or 0 whether the flank takes part, groove radius [m], and the signs s_x, s_z of
+the contact direction;
 contact (4, 5): force [N], unit normal m (ball to groove), F' = dF/d delta and F kt [N/m].
 """
 
@@ -10,6 +11,7 @@ from math import sqrt
 
 from lowfi.jit import kernel
 
+from .arrays import Array
 from .contact import arc, flank
 
 WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)
@@ -17,7 +19,7 @@ FORCE, MX, MZ, KN, KT = range(5)
 
 
 @kernel
-def start_centre(p, shift, geometry, closure):  # type: ignore[no-untyped-def]
+def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
     """Starting centre: two-contact solutions of the diagonal pairs that close, else the mean shift of the flanks.
 
     With D = o_a - o_b between opposite groove centres the interference is its nominal value ``closure`` (2,) plus
@@ -61,7 +63,9 @@ def start_centre(p, shift, geometry, closure):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def touch(px, pz, shift, geometry, r_ball, profile, contact):  # type: ignore[no-untyped-def]
+def touch(
+    px: float, pz: float, shift: Array, geometry: Array, r_ball: float, profile: Array, contact: Array,
+) -> float:  # fmt: skip
     """Contact forces and stiffnesses with the ball's centre at p; returns the energy [J] (Lin 2.14 integrated)."""
     energy = 0.0
     for s in range(4):
@@ -91,7 +95,7 @@ def touch(px, pz, shift, geometry, r_ball, profile, contact):  # type: ignore[no
 
 
 @kernel
-def net_force(contact):  # type: ignore[no-untyped-def]
+def net_force(contact: Array) -> tuple[float, float]:
     """Size of the net force on the ball and the largest single force [N]."""
     gx, gz, scale = 0.0, 0.0, 0.0
     for s in range(4):
@@ -104,7 +108,7 @@ def net_force(contact):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def newton_step(contact):  # type: ignore[no-untyped-def]
+def newton_step(contact: Array) -> tuple[float, float, float]:
     """Newton step of the centre and the slope of the energy along it; zero where singular."""
     gx, gz, hxx, hxz, hzz = 0.0, 0.0, 0.0, 0.0, 0.0
     for s in range(4):
@@ -127,7 +131,10 @@ def newton_step(contact):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def settle(p, shift, geometry, closure, r_ball, profile, tiny, contact):  # type: ignore[no-untyped-def]
+def settle(
+    p: Array, shift: Array, geometry: Array, closure: Array,
+    r_ball: float, profile: Array, tiny: float, contact: Array,
+) -> float:  # fmt: skip
     """Equilibrium of one ball at given motions of its flanks: minimises its contact energy over its centre.
 
     shift (4, 2): motion of the flanks [m]; closure (2,): nominal interference of the diagonal pairs [m]; r_ball [m];
@@ -163,7 +170,7 @@ def settle(p, shift, geometry, closure, r_ball, profile, tiny, contact):  # type
 
 
 @kernel
-def block(contact, s):  # type: ignore[no-untyped-def]
+def block(contact: Array, s: int) -> tuple[float, float, float]:
     """Stiffness h_s = F' m m^T + F kt t t^T of contact s: (xx, xz, zz) [N/m]."""
     if contact[s, FORCE] <= 0.0:
         return 0.0, 0.0, 0.0
@@ -172,7 +179,7 @@ def block(contact, s):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def reduced_hessian(contact, out):  # type: ignore[no-untyped-def]
+def reduced_hessian(contact: Array, out: Array) -> None:
     """Hessian of the ball's energy by the motion of its screw flanks, its centre eliminated: out (4, 4) [N/m].
 
     With H the sum of the blocks h_s: -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it (the others summed,

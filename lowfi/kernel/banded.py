@@ -1,49 +1,50 @@
 """Solution of a symmetric positive definite banded system, overwriting its right-hand side.
 
-Compiled: the column-wise Cholesky below. Interpreted: LAPACK through scipy. A test compares them.
+Compiled: the column-wise LDL^T below. Interpreted: LAPACK through scipy. A test compares them.
 """
 
-from math import sqrt
+import numpy as np
 
 from lowfi.jit import is_compiled, kernel
 
+from .arrays import Array
+
 
 @kernel
-def cholesky_solve(band, b):  # type: ignore[no-untyped-def]
+def ldl_solve(band: Array, b: Array) -> bool:
     """Solve A x = b with A[i, j] = band[j, i - j], i >= j (lower band, column by column); b (n,) becomes x.
 
-    Overwrites ``band`` with the factor. Returns False where A is not positive definite.
+    Overwrites ``band`` with the factors L (unit) and D. Returns False where A is not positive definite.
     """
     n, width = band.shape
+    column = np.empty(width)  # a copy: the compiler then knows that the updates below do not change it
     for j in range(n):
         pivot = band[j, 0]
         if not pivot > 0.0:
             return False
-        root = sqrt(pivot)
-        band[j, 0] = root
         m = min(width, n - j)
-        inv = 1.0 / root
+        inverse = 1.0 / pivot
         for i in range(1, m):
-            band[j, i] *= inv
+            column[i] = band[j, i]
+            band[j, i] = column[i] * inverse
         for k in range(1, m):
-            f = band[j, k]
+            f = column[k] * inverse
             if f != 0.0:
                 for i in range(m - k):
-                    band[j + k, i] -= f * band[j, k + i]
-        b[j] *= inv
+                    band[j + k, i] -= f * column[k + i]
         x = b[j]
         for i in range(1, m):
             b[j + i] -= band[j, i] * x
     for j in range(n - 1, -1, -1):
         m = min(width, n - j)
-        x = b[j]
+        x = b[j] / band[j, 0]
         for i in range(1, m):
             x -= band[j, i] * b[j + i]
-        b[j] = x / band[j, 0]
+        b[j] = x
     return True
 
 
-def _lapack_solve(band, b):  # type: ignore[no-untyped-def]
+def _lapack_solve(band: Array, b: Array) -> bool:
     from scipy.linalg import LinAlgError, solveh_banded
 
     try:
@@ -53,4 +54,4 @@ def _lapack_solve(band, b):  # type: ignore[no-untyped-def]
     return True
 
 
-solve_banded = cholesky_solve if is_compiled(__name__) else _lapack_solve
+solve_banded = ldl_solve if is_compiled(__name__) else _lapack_solve

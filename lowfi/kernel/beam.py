@@ -6,9 +6,11 @@ An element from node 1 to node 2 strains by d = q_2 - T q_1, T the rigid transpo
 
 from lowfi.jit import kernel
 
+from .arrays import Array
+
 
 @kernel
-def transport(q, length, out):  # type: ignore[no-untyped-def]
+def transport(q: Array, length: float, out: Array) -> None:
     """Rigid transport of the motion q (6,) = (u, theta) over ``length`` along z: u + theta x (length e_z)."""
     out[0] = q[0] + length * q[4]
     out[1] = q[1] - length * q[3]
@@ -19,7 +21,7 @@ def transport(q, length, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def element_constants(length, section):  # type: ignore[no-untyped-def]
+def element_constants(length: float, section: Array) -> tuple[float, float, float, float, float]:
     """Stiffnesses of an element's end deformation: k_uu, k_uu L/2, k_rr, axial, torsional (mends Lin D.1, D.2).
 
     section (4,): EA, EI, GJ, kappa G A. k_uu = 1/(L (L^2/(12 EI) + 1/(kappa G A))), k_rr = k_uu L^2/3 + k_uu EI/(kGA).
@@ -30,7 +32,7 @@ def element_constants(length, section):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def element_force(d, length, section, out):  # type: ignore[no-untyped-def]
+def element_force(d: Array, length: float, section: Array, out: Array) -> None:
     """Force and moment (6,) at node 2 that the deformation d (6,) takes."""
     kuu, kur, krr, ka, kt = element_constants(length, section)
     out[0] = kuu * d[0] - kur * d[4]
@@ -42,7 +44,7 @@ def element_force(d, length, section, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def add_element(band, node, length, section):  # type: ignore[no-untyped-def]
+def add_element(band: Array, node: int, length: float, section: Array) -> None:
     """Add an element's stiffness between ``node`` and the next one to the lower band (see ``banded``)."""
     kuu, kur, krr, ka, kt = element_constants(length, section)
     off = length * kur - krr
@@ -70,7 +72,7 @@ def add_element(band, node, length, section):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def positions(q, d, lengths):  # type: ignore[no-untyped-def]
+def positions(q: Array, d: Array, lengths: Array) -> None:
     """Fill the nodes' motions q (n, 6) from the first node's and the element deformations d (n - 1, 6)."""
     for e in range(d.shape[0]):
         transport(q[e], lengths[e], q[e + 1])

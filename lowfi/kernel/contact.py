@@ -4,13 +4,17 @@ from math import atan2, cos, hypot, sin, sqrt
 
 from lowfi.jit import kernel
 
+from .arrays import Array
+
 
 @kernel
-def arc(mx, mz, wx0, wz0, size0, approach):  # type: ignore[no-untyped-def]
+def arc(
+    mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
     """Approach, normal and curvature term for a circular flank; see ``flank``.
 
-    (wx0, wz0), size0: the nominal w and its size; approach: nominal approach [m]. The approach is built as nominal value
-    plus change, so that its round-off is that of the motion (1e-22 m), not that of the radii (1e-18 m).
+    (wx0, wz0), size0: the nominal w and its size; approach: nominal approach [m]. The approach is built as nominal
+    value plus change, so that its round-off is that of the motion (1e-22 m), not that of the radii (1e-18 m).
     """
     wx, wz = wx0 + mx, wz0 + mz
     size = sqrt(wx * wx + wz * wz)
@@ -21,12 +25,15 @@ def arc(mx, mz, wx0, wz0, size0, approach):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def flank(mx, mz, wx0, wz0, r_ball, radius, profile, sx, sz):  # type: ignore[no-untyped-def]
+def flank(
+    mx: float, mz: float, wx0: float, wz0: float, r_ball: float, radius: float, profile: Array, sx: float, sz: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
     """Approach of a ball to the flank rho(gamma) (s_x cos gamma, s_z sin gamma) around the groove's centre.
 
     (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position from the groove's
-    centre [m]; rho is ``radius`` minus the polynomial ``profile`` (d,), ascending powers of gamma (Lin 2.3, 2.27). Returns the approach delta = r_B - |w - A|, the unit vector
-    m from the ball to the closest point, and kt = 1/(R_c - d) [1/m]: delta has gradient m and Hessian kt t t^T by w,
+    centre [m]; rho is ``radius`` minus the polynomial ``profile`` (d,), ascending powers of gamma (Lin 2.3, 2.27).
+    Returns the approach delta = r_B - |w - A|, the unit vector m from the ball to the closest point, and
+    kt = 1/(R_c - d) [1/m]: delta has gradient m and Hessian kt t t^T by w,
     with t normal to m and R_c the profile's radius of curvature.
     """
     ux, uz = sx * (wx0 + mx), sz * (wz0 + mz)

@@ -10,6 +10,7 @@ import numpy as np
 
 from lowfi.jit import kernel
 
+from .arrays import Array, Arrays, Contacts
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, reduced_hessian, settle
 from .banded import solve_banded
 from .beam import add_element, element_force, positions
@@ -18,11 +19,11 @@ CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
 
 
 @kernel
-def evaluate(beam, contacts, state, out):  # type: ignore[no-untyped-def]
+def evaluate(beam: Arrays, contacts: Contacts, state: Arrays, out: Arrays) -> tuple[float, float]:
     """Energy and gradient at the state; fills out = (gradient (n, 6), hessians (N, 4, 4)); returns energy and scale.
 
-    beam = (lengths, sections, fixed, load); contacts = (node, B, geometry, closure, r_ball, profile, tiny), see ``ball``;
-    state = (q, d, p, contact). The scale [N] is the largest force met: applied, in an element, or of
+    beam = (lengths, sections, fixed, load); contacts = (node, B, geometry, closure, r_ball, profile, tiny), see
+    ``ball``; state = (q, d, p, contact). The scale [N] is the largest force met: applied, in an element, or of
     a contact.
     """
     lengths, sections, _, load = beam
@@ -76,7 +77,7 @@ def evaluate(beam, contacts, state, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def assemble(band, beam, contacts, hessians, shift, arm):  # type: ignore[no-untyped-def]
+def assemble(band: Array, beam: Arrays, contacts: Contacts, hessians: Array, shift: float, arm: float) -> None:
     """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
     lengths, sections, fixed, _ = beam
     node, B = contacts[0], contacts[1]
@@ -117,7 +118,7 @@ def assemble(band, beam, contacts, hessians, shift, arm):  # type: ignore[no-unt
 
 
 @kernel
-def residual_of(gradient, fixed, scale, arm):  # type: ignore[no-untyped-def]
+def residual_of(gradient: Array, fixed: Array, scale: float, arm: float) -> float:
     """Largest free component of the gradient over the scale [N]; moments divided by ``arm`` [m]."""
     worst = 0.0
     for i in range(gradient.shape[0]):
@@ -128,7 +129,7 @@ def residual_of(gradient, fixed, scale, arm):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def advance(q, d, lengths, q0, d0, step, t):  # type: ignore[no-untyped-def]
+def advance(q: Array, d: Array, lengths: Array, q0: Array, d0: Array, step: Array, t: float) -> None:
     """State at q0 + t step, in element deformations: the strain of the step is taken from the step alone."""
     for k in range(6):
         q[0, k] = q0[k] + t * step[0, k]
@@ -141,7 +142,7 @@ def advance(q, d, lengths, q0, d0, step, t):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def slope_along(gradient, step, fixed):  # type: ignore[no-untyped-def]
+def slope_along(gradient: Array, step: Array, fixed: Array) -> float:
     """Directional derivative of the energy."""
     total = 0.0
     for i in range(step.shape[0]):
@@ -152,7 +153,10 @@ def slope_along(gradient, step, fixed):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def line_search(beam, contacts, state, out, step, energy, slope, limit):  # type: ignore[no-untyped-def]
+def line_search(
+    beam: Arrays, contacts: Contacts, state: Arrays, out: Arrays,
+    step: Array, energy: float, slope: float, limit: float,
+) -> tuple[float, float, int]:  # fmt: skip
     """Step length along ``step``: shrunk on overshoot, stretched while the slope does not change (open gaps).
 
     Returns the energy, scale, and the number of evaluations; the state is left at the accepted point.
@@ -184,7 +188,9 @@ def line_search(beam, contacts, state, out, step, energy, slope, limit):  # type
 
 
 @kernel
-def solve(beam, contacts, state, options, history):  # type: ignore[no-untyped-def]
+def solve(
+    beam: Arrays, contacts: Contacts, state: Arrays, options: Array, history: Array,
+) -> tuple[int, int, int, float, float, float]:  # fmt: skip
     """Minimise the energy from the given state; returns status, iterations, evaluations, residual, energy, scale.
 
     options (8,): tolerance, largest number of iterations, reference stiffness [N/m], arm [m], largest motion of a flank
@@ -205,7 +211,7 @@ def solve(beam, contacts, state, options, history):  # type: ignore[no-untyped-d
     best = residual
     if residual <= tolerance:
         return CONVERGED, 0, 1, residual, energy, scale
-    for it in range(1, most + 1):  # noqa: B007
+    for it in range(1, most + 1):
         step = np.empty((n, 6))
         solved = False
         for _ in range(12):
@@ -244,13 +250,16 @@ def solve(beam, contacts, state, options, history):  # type: ignore[no-untyped-d
             break
         stalled = stalled + 1 if residual >= 0.5 * best else 0
         best = min(best, residual)
-        if stalled >= 4 and residual <= 1e-8:
+        if stalled >= 2 and residual <= 1e-9:
             break
     return status, it, evaluations, residual, energy, scale
 
 
 @kernel
-def ensemble(beam, contacts, state, options, radii, closures, geometries, forces, statuses, residuals):  # type: ignore[no-untyped-def]
+def ensemble(
+    beam: Arrays, contacts: Contacts, state: Arrays, options: Array, radii: Array,
+    closures: Array, geometries: Array, forces: Array, statuses: Array, residuals: Array,
+) -> int:  # fmt: skip
     """Solve many specimens of one screw from the same start; they differ in ball radii [m] and groove centres.
 
     radii (M, N), closures (M, N, 2), geometries (M, N, 4, 9) replace those of ``contacts``; forces (M, N, 4),
@@ -274,7 +283,7 @@ def ensemble(beam, contacts, state, options, radii, closures, geometries, forces
 
 
 @kernel
-def linear_start(beam, contacts, state, options):  # type: ignore[no-untyped-def]
+def linear_start(beam: Arrays, contacts: Contacts, state: Arrays, options: Array) -> bool:
     """Start of the iteration: equilibrium of the screw on linear springs (reference stiffness) in place of contacts.
 
     Overwrites the motions and element deformations of ``state``; False (state untouched) where they cannot be found.

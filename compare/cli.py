@@ -1,0 +1,195 @@
+"""The command line. Modules that a command does not need are imported inside the command."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import App, CycloptsError, Parameter
+
+from compare import __version__
+from compare.errors import InputError, one_line
+
+app = App(
+    name="rollbench",
+    help="Validation workbench for ball screws and rolling bearings: low-order models beside their references.",
+    version=__version__,
+    help_format="plaintext",
+)
+
+Json = Annotated[bool, Parameter(name="--json", negative="", help="Print exactly one JSON value.")]
+
+
+def _print_json(value: Any) -> None:
+    sys.stdout.write(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def _show(*parts: Any) -> None:
+    from rich.console import Console
+
+    console = Console(soft_wrap=True, highlight=False, markup=False)
+    for part in parts:
+        console.print(part)
+
+
+@app.command(name="list")
+def list_(*, as_json: Json = False) -> None:
+    """List the scenes, the models and the printed tables that are shipped."""
+    from compare import catalogue, printed_data
+    from compare.models import MODELS
+
+    scenes = {name: catalogue.scene(name).title for name in catalogue.scene_names()}
+    tables = {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()}
+    if as_json:
+        models = {m.name: m.about for m in MODELS.values()}
+        _print_json({"scenes": scenes, "models": models, "printed_tables": tables})
+        return
+    width = max(map(len, (*scenes, *tables, *MODELS)))
+    _show("scenes", *(f"  {name:{width}}  {title}" for name, title in scenes.items()))
+    _show("models", *(f"  {m.name:{width}}  {m.about}" for m in MODELS.values()))
+    _show("printed tables", *(f"  {name:{width}}  {count} rows" for name, count in tables.items()))
+
+
+@app.command
+def schema() -> None:
+    """Print the JSON Schema of a scene file."""
+    from compare.scene_file import json_schema
+
+    _print_json(json_schema())
+
+
+@app.command
+def new(file: Path) -> None:
+    """Write a commented scene to edit.
+
+    Parameters
+    ----------
+    file
+        Where to write it; an existing file is never overwritten.
+    """
+    from compare.scene_file import template
+    from compare.writing import write_new
+
+    write_new(file, template())
+    _show(f"wrote {file}; solve it with: rollbench solve {file}")
+
+
+@app.command
+def solve(
+    scene: str,
+    *,
+    model: str = "lin",
+    as_json: Json = False,
+    everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
+    member: int = 0,
+) -> int:
+    """Solve one scene with one model.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    model
+        lin, source, mei or mei-nut; see: rollbench list.
+    everything
+        Build everything, also what the scene does not need.
+    member
+        Which specimen of a scene with random errors.
+    """
+    from compare import catalogue
+    from compare.models import Options, run_model
+    from compare.output import as_json as to_json
+    from compare.output import as_table
+
+    if not 0 <= member < 10**9:
+        raise InputError("command line", "--member", str(member), "0 to 999999999", "give the specimen's number")
+    parts = catalogue.scene(scene)
+    result = run_model(parts, model, Options(everything=everything, member=member))
+    if as_json:
+        _print_json(to_json(parts, result))
+    else:
+        _show(*as_table(parts, result))
+    return 0 if result.converged else 1
+
+
+@app.command
+def report(
+    *,
+    only: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
+    out: Path = Path("rollbench-report"),
+) -> int:
+    """Regenerate the validation report: one HTML file, its tables as CSV, its figures as SVG.
+
+    Parameters
+    ----------
+    only
+        Names of the sections to make; all of them unless given.
+    out
+        Folder to write to.
+    """
+    from compare.report import make_report
+
+    return make_report(only or (), out)
+
+
+@app.command
+def check(*, max_error: float = 7.0, as_json: Json = False) -> int:
+    """Check against hard printed values and closed forms; exit 1 and the rows where the error is too large.
+
+    Parameters
+    ----------
+    max_error
+        Largest error allowed, in per cent, for rows that have no tighter tolerance of their own.
+    """
+    from compare.gate import run_gate
+
+    if not 0.0 < max_error <= 100.0:
+        raise InputError("command line", "--max-error", str(max_error), "above 0 to 100 per cent", "the gate uses 7")
+    rows = run_gate(max_error)
+    bad = [row for row in rows if not row.passed]
+    if as_json:
+        _print_json({"max_error_percent": max_error, "passed": not bad, "rows": [row.as_json() for row in rows]})
+    else:
+        from compare.gate import as_table
+
+        _show(as_table(rows), f"{len(rows) - len(bad)} passed, {len(bad)} failed")
+    return 1 if bad else 0
+
+
+@app.command
+def stability(*, as_json: Json = False) -> int:
+    """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any."""
+    from compare.stability_command import run_stability
+
+    return run_stability(as_json=as_json, show=_show, print_json=_print_json)
+
+
+@app.command
+def bench(*, as_json: Json = False) -> int:
+    """Measure run times as ratios to the source's formulation in the same process."""
+    from compare.bench_command import run_bench_command
+
+    return run_bench_command(as_json=as_json, show=_show, print_json=_print_json)
+
+
+def main(tokens: list[str] | None = None) -> None:
+    """Entry point: bad input gives one line on standard error and exit code 2, an interrupt 130."""
+    try:
+        code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
+    except InputError as error:
+        sys.stderr.write(f"rollbench: {error}\n")
+        sys.exit(2)
+    except CycloptsError as error:
+        text = one_line(" ".join(str(error).split()), 400)
+        sys.stderr.write(f"rollbench: command line: {text} Advice: see rollbench --help\n")
+        sys.exit(2)
+    except KeyboardInterrupt:
+        sys.stderr.write("rollbench: interrupted; nothing was left half-written\n")
+        sys.exit(130)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(141)
+    sys.exit(code if isinstance(code, int) else 0)

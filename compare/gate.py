@@ -1,0 +1,143 @@
+"""The gate of continuous integration: hard printed values, closed forms, balance, agreement of the two solvers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from compare import catalogue, closed_forms
+from compare.findings import Finding
+from compare.measure import error_percent, load_error
+from compare.study import Study
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+#: Limits [%] of rows that are exact but for round-off and root finding.
+EXACT = 1e-6
+
+
+@dataclass(frozen=True)
+class GateRow:
+    """One check: what, against what, error and limit in per cent, and whether it passed. Claims have no number."""
+
+    name: str
+    kind: str
+    value: float | None
+    reference: float | None
+    error_percent: float | None
+    limit_percent: float | None
+    passed: bool
+    detail: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return asdict(self)
+
+
+def number_row(name: str, kind: str, value: float, reference: float, limit: float, detail: str = "") -> GateRow:
+    """Row of a number against a reference with a limit in per cent."""
+    error = float(error_percent(value, reference))
+    return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit, detail)
+
+
+def finding_row(finding: Finding, max_error: float) -> GateRow:
+    """Row of a printed entry: its own printed digits are the limit, and ``max_error`` on top."""
+    p = finding.printed
+    if p.value is None:
+        return GateRow(
+            f"{p.place}: {p.claim}", f"claim, {p.cls}", None, None, None, None, finding.agrees is not False,
+            finding.evidence,
+        )  # fmt: skip
+    error = finding.error_percent
+    limit = min(max_error, abs(float(error_percent(p.value + p.tolerance, p.value))))
+    passed = bool(finding.agrees) and error is not None and abs(error) <= max_error
+    return GateRow(f"{p.place}: {p.label}", f"printed, {p.cls}", finding.compared, p.value, error, limit, passed)
+
+
+def printed_rows(study: Study, max_error: float) -> list[GateRow]:
+    """Every hard or as-printed entry of chapter 2, Table B.1 and 4.3.2."""
+    from compare.sections import cases, hertz, manufacturing
+    from compare.sections.errors import single_findings
+
+    found = [
+        *hertz.findings(study), *cases.findings_241(study), *single_findings(study), *manufacturing.findings(study),
+    ]  # fmt: skip
+    gated = [f for f in found if f.printed.cls in ("hard", "as-printed") and f.agrees is not None]
+    return [finding_row(f, max_error) for f in gated]
+
+
+def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
+    """Closed forms on the source's screw."""
+    scene = study.scene("lin-case1")
+    limit = min(EXACT, max_error)
+    rows = [
+        number_row(f"{name} [{unit}]", "closed form", value, reference, limit)
+        for name, unit, value, reference in closed_forms.sphere_on_flat(scene, 225.0)
+    ]
+    for name, (value, reference) in (
+        ("rigid screw, axial load: load of every ball [N]", closed_forms.rigid_axial(scene)),
+        ("shaft as a cantilever: tip deflection [m]", closed_forms.cantilever(scene)),
+        ("two opposite balls, no lead: load [N]", closed_forms.two_opposite_balls(scene)),
+        ("7 um oversize, no load, rigid screw: load of a screw contact [N]", closed_forms.preload(scene, 7e-6)),
+    ):
+        rows.append(number_row(name, "closed form", value, reference, limit))
+    return rows
+
+
+def solver_rows(study: Study, max_error: float) -> list[GateRow]:
+    """Balance of every shipped scene, and both solvers on the same equations."""
+    from compare.sections.formulations import best_start
+
+    rows = []
+    limit = min(EXACT, max_error)
+    for name in catalogue.scene_names():
+        result = study.solve(name)
+        e = result.equilibrium
+        worst = max(e.force_residual, e.moment_residual) if e is not None else float("inf")
+        percent = float(error_percent(worst, 0.0, 1.0))
+        rows.append(
+            GateRow(
+                f"{name}: balance of the screw", "balance", worst, 0.0, percent, limit,
+                result.converged and percent <= limit, result.status,
+            )
+        )  # fmt: skip
+    for name in ("lin-case1", "lin-case3-offset"):
+        theirs = best_start(study.scene(name), "arc")
+        e2 = load_error(study.solve(name).load, theirs.load)
+        rows.append(
+            GateRow(
+                f"{name}: energy solver against the source's Newton, same equations", "two solvers", None, None,
+                e2.max_percent, limit, theirs.converged and e2.max_percent <= limit,
+                f"worst at ball {e2.ball} {e2.side}; {theirs.status}",
+            )
+        )  # fmt: skip
+    return rows
+
+
+def run_gate(max_error: float, study: Study | None = None, step: Callable[[str], None] | None = None) -> list[GateRow]:
+    """All rows of the gate. The comparison with the 3D reference joins once that reference exists."""
+    study = study or Study()
+    del step
+    return [*printed_rows(study, max_error), *closed_form_rows(study, max_error), *solver_rows(study, max_error)]
+
+
+def as_table(rows: list[GateRow]) -> Table:
+    """For the terminal: failing rows first."""
+    from rich.table import Table
+
+    table = Table(title="gate", title_justify="left")
+    for heading in ("", "check", "kind", "value", "reference", "error %", "limit %"):
+        table.add_column(heading)
+
+    def show(x: float | None, form: str) -> str:
+        return "–" if x is None else format(x, form)
+
+    for row in sorted(rows, key=lambda r: r.passed):
+        table.add_row(
+            "ok" if row.passed else "FAIL", row.name + (f" ({row.detail})" if row.detail and not row.passed else ""),
+            row.kind, show(row.value, ".6g"), show(row.reference, ".6g"), show(row.error_percent, ".2e"),
+            show(row.limit_percent, ".2e"),
+        )  # fmt: skip
+    return table

@@ -1,0 +1,145 @@
+"""Regenerates the validation report: runs the models, fills the records, writes the page."""
+
+from __future__ import annotations
+
+import datetime
+import os
+import platform
+from collections.abc import Callable, Sequence
+from functools import partial
+from importlib import metadata
+from pathlib import Path
+from time import perf_counter
+
+from compare import __version__, catalogue
+from compare.errors import InputError
+from compare.findings import Finding
+from compare.scene_file import scene_hash
+from compare.study import Study
+from reports.records import Report, Section
+
+Step = Callable[[str], None]
+#: Sections by name, in order.
+SECTIONS = (
+    "overview", "hertz", "cases", "errors", "manufacturing", "formulations", "stability", "timing", "notes",
+)  # fmt: skip
+
+
+def provenance() -> dict[str, str]:
+    """What was run where: version, date, machine, library versions."""
+    cpu = platform.processor() or platform.machine()
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        cpu = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), cpu)
+    except OSError:
+        pass
+    packages = ("numpy", "scipy", "numba", "matplotlib", "pyvista")
+    return {
+        "rollbench": __version__,
+        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "machine": f"{cpu}, {os.cpu_count()} cores, {platform.system()}",
+        "Python": platform.python_version(),
+        "libraries": ", ".join(f"{name} {metadata.version(name)}" for name in packages),
+        "source": "Lin (2019), doctoral thesis: chapter 2, appendices B to E, section 4.3.2",
+    }
+
+
+class Progress:
+    """Lines on the terminal: which section, which step, how long it took."""
+
+    def __init__(self, total: int) -> None:
+        """Start counting sections out of ``total``."""
+        self.total, self.count = total, 0
+        self.start = perf_counter()
+
+    def section(self, name: str) -> None:
+        """Announce a section."""
+        self.count += 1
+        print(f"[{self.count}/{self.total}] {name} ({perf_counter() - self.start:.1f} s)", flush=True)
+
+    def step(self, text: str) -> None:
+        """Announce a step of the section."""
+        print(f"      {text}", flush=True)
+
+
+def _printed(study: Study, step: Step) -> tuple[list[Finding], Section, Section]:
+    """Findings of all tables, and the two sections that share the ensembles."""
+    from compare.sections import cases, errors, hertz, manufacturing
+
+    section, found = errors.section_with_findings(study, step)
+    everything = [*hertz.findings(study), *cases.findings_241(study), *found, *manufacturing.findings(study)]
+    return everything, section, manufacturing.section(study, step)
+
+
+def build(only: Sequence[str], progress: Progress) -> tuple[list[Section], list[tuple[str, str]], Study]:
+    """Sections asked for (all if none), headline figures, and the study they were made from."""
+    from compare.sections import cases, formulations, hertz, notes, overview, stability, timing
+
+    study = Study()
+    wanted = [name for name in SECTIONS if not only or name in only]
+    made: dict[str, Section] = {}
+    headline: list[tuple[str, str]] = []
+    found: list[Finding] = []
+    if any(name in wanted for name in ("overview", "errors", "manufacturing", "notes")):
+        progress.section("printed numbers and claims, geometric errors")
+        found, made["errors"], made["manufacturing"] = _printed(study, progress.step)
+        made["overview"] = overview.section(found)
+        headline += overview.counts(found)
+    simple: dict[str, Callable[[Study, Step], Section]] = {
+        "hertz": hertz.section, "cases": cases.section, "formulations": formulations.section,
+    }  # fmt: skip
+    for name in wanted:
+        if name in simple:
+            progress.section(name)
+            made[name] = simple[name](study, progress.step)
+        elif name == "stability":
+            progress.section(name)
+            made[name], line = stability.section(progress.step)
+            headline.append(line)
+        elif name == "timing":
+            progress.section(name)
+            made[name], lines = timing.section(progress.step)
+            headline += lines
+    if "notes" in wanted:
+        progress.section("notes")
+        made["notes"] = notes.section(study, found, progress.step)
+    return [made[name] for name in wanted], headline, study
+
+
+def make_report(only: Sequence[str], out: Path) -> int:
+    """Run, draw and write the report; returns the exit code. Raises InputError for a bad section name or folder."""
+    unknown = [name for name in only if name not in SECTIONS]
+    if unknown:
+        raise InputError("command line", "--only", f'"{unknown[0]}"', ", ".join(SECTIONS), "name a section")
+    from reports.html import check_target, write
+
+    try:
+        check_target(out)
+    except (ValueError, OSError) as error:
+        raise _bad_folder(out, error) from None
+    total = len([n for n in SECTIONS if (not only or n in only) and n not in ("overview", "errors", "manufacturing")])
+    total += 1 + any(not only or n in only for n in ("overview", "errors", "manufacturing"))
+    progress = Progress(total)
+    start = perf_counter()
+    sections, headline, study = build(only, progress)
+    progress.section("drawing and writing")
+    facts = provenance()
+    facts["computed in"] = f"{perf_counter() - start:.0f} s"
+    report = Report(
+        title="rollbench validation report",
+        subtitle="Static low-order model of ball screws against the printed numbers of its source",
+        headline=headline, provenance=facts, sections=sections,
+        scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in sorted(study.scenes)},
+    )  # fmt: skip
+    try:
+        page = write(report, out, partial(progress.step))
+    except (ValueError, OSError) as error:
+        raise _bad_folder(out, error) from None
+    print(f"report: {page} ({perf_counter() - start:.0f} s)", flush=True)
+    return 0
+
+
+def _bad_folder(out: Path, error: Exception) -> InputError:
+    return InputError(
+        str(out), "--out", str(error), "a folder that is new, empty or an earlier report", "choose another folder"
+    )

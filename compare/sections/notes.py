@@ -1,0 +1,81 @@
+"""What the scenes assume, what the source misprints, and what does not reproduce."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Sequence
+from importlib import resources
+
+from compare.findings import Finding
+from compare.study import Study
+from lowfi.summary import MODEL_ASSUMPTIONS
+from reports.records import Cell, Column, Section, Table, Text
+
+
+def misprints() -> list[dict[str, Cell]]:
+    """Shipped list of misprints and faults of the source with the evidence for each."""
+    text = resources.files("compare").joinpath("printed", "misprints", "lin.toml").read_text(encoding="utf-8")
+    return [dict(row) for row in tomllib.loads(text)["row"]]
+
+
+def assumptions(study: Study) -> list[dict[str, Cell]]:
+    """Assumed statements and the scenes that make them."""
+    by_text: dict[str, list[str]] = {}
+    for name, scene in sorted(study.scenes.items()):
+        for sentence in scene.assumed:
+            by_text.setdefault(sentence, []).append(name)
+    total = len(study.scenes)
+    return [
+        {"assumed": text, "scenes": "all" if len(names) == total else ", ".join(names)}
+        for text, names in sorted(by_text.items(), key=lambda item: -len(item[1]))
+    ]
+
+
+def not_reproduced(found: Sequence[Finding]) -> list[dict[str, Cell]]:
+    """Entries that are not reproduced, and those that stay open."""
+    return [
+        {
+            "entry": f.printed.claim or f"{f.printed.label}: {f.printed.printed} {f.printed.unit}",
+            "place": f.printed.place, "class": f.printed.cls, "verdict": f.verdict,
+            "why": f.evidence if f.evidence and f.agrees is not None else f.printed.remark,
+        }
+        for f in found
+        if not f.verdict.startswith("reproduced")
+    ]  # fmt: skip
+
+
+def section(study: Study, found: Sequence[Finding], step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("assumptions and misprints")
+    return Section(
+        "notes",
+        "Assumptions, misprints, and what does not reproduce",
+        (
+            Table(
+                "not-reproduced", "Not reproduced, or open",
+                (
+                    Column("entry", "printed", "", "s"),
+                    Column("place", "place", "", "s"),
+                    Column("class", "class", "", "s"),
+                    Column("verdict", "verdict", "", "s"),
+                    Column("why", "best explanation and its evidence", "", "s"),
+                ),
+                not_reproduced(found),
+            ),
+            Table(
+                "assumptions", "What the scenes assume where the source is silent",
+                (Column("assumed", "assumed", "", "s"), Column("scenes", "scenes", "", "s")), assumptions(study),
+            ),
+            Text(MODEL_ASSUMPTIONS, bullets=True),
+            Table(
+                "misprints", "Misprints and faults of the source that this chapter meets",
+                (
+                    Column("place", "place", "", "s"),
+                    Column("wrong", "as printed", "", "s"),
+                    Column("right", "right", "", "s"),
+                    Column("evidence", "evidence here", "", "s"),
+                ),
+                misprints(),
+            ),
+        ),
+    )  # fmt: skip

@@ -1,0 +1,68 @@
+"""Run times: ratios to the source's formulation in the same process, with seconds and the source's own beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+
+from compare.bench import run_bench
+from compare.findings import entry
+from compare.printed_data import load_table
+from reports.records import Cell, Column, Section, Table, Text
+
+
+def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]]:
+    """Section of the report, and its headlines."""
+    jobs = run_bench(step)
+    rows: list[dict[str, Cell]] = [asdict(job) for job in jobs]
+    printed: list[dict[str, Cell]] = [
+        {"label": p.label, "printed": p.printed, "unit": p.unit, "class": p.cls, "remark": p.remark}
+        for p in load_table("lin-2.2")
+    ]
+    theirs = entry("lin-2.2", "time_proposed_1")
+    made = Section(
+        "timing",
+        "Run times",
+        (
+            Text(
+                (
+                    "Ratios are seconds of the source's formulation, run in the same process on the same task, over "
+                    f"ours. The source reports {theirs.printed} s for case 1 on its machine and in its language; that is "
+                    "shown below, not compared.",
+                )
+            ),
+            Table(
+                "timing-jobs", "Jobs",
+                (
+                    Column("job", "job", "", "s"),
+                    Column("seconds", "seconds", "s", "g3"),
+                    Column("ratio", "ratio", "", "g3"),
+                    Column("unknowns", "unknowns", "", "s"),
+                    Column("peak_MB", "peak memory", "MB", ".0f"),
+                    Column("note", "what is included", "", "s"),
+                ),
+                rows,
+            ),
+            Table(
+                "timing-printed", "Table 2.2 as printed",
+                (
+                    Column("label", "quantity", "", "s"),
+                    Column("printed", "printed", "", "s"),
+                    Column("unit", "unit", "", "s"),
+                    Column("class", "class", "", "s"),
+                    Column("remark", "remark", "", "s"),
+                ),
+                printed,
+            ),
+        ),
+    )  # fmt: skip
+    by_name = {job.job: job for job in jobs}
+    headline = []
+    for name, label in (("cold solve, case 1", "source's Newton from a good guess over ours"),
+                        ("cold solve, no guess", "source's Newton by load steps over ours")):  # fmt: skip
+        job = by_name[name]
+        if name == "cold solve, case 1" and job.seconds is not None:
+            headline.append(("cold solve of case 1", f"{1e6 * job.seconds:.0f} µs"))
+        if job.ratio is not None:
+            headline.append((label, f"{job.ratio:.0f} times"))
+    return made, headline

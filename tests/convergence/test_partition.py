@@ -1,0 +1,73 @@
+"""Error of the beam's partition: none with nodes at the contacts, falling with the element length otherwise."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from compare import catalogue
+from tests.helpers import relative, solved, with_ingredients
+
+CASES = ("lin-case1", "lin-case2", "lin-case3-offset")
+LENGTHS = (16e-3, 8e-3, 4e-3, 2e-3, 1e-3, 0.5e-3)
+
+
+@cache
+def nodal(case):
+    return solved(catalogue.scene(case), everything=True).load
+
+
+@cache
+def uniform_errors(case):
+    """Largest change of a load over the largest load, one per element length of the nut's part."""
+    scene = catalogue.scene(case)
+    return np.array(
+        [
+            relative(
+                solved(with_ingredients(scene, partition="uniform", element_length=h), engine="compiled").load,
+                nodal(case),
+            )
+            for h in LENGTHS
+        ]
+    )
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("refine", [2, 5])
+def test_nodal_partition_is_exact(case, refine):
+    """Loaded at its nodes only, the Timoshenko element is exact: splitting it changes nothing but round-off."""
+    assert relative(solved(catalogue.scene(case), refine=refine).load, nodal(case)) < 1e-9
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_reported_discretisation_error_of_the_nodal_partition(case):
+    result = solved(catalogue.scene(case), discretisation=True)
+    change, mean = result.solver.discretisation
+    assert change < 1e-9 * mean
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_uniform_partition_converges_monotonically(case):
+    errors = uniform_errors(case)
+    assert np.all(np.diff(errors) < 0.0), errors
+    assert errors[-1] < 1e-3
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_order_of_the_uniform_partition(case, record_property):
+    """Forces inside an element are moved to its ends: the compliance misses a kink, an error of first order or more."""
+    errors = uniform_errors(case)
+    order = np.polyfit(np.log(LENGTHS), np.log(errors), 1)[0]
+    record_property("order", round(float(order), 3))
+    assert 0.8 < order < 2.5, order
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_sources_partition_is_within_two_per_cent(case):
+    scene = with_ingredients(catalogue.scene(case), partition="source")
+    result = solved(scene, discretisation=True)
+    error = relative(result.load, nodal(case))
+    assert 1e-5 < error < 0.02
+    loaded = nodal(case)[nodal(case) > 0.0]
+    expected = np.abs(result.load - nodal(case)).max(), loaded.mean()
+    assert result.solver.discretisation == pytest.approx(expected, rel=1e-6)

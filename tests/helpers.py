@@ -1,0 +1,93 @@
+"""Shared by the physics tests: small scenes, changes of scenes, and problems ready for the kernels."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from lowfi import jit
+from lowfi.problem import build
+from lowfi.static import prepare, solve_static
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import (
+    SIDES,
+    BallErrors,
+    Balls,
+    Errors,
+    FourierTerm,
+    Ingredients,
+    Load,
+    Material,
+    Nut,
+    Scene,
+    Screw,
+    SideErrors,
+    Support,
+    Track,
+)
+
+STEEL = Material(210e9, 0.28)
+ALL_BUT_AXIAL = (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
+
+#: One error of every kind on every flank, all different.
+FLANK_ERRORS = Errors(
+    SL=SideErrors(profile=(1e-6, -3e-6, 2e-6), pitch=(FourierTerm(2.0, 3e-6, 1e-6),), pitch_along="axis"),
+    SR=SideErrors(profile=(-2e-6, 2e-6), roundness=(FourierTerm(1.0, 0.0, 4e-6),)),
+    NL=SideErrors(profile=(0.0, 0.0, 4e-6), pitch=(FourierTerm(0.5, 2e-6),), roundness=(FourierTerm(3.0, 1e-6),)),
+    NR=SideErrors(profile=(0.0, -2e-6), pitch=(FourierTerm(1.0, 0.0, 2e-6),), pitch_along="axis"),
+)
+#: Keywords for ``replace`` that keep their pitch and roundness but make the flanks even.
+NO_PROFILES = {name: replace(FLANK_ERRORS.side(name), profile=()) for name in SIDES}
+
+
+def small_screw(
+    count=6, turns=1.0, *, lead=20e-3, beta=np.pi / 4, hand="right", phase=0.0, oversize=0.0, fixed=ALL_BUT_AXIAL,
+    force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0), load_at=0.1, **ingredients,
+):  # fmt: skip
+    """Screw of 200 mm with ``count`` balls spread evenly over ``turns`` about its middle, held at its left end."""
+    sign = 1.0 if hand == "right" else -1.0
+    places = phase + sign * 2.0 * np.pi * turns * ((np.arange(count) + 0.5) / count - 0.5)
+    return Scene(
+        name="small", title="small screw",
+        track=Track(16.5e-3, lead, beta, hand=hand, phase=phase),
+        screw=Screw(0.2, 32e-3, 3.254e-3, STEEL),
+        nut=Nut(0.1, 54e-3, 48e-3, 3.3e-3, STEEL),
+        balls=Balls(2.778e-3, STEEL, tuple(places)),
+        errors=Errors(balls=BallErrors(oversize=oversize)),
+        supports=(Support(0.0, fixed),) if fixed else (),
+        loads=(Load(load_at, force, moment),),
+        ingredients=Ingredients(**ingredients),
+    )  # fmt: skip
+
+
+def with_ingredients(scene, **changes):
+    return replace(scene, ingredients=replace(scene.ingredients, **changes))
+
+
+def prepared(scene, engine="interpreted", *, everything=False):
+    """The scene as the kernels take it, with all four flanks built."""
+    layout = ball_layout(scene)
+    problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool), everything=everything)
+    return prepare(problem, jit.compiled() if engine == "compiled" else jit.interpreted())
+
+
+def solved(scene, **options):
+    """Result of a scene that must converge."""
+    result = solve_static(scene, **options)
+    assert result.status == "converged"
+    return result
+
+
+def relative(found, expected):
+    """Largest difference over the largest expected size."""
+    return float(np.abs(np.asarray(found) - expected).max() / np.abs(expected).max())
+
+
+def dense(band):
+    """Symmetric matrix of a lower band stored column by column, ``band[j, i - j] = A[i, j]``."""
+    n, width = band.shape
+    full = np.zeros((n, n))
+    for k in range(width):
+        i = np.arange(n - k)
+        full[i + k, i] = full[i, i + k] = band[: n - k, k]
+    return full

@@ -1,0 +1,110 @@
+"""The energy is convex: every start leads to the same forces, and chords lie above it."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from compare import catalogue
+from lowfi.static import run, solve_static
+from meshes.parts import BallErrors
+from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw, with_ingredients
+
+SCENES = {
+    "lin-case1": lambda: catalogue.scene("lin-case1"),
+    "lin-case3-offset": lambda: catalogue.scene("lin-case3-offset"),
+    "lin-combined": lambda: catalogue.scene("lin-combined"),
+    "source partition": lambda: with_ingredients(catalogue.scene("lin-case2"), partition="source"),
+    "uneven flanks": lambda: replace(
+        small_screw(count=9, force=(200.0, -100.0, 1500.0)),
+        errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=2e-6)),
+    ),
+    "clearance": lambda: small_screw(count=9, oversize=-5e-6, force=(100.0, 0.0, 1500.0)),
+    "rigid": lambda: catalogue.scene("bearing-9-preload"),
+}
+
+
+@cache
+def solution(case):
+    """Kernels' arguments, and the state and forces from the usual start."""
+    ready = prepared(SCENES[case](), "compiled")
+    _, _, _, residual, _ = run(ready)
+    assert residual <= 1e-10
+    return ready, [x.copy() for x in ready.state], ready.force.copy()
+
+
+def moved(ready, state, seed, size):
+    """Put the arrays at a random state: rigid motion up to ``size`` [m], elements strained by a thousandth of it."""
+    rng = np.random.default_rng(seed)
+    q, d = ready.state[0], ready.state[1]
+    q[:], d[:] = state[0], state[1]
+    free = ~ready.problem.fixed
+    unit = np.array([1.0, 1.0, 1.0, 20.0, 20.0, 20.0])
+    q[0] += np.where(free[0], size * rng.uniform(-1, 1, 6) * unit, 0.0)
+    if ready.problem.basis is None:
+        # the held freedoms of other nodes keep their prescribed values: nodes move, deformations follow
+        q[1:] = state[0][1:] + np.where(free[1:], q[0] - state[0][0], 0.0)
+        q[1:] += np.where(free[1:], 1e-3 * size * rng.uniform(-1, 1, (q.shape[0] - 1, 6)) * unit, 0.0)
+        lengths = ready.beam[0]
+        rigid = q[:-1].copy()
+        rigid[:, 0] += lengths * q[:-1, 4]
+        rigid[:, 1] -= lengths * q[:-1, 3]
+        d[:] = q[1:] - rigid
+
+
+def energy(ready, q, d):
+    ready.state[0][:], ready.state[1][:] = q, d
+    out = np.empty_like(q), np.zeros((ready.problem.C.shape[0], 4, 4))
+    return ready.engine.evaluate(ready.beam, ready.contacts, ready.state, out)[0], out[0]
+
+
+@pytest.mark.parametrize("case", SCENES)
+@settings(max_examples=10, deadline=None, derandomize=True)
+@given(seed=st.integers(0, 2**32 - 1), exponent=st.floats(-7.0, -3.5))
+def test_random_starts_reach_the_same_forces(case, seed, exponent):
+    ready, state, forces = solution(case)
+    moved(ready, state, seed, 10.0**exponent)
+    status, _, _, residual, _ = run(ready, start=False)
+    assert status in (0, 1)
+    assert residual <= 1e-10
+    assert relative(ready.force, forces) < 1e-8
+
+
+@pytest.mark.parametrize("case", SCENES)
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(seeds=st.tuples(st.integers(0, 2**31), st.integers(0, 2**31)), exponent=st.floats(-8.0, -4.0))
+def test_chords_lie_above_the_energy(case, seeds, exponent):
+    """Midpoint convexity, and the tangent below: E(y) >= E(x) + g(x).(y - x)."""
+    ready, state, _ = solution(case)
+    ends = []
+    for seed in seeds:
+        moved(ready, state, seed, 10.0**exponent)
+        ends.append((ready.state[0].copy(), ready.state[1].copy()))
+    (q0, d0), (q1, d1) = ends
+    (low, slope), (high, _) = energy(ready, q0, d0), energy(ready, q1, d1)
+    middle, _ = energy(ready, (q0 + q1) / 2, (d0 + d1) / 2)
+    rounding = 1e-12 * (abs(low) + abs(high)) + 1e-20
+    assert middle <= (low + high) / 2 + rounding
+    assert high >= low + float((slope * (q1 - q0)).sum()) - rounding - 1e-10 * float(np.abs(slope * (q1 - q0)).max())
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(
+    count=st.integers(3, 12),
+    turns=st.sampled_from([1.0, 1.5, 2.5]),
+    lead=st.sampled_from([0.0, 5e-3, 20e-3]),
+    beta=st.floats(0.3, 1.2),
+    oversize=st.floats(-1e-5, 1e-5),
+    force=st.tuples(*[st.floats(-2e3, 2e3)] * 3),
+)
+def test_random_screws_balance(count, turns, lead, beta, oversize, force):
+    """Every held screw converges to a residual of 1e-10, and the sum of contact forces and reactions is the load."""
+    scene = small_screw(count, turns, lead=lead, beta=beta, oversize=oversize, force=(*force[:2], force[2] + 3e3))
+    result = solve_static(scene, engine="compiled")
+    assert result.status == "converged"
+    assert result.solver.residual <= 1e-10
+    assert result.equilibrium.force_residual < 1e-9
+    assert result.equilibrium.moment_residual < 1e-8

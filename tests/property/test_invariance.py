@@ -1,0 +1,282 @@
+"""What must not matter: units, the origin of the azimuth, the hand, the direction of the load, what is left out."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare import catalogue
+from meshes.parts import BallErrors, Errors, Load, Material, SideErrors, Support
+from tests.helpers import FLANK_ERRORS, NO_PROFILES, prepared, relative, small_screw, solved, with_ingredients
+
+COMBINED = replace(
+    small_screw(count=12, turns=2.0, force=(150.0, -80.0, 2500.0), moment=(2.0, 3.0, 0.0)),
+    errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=2e-6, listed=((3, 1e-6), (7, -2e-6)))),
+)
+SCENES = {
+    "lin-case1": catalogue.scene("lin-case1"),
+    "lin-case2": catalogue.scene("lin-case2"),
+    "lin-case3-offset": catalogue.scene("lin-case3-offset"),
+    "bearing-9": catalogue.scene("bearing-9"),
+    "combined": COMBINED,
+}
+
+
+def scaled(scene, length, modulus):
+    """The same screw with all lengths times ``length``, moduli times ``modulus``, forces to match."""
+    force = modulus * length**2
+
+    def material(m):
+        return Material(m.youngs_modulus * modulus, m.poissons_ratio)
+
+    def terms(series):
+        return tuple(replace(t, sin=t.sin * length, cos=t.cos * length) for t in series)
+
+    def side(e):
+        profile = tuple(c * length for c in e.profile)
+        return replace(e, profile=profile, pitch=terms(e.pitch), roundness=terms(e.roundness))
+
+    balls = scene.errors.balls
+    listed = tuple((i, e * length) for i, e in balls.listed)
+    return replace(
+        scene,
+        track=replace(
+            scene.track, pitch_radius=scene.track.pitch_radius * length, lead=scene.track.lead * length
+        ),
+        screw=replace(
+            scene.screw, length=scene.screw.length * length, outer_diameter=scene.screw.outer_diameter * length,
+            groove_radius=scene.screw.groove_radius * length, bore=scene.screw.bore * length,
+            material=material(scene.screw.material),
+        ),
+        nut=replace(
+            scene.nut, position=scene.nut.position * length, length=scene.nut.length * length,
+            outer_diameter=scene.nut.outer_diameter * length, groove_radius=scene.nut.groove_radius * length,
+            material=material(scene.nut.material),
+        ),
+        balls=replace(scene.balls, radius=scene.balls.radius * length, material=material(scene.balls.material)),
+        errors=replace(
+            scene.errors, balls=replace(balls, oversize=balls.oversize * length, listed=listed),
+            **{name: side(scene.errors.side(name)) for name in ("SL", "SR", "NL", "NR")},
+        ),
+        supports=tuple(
+            Support(s.at * length, tuple((n, v * length if n[0] == "u" else v) for n, v in s.fixed))
+            for s in scene.supports
+        ),
+        loads=tuple(
+            Load(x.at * length, tuple(f * force for f in x.force), tuple(m * force * length for m in x.moment))
+            for x in scene.loads
+        ),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("length", "modulus"), [(1 / 0.0254, 1.450377e-4), (1.0, 1e3), (20.0, 0.1)], ids=["inch", "stiff", "large"]
+)
+@pytest.mark.parametrize("name", SCENES)
+def test_units(name, length, modulus):
+    """Inches and pounds, a stiffer metal, a larger screw: loads scale as E l2, angles stay."""
+    one, other = solved(SCENES[name]), solved(scaled(SCENES[name], length, modulus))
+    assert relative(other.load, one.load * modulus * length**2) < 1e-9
+    loaded = one.load > 0.0
+    assert other.contact_angle[loaded] == pytest.approx(one.contact_angle[loaded], abs=1e-9)
+
+
+def turned(scene, angle):
+    """The whole screw, with loads and errors, turned about its axis."""
+    c, s = np.cos(angle), np.sin(angle)
+
+    def turn(v):
+        return (c * v[0] - s * v[1], s * v[0] + c * v[1], v[2])
+
+    return replace(
+        scene,
+        track=replace(scene.track, phase=scene.track.phase + angle),
+        balls=replace(scene.balls, azimuths=tuple(a + angle for a in scene.balls.azimuths)),
+        loads=tuple(replace(x, force=turn(x.force), moment=turn(x.moment)) for x in scene.loads),
+    )
+
+
+@pytest.mark.parametrize("angle", [0.1, -2.0, 7.0])
+@pytest.mark.parametrize("name", ["lin-case1", "lin-case2", "bearing-9", "lateral"])
+def test_origin_of_the_azimuth(name, angle):
+    lateral = small_screw(count=12, turns=2.0, oversize=2e-6, force=(150.0, -80.0, 2500.0), moment=(2.0, 3.0, 0.0))
+    scene = {**SCENES, "lateral": lateral}[name]
+    assert relative(solved(turned(scene, angle)).load, solved(scene).load) < 1e-9
+
+
+def mirrored(scene):
+    """Mirror image in the plane y = 0: other hand, opposite azimuths; forces as vectors, moments as pseudovectors."""
+
+    def mirror_series(series):
+        return tuple(replace(t, sin=-t.sin) for t in series)
+
+    def side(e):
+        return replace(e, pitch=mirror_series(e.pitch), roundness=mirror_series(e.roundness))
+
+    def mirror_value(name, value):
+        return (name, -value if name in ("uy", "rx", "rz") else value)
+
+    return replace(
+        scene,
+        track=replace(scene.track, hand="left" if scene.track.hand == "right" else "right", phase=-scene.track.phase),
+        nut=replace(scene.nut, azimuth=-scene.nut.azimuth),
+        balls=replace(scene.balls, azimuths=tuple(-a for a in scene.balls.azimuths)),
+        errors=replace(scene.errors, **{n: side(scene.errors.side(n)) for n in ("SL", "SR", "NL", "NR")}),
+        supports=tuple(Support(s.at, tuple(mirror_value(*f) for f in s.fixed)) for s in scene.supports),
+        loads=tuple(
+            Load(x.at, (x.force[0], -x.force[1], x.force[2]), (-x.moment[0], x.moment[1], -x.moment[2]))
+            for x in scene.loads
+        ),
+    )
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_mirror(name):
+    one, other = solved(SCENES[name]), solved(mirrored(SCENES[name]))
+    assert relative(other.load, one.load) < 1e-9
+    assert relative(other.centreline, one.centreline * [1, -1, 1, -1, 1, -1]) < 1e-8
+
+
+def end_for_end(scene):
+    """The screw turned by half a turn about the x axis: the same hand, ends exchanged, balls in the other order."""
+    length = scene.screw.length
+    signs = {"ux": 1, "uy": -1, "uz": -1, "rx": 1, "ry": -1, "rz": -1}
+
+    def turn(v):
+        return (v[0], -v[1], -v[2])
+
+    return replace(
+        scene,
+        track=replace(scene.track, phase=-scene.track.phase),
+        nut=replace(scene.nut, position=length - scene.nut.position),
+        balls=replace(scene.balls, azimuths=tuple(-a for a in reversed(scene.balls.azimuths))),
+        supports=tuple(Support(length - s.at, tuple((n, signs[n] * v) for n, v in s.fixed)) for s in scene.supports),
+        loads=tuple(Load(length - x.at, turn(x.force), turn(x.moment)) for x in scene.loads),
+    )
+
+
+@pytest.mark.parametrize("name", ["lin-case1", "lin-case3-offset", "lateral"])
+def test_reversed_force(name):
+    """Turned end for end the force points in -z: SL takes over from SR and NL from NR, last ball from first."""
+    lateral = small_screw(count=12, turns=2.0, phase=0.3, force=(150.0, -80.0, 2500.0), moment=(2.0, 3.0, 0.0))
+    scene = {**SCENES, "lateral": lateral}[name]
+    one, other = solved(scene), solved(end_for_end(scene))
+    assert relative(other.load[::-1, [1, 0, 3, 2]], one.load) < 1e-9
+
+
+def test_reversed_force_in_place():
+    """One full ring of balls without lead in the middle of a rigid shaft: the flanks swap, each ball its own."""
+    scene = small_screw(count=7, lead=0.0, screw="rigid", oversize=4e-6)
+    one, other = (solved(replace(scene, loads=(Load(0.1, (0.0, 0.0, f)),))).load for f in (900.0, -900.0))
+    assert relative(other[:, [1, 0, 3, 2]], one) < 1e-10
+    assert one[:, 0] == pytest.approx(np.full(7, one[0, 0]), rel=1e-10)
+    assert one[0, 0] > 1.5 * one[0, 1] > 0.0
+
+
+@pytest.mark.parametrize("name", ["bearing-9", "bearing-9-preload"])
+@pytest.mark.parametrize("pitches", [1, 4])
+def test_bearing_turned_by_ball_pitches(name, pitches):
+    """The load turned by whole ball pitches: the balls' loads move on by as many balls."""
+    scene = catalogue.scene(name)
+    loads = turned(scene, 2 * np.pi * pitches / 9).loads
+    one, other = solved(scene), solved(replace(scene, loads=loads))
+    assert relative(np.roll(one.load, pitches, axis=0), other.load) < 1e-10
+    assert relative(one.load, other.load) > 1e-2
+
+
+def tilting():
+    """An axial load with a lateral one at the far end: it tilts the shaft, so idle flanks come into touch."""
+    scene = catalogue.scene("lin-case1")
+    return replace(scene, loads=(*scene.loads, Load(0.8, (200.0, 0.0, 0.0))))
+
+
+def short_and_long(name):
+    scene = tilting() if name == "tilting" else catalogue.scene(name) if name not in SCENES else SCENES[name]
+    return solved(scene), solved(scene, everything=True)
+
+
+@pytest.mark.parametrize(
+    "name", [*SCENES, "lin-case3", "lin-pitch", "lin-profile", "lin-roundness-2p1", "lin-nominal-4p1", "tilting"]
+)
+def test_leaving_out_changes_nothing(name):
+    short, long = short_and_long(name)
+    assert relative(short.load, long.load) < 1e-9
+    assert short.solver.unknowns <= long.solver.unknowns
+    ends = [0, -1]
+    assert relative(short.centreline[ends], long.centreline[ends]) < 1e-8
+
+
+@pytest.mark.parametrize(("force", "idle"), [(5000.0, "SR and NL"), (-5000.0, "SL and NR")])
+def test_something_is_left_out(force, idle):
+    scene = replace(catalogue.scene("lin-case1"), loads=(Load(0.0, (0.0, 0.0, force)),))
+    short, long = solved(scene), solved(scene, everything=True)
+    assert short.solver.unknowns < 0.6 * long.solver.unknowns
+    assert any(f"sides {idle}" in note for note in short.left_out)
+    assert not any("touch: included" in note for note in short.left_out)
+    assert not any("sides" in note for note in long.left_out)
+
+
+def test_sides_that_touch_after_all_are_taken_back():
+    short, long = short_and_long("tilting")
+    assert any("left out at first, but touch: included" in note for note in short.left_out)
+    assert (short.load[:, [1, 2]] > 1.0).any()
+    assert relative(short.load, long.load) < 1e-9
+
+
+def test_rigid_screw_feels_only_the_wrench():
+    """A force at the shaft's end is the same force at the nut's centre with its moment about that."""
+    scene = small_screw(9, 2.0, oversize=2e-6, screw="rigid", fixed=(("rz", 0.0),))
+    fx, fy, reach = 60.0, -40.0, 0.07
+    away = replace(scene, loads=(Load(0.1 + reach, (fx, fy, 900.0)),))
+    centre = replace(scene, loads=(Load(0.1, (fx, fy, 900.0), (-reach * fy, reach * fx, 0.0)),))
+    assert relative(solved(away).load, solved(centre).load) < 1e-10
+    assert solved(away).equilibrium.moment_residual < 1e-10
+
+
+def test_rigid_screw_is_the_limit_of_a_stiff_one():
+    """The difference falls as 1/E of the shaft; held by a tilted, shifted support away from the nut."""
+    held = (("ux", 4e-6), ("uy", -2e-6), ("rx", 1e-5), ("ry", 2e-5), ("rz", 0.0))
+    scene = small_screw(9, 2.0, oversize=2e-6, force=(100.0, 50.0, 1500.0), moment=(2.0, 1.0, 0.0), fixed=held)
+    errors = []
+    for factor in (1e4, 1e6, 1e8):
+        stiff = replace(scene, screw=replace(scene.screw, material=Material(210e9 * factor, 0.28)))
+        rigid = solved(with_ingredients(stiff, screw="rigid"))
+        errors.append(relative(solved(stiff).load, rigid.load))
+    assert errors[0] < 1e-3
+    assert errors[1] == pytest.approx(errors[0] / 100, rel=0.05)
+    assert errors[2] == pytest.approx(errors[1] / 100, rel=0.05)
+
+
+def test_members_of_an_ensemble_are_single_solutions():
+    """The kernel that runs through many specimens of one screw, against each specimen by itself."""
+    base = small_screw(9, 2.0, force=(0.0, 100.0, 1500.0))
+    scenes = [
+        replace(base, errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=x), **NO_PROFILES))
+        for x in (4e-6, -1e-6, 0.0)
+    ]
+    ready = [prepared(s, "compiled") for s in scenes]
+    stacks = [
+        np.stack([getattr(r.problem, name) for r in ready]) if name else np.stack([r.contacts[4] for r in ready])
+        for name in ("", "closure", "geometry")
+    ]
+    forces, statuses, residuals = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3)
+    first = ready[0]
+    first.engine.ensemble(first.beam, first.contacts, first.state, first.options, *stacks, forces, statuses, residuals)
+    assert not statuses.any()
+    assert residuals.max() <= 1e-10
+    for scene, force in zip(scenes, forces, strict=True):
+        assert relative(force, solved(scene, everything=True).load) < 1e-9
+
+
+def test_errors_of_no_size_change_nothing():
+    scene = catalogue.scene("lin-case2")
+    zero = SideErrors(profile=(0.0, 0.0))
+    other = replace(scene, errors=Errors(balls=scene.errors.balls, SL=zero, SR=zero, NL=zero, NR=zero))
+    assert relative(solved(other).load, solved(scene).load) < 1e-9
+
+
+def test_groove_section_of_the_beam_is_the_only_use_of_the_outer_diameter():
+    """A rigid screw does not know its outer diameter."""
+    scene = with_ingredients(catalogue.scene("lin-case2"), screw="rigid")
+    thick = replace(scene, screw=replace(scene.screw, outer_diameter=32.5e-3))
+    assert np.array_equal(solved(scene).load, solved(thick).load)
