@@ -4,7 +4,7 @@ The jobs run in one child process with single-threaded linear algebra, both form
 collection off; each time is the median of repeated runs. Start-up and compile times are those of further processes.
 
 Both solve to the relative residual ``TOLERANCE`` at which either counts as converged. The source's Newton often cannot
-reach the 1e-12 that the energy solver drives for, and iterates in vain for it: one job shows that comparison too.
+reach a tighter one, and iterates in vain for it: one job shows that comparison, at 1e-12, too.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import median
@@ -30,6 +30,7 @@ from compare.stability import with_balls
 from lowfi import source as lin
 from lowfi.problem import Problem, build
 from lowfi.selection import choose_sides
+from lowfi.static import TOLERANCE as OWN_TOLERANCE
 from lowfi.static import Prepared, pick_engine, prepare, run, solve_static
 from meshes.errors import specimen
 from meshes.helix import ball_layout
@@ -124,6 +125,7 @@ class Ours:
         self.prepared: Prepared = prepare(problem, pick_engine("compiled", scene.ball_count), tolerance=tolerance)
         self.begin = [a.copy() for a in self.prepared.state]
         self.unknowns = problem.unknowns
+        self.iterations = 0
 
     def reset(self) -> None:
         """The state that the next run begins from."""
@@ -145,8 +147,8 @@ class Ours:
         self.begin = [a.copy() for a in self.prepared.state]
         self.prepared.beam[3][...] *= WARM_LOAD
 
-    @staticmethod
-    def _check(outcome: tuple[int, int, int, float, float]) -> None:
+    def _check(self, outcome: tuple[int, int, int, float, float]) -> None:
+        self.iterations = outcome[1]
         if not (outcome[0] <= 1 and outcome[3] <= 1e-10):
             raise RuntimeError(f"bench: our solver stopped with residual {outcome[3]:.1e}")
 
@@ -161,23 +163,23 @@ class Source:
         axes = np.stack([layout.radial, layout.binormal], axis=1)
         inner = 6 * layout.z.size
         free = np.concatenate([np.arange(inner), inner + np.flatnonzero(~self.problem.fixed.ravel())])
-        self.system = lin._System(self.problem, "source", lin.beam_matrix(self.problem), free, axes)
+        self.system = lin.System(self.problem, "source", lin.beam_matrix(self.problem), free, axes)
         self.load = self.problem.load.ravel()
         self.unknowns = free.size
-        self.begin = lin._initial(self.system, "guess", 1.0)
+        self.begin = lin.initial_state(self.system, "guess", 1.0)
         self.tolerance = tolerance
         self.status = ""
 
     def solve(self) -> Array:
         """Newton from the present start; the solution."""
-        x, _, _, self.status = lin._newton(self.system, self.begin, self.load, self.tolerance, 60)
+        x, _, _, self.status = lin.newton(self.system, self.begin, self.load, self.tolerance, 60)
         return x
 
     def solve_by_steps(self) -> Array:
         """Newton by ten load steps, the first from the guess for a tenth of the load; the solution."""
-        x = lin._initial(self.system, "load steps", 0.1)
+        x = lin.initial_state(self.system, "load steps", 0.1)
         for fraction in np.linspace(0.1, 1.0, 10):
-            x, _, _, self.status = lin._newton(self.system, x, float(fraction) * self.load, self.tolerance, 60)
+            x, _, _, self.status = lin.newton(self.system, x, float(fraction) * self.load, self.tolerance, 60)
             if self.status != "converged":
                 break
         return x
@@ -265,8 +267,9 @@ def _ensemble_jobs(repeats: int) -> Iterator[Job]:
     whole = timed(lambda: run_ensemble(scene, count), min(repeats, 5)) / count
     good = int(last.converged.sum())
     note = (
-        f"per member of {count} on one core, to 1e-12, with drawing, packing and the check of the sides left out; "
-        f"{good} converged; the source (no set-up, to 1e-10) solved {len(seconds)} of {len(members)} tried"
+        f"per member of {count} on one core, to {OWN_TOLERANCE:g}, with drawing, packing and the check of the "
+        f"sides left out; {good} converged; the source (no set-up, to {TOLERANCE:g}) solved {len(seconds)} of "
+        f"{len(members)} tried"
     )
     unknowns = Ours(shipped("lin-case1")).unknowns  # the sides that every member was solved with, unless some touch
     unknowns = unknowns if last.all_sides == 0 else Ours(scene, everything=True).unknowns
@@ -277,12 +280,14 @@ def _ensemble_jobs(repeats: int) -> Iterator[Job]:
 def _size_jobs(repeats: int) -> Iterator[Job]:
     counts = BALLS if repeats > 1 else BALLS[:2]
     seconds: list[float] = []
+    steps: list[int] = []
     for count in counts:
         reset_peak()
         scene = with_balls(shipped("lin-case1"), count)
         ours = Ours(scene, tolerance=1e-12)
         fast = timed(ours.cold, 5 * repeats, ours.reset)
         seconds.append(fast)
+        steps.append(ours.iterations)
         peak, note, slow = peak_MB(), "linear start and Newton, to 1e-12", None
         size = 6 * count + Ours(scene, everything=True).unknowns
         if count == counts[0] and repeats > 1:
@@ -291,9 +296,15 @@ def _size_jobs(repeats: int) -> Iterator[Job]:
         elif repeats > 1:
             note += f"; the source's dense Jacobian would be {size**2 * 8e-9:.1f} GB: not tried"
         if count == counts[-1]:
-            power = np.polyfit(np.log(counts), np.log(seconds), 1)[0]
-            note += f"; time grows as balls^{power:.2f} from {counts[0]} to {counts[-1]}"
+            note += f"; from {counts[0]} balls ({steps[0]} iterations) to {counts[-1]} ({steps[-1]}) time grows as "
+            note += f"balls^{_power(counts, seconds):.2f}, time per iteration as "
+            note += f"balls^{_power(counts, [t / k for t, k in zip(seconds, steps, strict=True)]):.2f}"
         yield Job(f"{count} balls, cold", fast, _ratio(slow, fast), ours.unknowns, peak, note)
+
+
+def _power(counts: Sequence[int], seconds: Sequence[float]) -> float:
+    """Exponent k of the fit seconds = c counts^k."""
+    return float(np.polyfit(np.log(counts), np.log(seconds), 1)[0])
 
 
 def _interpreted_jobs(repeats: int) -> Iterator[Job]:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from compare.stability import CONVERGED, FORMULATIONS, OURS, Row, failures, table
+from compare.stability import CONVERGED, FORMULATIONS, OURS, SAME, Row, failures, table
 from reports.records import Cell
 
 
@@ -28,7 +28,9 @@ def wide_rows(rows: Sequence[Row]) -> list[dict[str, Cell]]:
 def short(row: Row) -> str:
     """Status for a table: how it ended, with iterations and residual where it converged."""
     if row.status == CONVERGED:
-        return f"converged, {row.iterations} it."
+        apart = row.difference_percent
+        other = f", another root ({apart:.2g} % off)" if apart is not None and apart > SAME else ""
+        return f"converged, {row.iterations} it.{other}"
     return row.status.split(" (")[0]
 
 

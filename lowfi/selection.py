@@ -11,8 +11,8 @@ from lowfi.mechanism import Mechanism
 from lowfi.problem import distances
 from lowfi.shape import motion_matrix
 from meshes.errors import Specimen
-from meshes.helix import BallLayout, nominal_groove_centres
-from meshes.partition import MERGE
+from meshes.helix import BallLayout
+from meshes.partition import MERGE, contact_stations
 from meshes.parts import FREEDOMS, SIDES, Scene
 
 if TYPE_CHECKING:
@@ -53,12 +53,12 @@ def flank_motions(prepared: Prepared, layout: BallLayout) -> Array:
             picks = 6 * problem.node[:, s, None] + np.arange(m)[None, :]
             out[:, s] = np.einsum("nak,nk->na", problem.B[:, s], flat[picks])
             continue
-        centre = nominal_groove_centres(problem.scene)[s]
+        centre, stations = problem.drawn.centre[:, s], contact_stations(problem.scene, layout)[:, s]
         for i in range(layout.z.size):
-            j, matrix = motion_matrix(float(layout.z[i]), problem.nodes, problem.section)
+            j, matrix = motion_matrix(float(stations[i]), problem.nodes, problem.section)
             u = matrix @ flat[6 * j : 6 * j + 12]
-            r = layout.centre[i] + centre[0] * layout.radial[i] + centre[1] * layout.binormal[i]
-            r = r - np.array([0.0, 0.0, layout.z[i]])
+            r = layout.centre[i] + centre[i, 0] * layout.radial[i] + centre[i, 1] * layout.binormal[i]
+            r = r - np.array([0.0, 0.0, stations[i]])
             moved = u[:3] + np.cross(u[3:], r)
             out[i, s] = moved @ layout.radial[i], moved @ layout.binormal[i]
     return out

@@ -82,7 +82,7 @@ def beam_matrix(problem: Problem) -> Array:
 
 
 @dataclass
-class _System:
+class System:
     """Everything of one scene that the equations need, laid out by contact."""
 
     problem: Problem
@@ -140,7 +140,7 @@ class _System:
 
 
 def _contacts(
-    system: _System, p: Array, gamma: Array, u: Array, side: int
+    system: System, p: Array, gamma: Array, u: Array, side: int
 ) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
     """Normal n, tangent t, dt/dgamma, distance, force, dF/d delta and the motion matrices of one side's contacts."""
     problem = system.problem
@@ -163,7 +163,7 @@ def _contacts(
     return n, t, t1, dist, force, 1.5 * np.sqrt(delta / c) / c, dof, m0, m1
 
 
-def equations(system: _System, x: Array, load: Array, *, jacobian: bool = True) -> tuple[Array, Array | None, Array]:
+def equations(system: System, x: Array, load: Array, *, jacobian: bool = True) -> tuple[Array, Array | None, Array]:
     """Phi(x) of Lin 2.25 (contact conditions, balls, screw), its Jacobian (Appendix E), and the contact forces."""
     problem = system.problem
     count = problem.C.shape[0]
@@ -208,7 +208,7 @@ def equations(system: _System, x: Array, load: Array, *, jacobian: bool = True) 
     return phi, jac, forces
 
 
-def _initial(system: _System, start: Start, fraction: float) -> Array:
+def initial_state(system: System, start: Start, fraction: float) -> Array:
     """Nominal state, or the designer's guess: the screw shifted along its axis as if all balls shared the load."""
     problem = system.problem
     scene = problem.scene
@@ -249,13 +249,13 @@ def solve_source(
     free_u = np.flatnonzero(~problem.fixed.ravel())
     count = problem.C.shape[0]
     free = np.concatenate([np.arange(6 * count), 6 * count + free_u])
-    system = _System(problem, kinematics, beam_matrix(problem), free, axes)
+    system = System(problem, kinematics, beam_matrix(problem), free, axes)
     steps = [1.0] if start != "load steps" else list(np.linspace(0.1, 1.0, 10))
-    x = _initial(system, start, steps[0])
+    x = initial_state(system, start, steps[0])
     total, residual, status = 0, np.inf, "converged"
     with np.errstate(all="ignore"):
         for fraction in steps:
-            x, iterations, residual, status = _newton(system, x, fraction * problem.load.ravel(), tolerance, most)
+            x, iterations, residual, status = newton(system, x, fraction * problem.load.ravel(), tolerance, most)
             total += iterations
             if status != "converged":
                 break
@@ -293,7 +293,7 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
     return assemble_result(prepared, "source", solution.status, report, ("nothing: all four sides are built",))
 
 
-def _measure(system: _System, phi: Array, forces: Array, load: Array) -> float:
+def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
     """Largest unbalanced force over the largest force; moments over the pitch radius, contact conditions over r_G."""
     count = forces.shape[0]
     arm = system.problem.scene.track.pitch_radius
@@ -307,7 +307,8 @@ def _measure(system: _System, phi: Array, forces: Array, load: Array) -> float:
     return max(unbalanced / scale, skew)
 
 
-def _newton(system: _System, x: Array, load: Array, tolerance: float, most: int) -> tuple[Array, int, float, str]:
+def newton(system: System, x: Array, load: Array, tolerance: float, most: int) -> tuple[Array, int, float, str]:
+    """Plain Newton (Lin 2.26): state, iterations, relative residual and status in words."""
     best, stalled = np.inf, 0
     residual = np.inf
     for iteration in range(most + 1):

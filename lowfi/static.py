@@ -34,7 +34,7 @@ COMPILE_ABOVE = 120
 
 @dataclass
 class Prepared:
-    """A problem ready for the kernels: argument tuples and the state arrays they fill."""
+    """A problem ready for the kernels: argument tuples, the state arrays they fill, and the largest force met [N]."""
 
     problem: Problem
     engine: ModuleType
@@ -43,6 +43,7 @@ class Prepared:
     state: tuple[Any, ...]
     options: Array
     history: Array
+    scale: float = 0.0
 
     @property
     def force(self) -> Array:
@@ -75,6 +76,15 @@ def reference_scale(problem: Problem) -> tuple[float, float]:
     return force, (np.cbrt(force) / pair if force > 0.0 else 1.0)
 
 
+def force_floor(problem: Problem) -> float:
+    """Least force [N] that residuals are measured by: the largest load, moments over the arm, or initial squeeze."""
+    pair = float(np.mean(problem.C[:, 0] + problem.C[:, 3]))
+    squeeze = max(0.0, float(problem.closure.max(initial=0.0)))
+    arm = problem.scene.track.pitch_radius
+    loads = float(np.abs(problem.load[:, :3]).max()), float(np.abs(problem.load[:, 3:]).max()) / arm
+    return max(*loads, float((squeeze / pair) ** 1.5))
+
+
 def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
     """Arrays for the kernels, with a start that meets the prescribed displacements."""
     nodes = problem.nodes
@@ -96,8 +106,11 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     )  # fmt: skip
     state = (q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
     options = np.array(
-        [tolerance, MAX_ITERATIONS, stiffness, problem.scene.track.pitch_radius, 1e3, problem.half_bandwidth]
-    )
+        [
+            tolerance, MAX_ITERATIONS, stiffness, problem.scene.track.pitch_radius, 1e3, problem.half_bandwidth,
+            force_floor(problem),
+        ]
+    )  # fmt: skip
     beam = (lengths, sections, problem.fixed, problem.load)
     return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
 
@@ -122,6 +135,7 @@ def run(prepared: Prepared, *, start: bool = True) -> Outcome:
     status, it, evaluations, residual, _, scale = prepared.engine.solve(
         prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history
     )
+    prepared.scale = scale
     return status, it, evaluations, residual, scale
 
 

@@ -91,7 +91,7 @@ def equilibrium(prepared: Prepared, points: Array, on_ball: Array) -> Equilibriu
         reaction_moment = np.asarray(w[3:] + np.cross(z0, w[:3]))
     size = max(
         float(np.abs(applied_force).max()), float(np.abs(contact_force).max()), float(np.abs(reaction_force).max()),
-        float(force.max(initial=0.0)),
+        float(force.max(initial=0.0)), prepared.scale,
     )  # fmt: skip
     moments = (applied_moment, reaction_moment, contact_moment)
     size_m = max(max(float(np.abs(m).max()) for m in moments), size * scene.track.pitch_radius)

@@ -173,7 +173,8 @@ def finding_rows(found: Sequence[Finding]) -> list[dict[str, Cell]]:
     return [
         {
             "label": f.printed.claim or f.printed.label, "place": f.printed.place.removeprefix("Lin (2019), "),
-            "printed": f.printed.printed or "–", "unit": f.printed.unit, "value": f.compared, "error": f.error_percent, "class": f.printed.cls,
+            "printed": f.printed.printed or "–", "unit": f.printed.unit, "value": f.compared,
+            "error": f.error_percent, "class": f.printed.cls,
             "verdict": f.verdict, "evidence": f.evidence or f.printed.remark,
         }
         for f in found

@@ -70,7 +70,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                     "section at the nominal contact's station, so that every contact force keeps its line of action "
                     "through the arc's centre; in the source's form the point of application, its lever arm and its "
                     "station follow the contact angle, and a linearised rotation stretches the arc by half the "
-                    "square of the rotation. Freezing the lever arm at the nominal contact point costs more than either.",
+                    "square of the rotation. Freezing the lever arm at the nominal contact costs more than either.",
                 )
             ),
             Table("formulations-agreement", "Differences of the loads", columns, rows),

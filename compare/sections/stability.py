@@ -38,8 +38,8 @@ def section(step: Callable[[str], None]) -> tuple[Section, tuple[str, str]]:
                 (
                     "Each case is solved by the convex energy from a cold start, and by the source's plain Newton from "
                     "three starts on the same equations. A case without equilibrium counts as solved when the "
-                    "mechanism is named. Residuals are the largest unbalanced force over the largest force; the bound is what "
-                    "double precision leaves at best.",
+                    "mechanism is named. Residuals are the largest unbalanced force over the largest force; the "
+                    "bound is what double precision leaves at best.",
                 )
             ),
             Table(

@@ -27,8 +27,8 @@ def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]
             Text(
                 (
                     "Ratios are seconds of the source's formulation, run in the same process on the same task, over "
-                    f"ours. The source reports {theirs.printed} s for case 1 on its machine and in its language; that is "
-                    "shown below, not compared.",
+                    f"ours. The source reports {theirs.printed} s for case 1 on its machine and in its language; that "
+                    "is shown below, not compared.",
                 )
             ),
             Table(

@@ -193,17 +193,28 @@ def solve(
 ) -> tuple[int, int, int, float, float, float]:  # fmt: skip
     """Minimise the energy from the given state; returns status, iterations, evaluations, residual, energy, scale.
 
-    options (8,): tolerance, largest number of iterations, reference stiffness [N/m], arm [m], largest motion of a flank
-    [m] before the screw counts as not held, and the half bandwidth. history (max iterations + 1,): residual per step.
+    options (7,): tolerance, largest number of iterations, reference stiffness [N/m], arm [m], largest motion [m] before
+    the screw counts as not held, half bandwidth, and the least force [N] that residuals are measured by. history (max
+    iterations + 1,): residual per step.
     The regularisation is proportional to the residual, so it vanishes at the solution and convergence stays fast.
     """
     tolerance, most, stiffness, arm, bound = options[0], int(options[1]), options[2], options[3], options[4]
     q, d = state[0], state[1]
     lengths, fixed, node = beam[0], beam[2], contacts[0]
     n = q.shape[0]
+    # a screw bent by moments alone, or pushed off its last contact, has no force left to compare with
+    floor = options[6]
+    f = np.empty(6)
+    for e in range(lengths.shape[0]):
+        element_force(d[e], lengths[e], beam[1][e], f)
+        for k in range(3, 6):
+            floor = max(floor, abs(f[k]) / arm)
     out = (np.empty((n, 6)), np.zeros((node.shape[0], 4, 4)))
     band = np.empty((6 * n, int(options[5]) + 1))
     energy, scale = evaluate(beam, contacts, state, out)
+    if floor == 0.0:
+        floor = 1e-3 * scale  # only displacements are given, and they may meet no resistance in the end
+    scale = max(scale, floor)
     residual = residual_of(out[0], fixed, scale, arm)
     history[0] = residual
     evaluations, stalled, factor = 1, 0, 1e-3
@@ -236,6 +247,7 @@ def solve(
         else:
             energy, scale, used = line_search(beam, contacts, state, out, step, energy, slope, 1e12)
             evaluations += used
+        scale = max(scale, floor)
         residual = residual_of(out[0], fixed, scale, arm)
         history[it] = residual
         factor = max(1e-3, factor * 0.1)

@@ -112,6 +112,22 @@ def test_minimum_of_the_energy(state, profile):
     assert counts >= counts_to_meet
 
 
+@pytest.mark.parametrize("pair", [0, 1])
+def test_starting_centre_of_a_two_point_contact_is_its_solution(pair):
+    """One diagonal pair closed: nothing is left to iterate, however the flanks move."""
+    b = ball("arcs", -1e-6)
+    kernels, p, contact = jit.interpreted().ball, np.zeros(2), np.zeros((4, 5))
+    for shift in random_shifts(3e-6, 10):
+        shift[pair] += 1e-5 * np.array([1.0, 1.0 if pair == 0 else -1.0])
+        shift[1 - pair] -= 3e-5
+        geometry = b.geometry.copy()
+        geometry[[1 - pair, 2 + pair], 5] = 0.0
+        assert kernels.start_centre(p, shift, geometry, b.closure) == 1
+        kernels.touch(*p, shift, geometry, b.radius, b.drawn.profile, contact)
+        net, scale = kernels.net_force(contact)
+        assert net < 1e-13 * scale
+
+
 @pytest.mark.parametrize("profile", PROFILES)
 @pytest.mark.parametrize("state", STATES)
 def test_forces_and_balance(state, profile):

@@ -52,6 +52,10 @@ def test_failed_source_gives_no_ratio():
     assert bench._ratio(3.0, 2.0) == 1.5
 
 
+def test_exponent_of_a_power_law():
+    assert bench._power([10, 100, 1000], [3.0, 300.0, 30000.0]) == pytest.approx(2.0)
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="peak memory is reset on Linux only")
 def test_peak_memory_sees_an_allocation():
     import numpy as np

@@ -7,7 +7,7 @@ import pytest
 
 from compare import catalogue
 from lowfi.problem import build
-from lowfi.source import _initial, _System, beam_matrix, equations, solve_source
+from lowfi.source import System, beam_matrix, equations, initial_state, solve_source
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors
@@ -21,7 +21,7 @@ def system_of(scene, kinematics):
     problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
     free = np.concatenate([np.arange(6 * layout.z.size), 6 * layout.z.size + np.flatnonzero(~problem.fixed.ravel())])
     axes = np.stack([layout.radial, layout.binormal], axis=1)
-    return _System(problem, kinematics, beam_matrix(problem), free, axes)
+    return System(problem, kinematics, beam_matrix(problem), free, axes)
 
 
 @pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
@@ -38,7 +38,7 @@ def test_jacobian(kinematics, partition, errors):
     unit = np.concatenate(  # a micrometre, and the angle that shifts a contact or the pitch circle by as much
         [np.full(12, 1e-6), np.full(24, 1e-2), np.tile([1e-6] * 3 + [5e-5] * 3, system.problem.nodes.size)]
     )
-    x = _initial(system, "nominal", 1.0) + unit * rng.normal(0.0, 0.3, size)
+    x = initial_state(system, "nominal", 1.0) + unit * rng.normal(0.0, 0.3, size)
     load = rng.normal(0.0, 10.0, size - 36)
     _, jacobian, forces = equations(system, x, load)
     assert (forces > 0.0).sum() >= 3 * count
