@@ -30,7 +30,8 @@ def _print_json(value: Any) -> None:
 def _show(*parts: Any) -> None:
     from rich.console import Console
 
-    console = Console(soft_wrap=True, highlight=False, markup=False)
+    width = None if sys.stdout.isatty() else 160
+    console = Console(width=width, soft_wrap=True, highlight=False, markup=False)
     for part in parts:
         console.print(part)
 

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import importlib.util
 import sys
@@ -43,11 +44,35 @@ def interpreted() -> ModuleType:
     return importlib.import_module("lowfi.kernel")
 
 
+def drop_stale(folder: Path) -> bool:
+    """Remove cached machine code made from other sources; returns whether any source had changed.
+
+    numba keys its cache by the file of a function, not by the functions it calls in other files: after a change in one
+    kernel its callers would keep the old machine code.
+    """
+    digest = hashlib.sha256()
+    for source in sorted(folder.glob("*.py")):
+        digest.update(source.read_bytes())
+    stamp, text = folder / "__pycache__" / "kernels.sha256", digest.hexdigest()
+    try:
+        if stamp.exists() and stamp.read_text(encoding="ascii") == text:
+            return False
+        stamp.parent.mkdir(exist_ok=True)
+        for pattern in ("*.nbi", "*.nbc"):
+            for file in stamp.parent.glob(pattern):
+                file.unlink(missing_ok=True)
+        stamp.write_text(text, encoding="ascii")
+    except OSError:  # a read-only installation: its sources do not change one by one
+        return False
+    return True
+
+
 @cache
 def compiled() -> ModuleType:
     """The kernels compiled by numba (loaded once; compiled on their first call, cached on disk)."""
     start = perf_counter()
     folder = Path(__file__).parent / "kernel"
+    drop_stale(folder)
     spec = importlib.util.spec_from_file_location(
         COMPILED, folder / "__init__.py", submodule_search_locations=[str(folder)]
     )

@@ -1,6 +1,6 @@
 """Approach of a ball to a groove flank, with its first and second derivatives in the section plane."""
 
-from math import atan2, cos, hypot, sin, sqrt
+from math import atan2, cos, sin, sqrt
 
 from lowfi.jit import kernel
 
@@ -32,7 +32,7 @@ def flank(
 
     (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position from the groove's
     centre [m]; rho is ``radius`` minus the polynomial ``profile`` (d,), ascending powers of gamma (Lin 2.3, 2.27).
-    Returns the approach delta = r_B - |w - A|, the unit vector m from the ball to the closest point, and
+    Returns the approach delta = r_B - d, d the signed distance to the arc, its outward unit normal m, and
     kt = 1/(R_c - d) [1/m]: delta has gradient m and Hessian kt t t^T by w,
     with t normal to m and R_c the profile's radius of curvature.
     """
@@ -60,8 +60,9 @@ def flank(
         if abs(step) < 1e-15:
             break
     c, s = cos(gamma), sin(gamma)
-    dx, dz = rho * c - ux, rho * s - uz
-    d = hypot(dx, dz)
-    curvature = (rho * rho + 2.0 * rho1 * rho1 - rho * rho2) / (rho * rho + rho1 * rho1) ** 1.5
+    speed = sqrt(rho * rho + rho1 * rho1)
+    nx, nz = (rho * c + rho1 * s) / speed, (rho * s - rho1 * c) / speed
+    d = (rho * c - ux) * nx + (rho * s - uz) * nz  # negative for a centre beyond the arc: the approach keeps growing
+    curvature = (rho * rho + 2.0 * rho1 * rho1 - rho * rho2) / (speed * speed * speed)
     reach = 1.0 / curvature - d
-    return r_ball - d, sx * dx / d, sz * dz / d, (1.0 / reach if reach > 0.0 else 0.0)
+    return r_ball - d, sx * nx, sz * nz, (1.0 / reach if reach > 0.0 else 0.0)

@@ -231,3 +231,14 @@ def test_force_grows_with_the_power_three_halves(approach):
     shift[0] = approach * np.sqrt([0.5, 0.5])
     expected = (approach / (b.C[0] + b.C[3])) ** 1.5
     assert two_flanks(b, shift)[:, 0] == pytest.approx([expected, 0.0, 0.0, expected], rel=1e-6)
+
+
+@pytest.mark.parametrize("motion", [1e-7, 1e-5, 1e-3, 2e-3, 4e-3, 1e-2, 1.0])
+def test_flank_without_profile_is_the_arc(motion):
+    """Also where a long step of the iteration pushes the ball through the groove: the approach must keep growing."""
+    row = ball("arcs", 0.0).geometry[0]
+    moved = motion * np.array([-0.6, -0.8])
+    wx, wz, size, approach = row[:4]
+    expected = jit.interpreted().contact.arc(*moved, wx, wz, size, approach)
+    found = jit.interpreted().contact.flank(*moved, wx, wz, 2.778e-3, 3.254e-3, np.zeros(2), -1.0, -1.0)
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-17)
