@@ -19,8 +19,9 @@ def eliminate(band: Array, b: Array, column: Array, j: int, m: int) -> None:
         band[j, i] = column[i] * inverse
     for k in range(1, m):
         f = column[k] * inverse
-        for i in range(m - k):
-            band[j + k, i] -= f * column[k + i]
+        if f != 0.0:
+            for i in range(m - k):
+                band[j + k, i] -= f * column[k + i]
     x = b[j]
     for i in range(1, m):
         b[j + i] -= band[j, i] * x
