@@ -1,4 +1,4 @@
-"""The 3D elastic-contact reference belongs here.
+"""The 3D elastic-contact reference: elements, condensation of congruent patches, unilateral contact, verification.
 
-This version ships none: no command offers it, and every comparison with it is reported as open.
+Independent of ``lowfi``; both share only the description of the parts in ``meshes``.
 """

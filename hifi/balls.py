@@ -1,0 +1,168 @@
+"""Contact of many balls coupled through elastic bodies: Newton with line search on the convex dual energy.
+
+With C = blkdiag(D_i) + U G U^T (one block per ball), gaps g = g0 + C lambda - N y, equilibrium N^T lambda = f:
+
+    Phi(w, y) = 1/2 w^T G w - f^T y + sum_i psi_i(g0_i + U_i G w - N_i y)
+    psi_i(g) = -min_{lambda >= 0} (1/2 lambda^T D_i lambda + g^T lambda)
+
+is convex; at its minimum w = U^T lambda and the rigid motions y are in equilibrium. Each psi_i is one ball between given
+grooves, a small contact problem solved exactly by an active set, so every step has converged contacts and the energy can
+guard the step. A plain active set on all balls at once may cycle, because free balls have equality constraints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import nnls
+
+from hifi.compliance import Compliance
+from hifi.contact import ContactResult
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass
+class _Ball:
+    """State of one ball: forces, active pairs and the factor of their compliance."""
+
+    forces: Array
+    active: Flags
+    factor: tuple[Array, bool] | None
+    energy: float
+
+
+def press(D: Array, gap: Array, active: Flags, most: int = 60) -> _Ball:
+    """min 1/2 l^T D l + g^T l over l >= 0: active set from ``active``, non-negative least squares where it cycles."""
+    n = gap.size
+    active = active.copy()
+    scale = float(np.abs(gap).max(initial=0.0))
+    seen: set[bytes] = set()
+    for _ in range(most):
+        forces = np.zeros(n)
+        found = None
+        if active.any():
+            found = cho_factor(D[np.ix_(active, active)], lower=True, check_finite=False)
+            forces[active] = cho_solve(found, -gap[active], check_finite=False)
+        slack = gap + D @ forces
+        new = np.where(active, forces > 0.0, slack < -1e-13 * scale)
+        if np.array_equal(new, active):
+            return _Ball(forces, active, found, float(-0.5 * forces @ (D @ forces) - gap @ forces))
+        key = new.tobytes()
+        if key in seen:
+            break
+        seen.add(key)
+        active = new
+    L = np.linalg.cholesky(D)
+    forces, _ = nnls(L.T, np.linalg.solve(L, -gap), maxiter=30 * n)
+    active = forces > 1e-12 * max(float(forces.max(initial=0.0)), 1e-300)
+    found = cho_factor(D[np.ix_(active, active)], lower=True) if active.any() else None
+    return _Ball(forces, active, found, float(-0.5 * forces @ (D @ forces) - gap @ forces))
+
+
+class _System:
+    """Evaluations of Phi and its Newton step."""
+
+    def __init__(self, C: Compliance, gap: Array, N: sp.csr_matrix, f: Array) -> None:
+        self.C, self.f = C, f
+        starts = C.starts
+        self.parts = [slice(int(a), int(b)) for a, b in pairwise(starts)]
+        self.gaps = [gap[p] for p in self.parts]
+        self.N = N.tocsr()
+        self.rows = []
+        for p in self.parts:
+            block = self.N[p]
+            columns = np.unique(block.indices)
+            self.rows.append((columns, block[:, columns].toarray()))
+        self.balls: list[_Ball] = [_Ball(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps]
+
+    def evaluate(self, w: Array, y: Array) -> tuple[float, Array, Array]:
+        """Phi, U^T lambda - w, and f - N^T lambda; the balls' states are kept."""
+        z = self.C.coupling @ w
+        phi = 0.5 * float(w @ z) - float(self.f @ y)
+        back, balance = -w.copy(), self.f.copy()
+        for i, g in enumerate(self.gaps):
+            columns, n = self.rows[i]
+            total = g + self.C.modes[i] @ z[self.C.columns[i]] - n @ y[columns]
+            ball = press(self.C.blocks[i], total, self.balls[i].active)
+            self.balls[i] = ball
+            phi += ball.energy
+            np.add.at(back, self.C.columns[i], self.C.modes[i].T @ ball.forces)
+            balance[columns] -= n.T @ ball.forces
+        return phi, back, balance
+
+    def step(self, back: Array, balance: Array, shift: float) -> tuple[Array, Array]:
+        """Newton step (dw, dy)."""
+        r, k = back.size, balance.size
+        M, Mn, Nn = np.zeros((r, r)), np.zeros((r, k)), shift * np.eye(k)
+        for i, ball in enumerate(self.balls):
+            if ball.factor is None:
+                continue
+            columns, n = self.rows[i]
+            U, a, c = self.C.modes[i][ball.active], n[ball.active], self.C.columns[i]
+            solved = cho_solve(ball.factor, np.hstack([U, a]), check_finite=False)
+            su, sn = solved[:, : U.shape[1]], solved[:, U.shape[1] :]
+            M[np.ix_(c, c)] += U.T @ su
+            Mn[np.ix_(c, columns)] += U.T @ sn
+            Nn[np.ix_(columns, columns)] += a.T @ sn
+        G = self.C.coupling
+        full = np.block([[np.eye(r) + M @ G, -Mn], [-Mn.T @ G, Nn]])
+        solution = np.linalg.solve(full, np.concatenate([back, balance]))
+        return solution[:r], solution[r:]
+
+
+def solve_balls(
+    C: Compliance, gap: Array, N: sp.csr_matrix, f: Array, *, start: tuple[Array, Array] | None = None,
+    tolerance: float = 1e-10, most: int = 60,
+) -> tuple[ContactResult, Array]:  # fmt: skip
+    """Forces, gaps and rigid motions, and the amplitudes w; ``start``: (w, y) of a neighbouring solution.
+
+    The residual is the unbalanced force (and the mismatch of w) over the largest force on a ball. A problem that cannot
+    be held ends with a status that says that it did not converge.
+    """
+    system = _System(C, gap, N, f)
+    r, k = C.coupling.shape[0], f.size
+    w, y = (start[0].copy(), start[1].copy()) if start is not None else (np.zeros(r), np.zeros(k))
+    phi, back, balance = system.evaluate(w, y)
+    status, it, residual = "", 0, np.inf
+    for it in range(1, most + 1):  # noqa: B007
+        heaviest = max(float(b.forces.sum()) for b in system.balls)
+        scale = max(heaviest, float(np.abs(f).max(initial=0.0)) / len(system.balls))
+        residual = float(np.abs(balance).max(initial=0.0)) / scale
+        mismatch = float(np.abs(back).max(initial=0.0)) / max(float(np.abs(w).max(initial=0.0)), 1e-300)
+        if residual <= tolerance and mismatch <= tolerance:
+            status = "converged"
+            break
+        stiff = 1e8 * min(1.0, residual) * 1e-4
+        dw, dy = system.step(back, balance, stiff)
+        slope = -float(dw @ (C.coupling @ back)) - float(dy @ balance)
+        t, done = 1.0, False
+        for _ in range(30):
+            trial = system.evaluate(w + t * dw, y + t * dy)
+            if trial[0] <= phi + 1e-4 * t * slope or abs(t * slope) <= 1e-12 * abs(phi):
+                done = True
+                break
+            t *= 0.4
+        w, y = w + t * dw, y + t * dy
+        phi, back, balance = trial
+        if not done:
+            status = f"stalled at a relative residual of {residual:.1e}"
+            break
+    if not status:
+        status = f"not converged after {most} iterations (relative residual {residual:.1e})"
+    forces = np.concatenate([b.forces for b in system.balls])
+    z = C.coupling @ w
+    slack = np.concatenate(
+        [
+            g + C.blocks[i] @ system.balls[i].forces + C.modes[i] @ z[C.columns[i]]
+            - system.rows[i][1] @ y[system.rows[i][0]]
+            for i, g in enumerate(system.gaps)
+        ]
+    )  # fmt: skip
+    return ContactResult(forces, slack, y, it, status, float(-slack.min(initial=0.0)), residual), w

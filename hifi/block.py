@@ -1,0 +1,288 @@
+"""Hertz contact on a finite block of elements, with the far field of the half space on its cut.
+
+The block holds a quarter of the half space z > 0 (x = 0 and y = 0 are planes of symmetry). Held on its cut faces it is
+too stiff: a block of 5 mm shifts a ball's approach by 1.7-2.5 %. Here the cut moves as it would in the half space, by
+Boussinesq's displacement of each contact force. By superposition, with i the free freedoms, c those of the cut, P the
+unit contact forces and B the displacements of the cut under them,
+
+    u_i = K_ii^-1 (P - K_ic B) lambda,    C = P^T K_ii^-1 P - (K_ci K_ii^-1 P)^T B:
+
+the compliance with the cut held, plus what the motion of the cut adds through the reactions found with it held. It
+needs no more solutions than the held block, and replaces the rest of the half space up to the difference between a
+nodal force and a point force, seen from the cut.
+
+Both bodies of a Hertz contact are half spaces of the same material: one is modelled, and its compliance doubled.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from time import perf_counter
+
+import numpy as np
+import scipy.sparse as sp
+
+from hifi.compliance import uncoupled
+from hifi.contact import ContactResult, solve_contact
+from hifi.elasticity import nodal_areas, stiffness
+from hifi.elements import ELEMENTS, FloatArray, IntArray
+from hifi.hertz import HertzSolution, hertz
+from hifi.solvers import factor
+from meshes.block import BlockMesh, Influence, hexahedra, tetrahedra
+
+#: Right-hand sides solved at once.
+CHUNK = 128
+#: Edge of the block over the long semi-axis. The far field makes the answer independent of it.
+SIZE = 3.0
+#: Ratio of neighbouring hexahedra outside the contact, and edge per distance of tetrahedra there, at b/h = 4.
+GROWTH, GRADING = 1.8, 0.5
+#: The source's tetrahedra (Lin 2.4.1) [m]: first order, edge within the body of influence and elsewhere. Its size and
+#: shape are not printed; taken as a sphere of this radius, edges growing by a fifth of the distance beyond.
+SOURCE_FINE, SOURCE_COARSE, SOURCE_RADIUS = 0.08e-3, 5e-3, 0.8e-3
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceCompliance:
+    """Compliance of the quarter half space's surface for normal contact forces.
+
+    nodes: (m,) nodes that carry force; places: (m, 2) their x, y [m]; areas: (m,) of the quarter's surface that each
+    carries [m2], so that pressure = force / area; matrix: (m, m) [m/N], displacement into the body; held: the same with
+    the cut held; asymmetry: largest difference of the matrix from its transposed over its largest entry, before the two
+    were averaged; unknowns: free freedoms; seconds: of assembly, factor and solution.
+    """
+
+    nodes: IntArray
+    places: FloatArray
+    areas: FloatArray
+    matrix: FloatArray
+    held: FloatArray
+    asymmetry: float
+    unknowns: int
+    seconds: dict[str, float]
+
+
+def boussinesq(points: FloatArray, sources: FloatArray, young: float, poisson: float) -> FloatArray:
+    """Displacements (n, 3, m) [m/N] at points (n, 3) [m] under a unit force along z on the half space z > 0.
+
+    Johnson, Contact Mechanics (1985), 3.18, 3.19: u_r = (1 + nu)/(2 pi E) (r z/R^3 - (1 - 2 nu) r/(R (R + z))),
+    u_z = (1 + nu)/(2 pi E) (z^2/R^3 + 2 (1 - nu)/R), R the distance from the source. Sources (m, 2) [m] lie on z = 0;
+    the displacement is infinite there.
+    """
+    offset = points[:, None, :2] - sources
+    z = points[:, 2, None]
+    distance = np.sqrt((offset**2).sum(axis=2) + z**2)
+    along = z / distance**3 - (1.0 - 2.0 * poisson) / (distance * (distance + z))
+    down = z**2 / distance**3 + 2.0 * (1.0 - poisson) / distance
+    parts = np.stack([along * offset[..., 0], along * offset[..., 1], down], axis=1)
+    return np.asarray((1.0 + poisson) / (2.0 * np.pi * young) * parts)
+
+
+def carried_areas(mesh: BlockMesh) -> FloatArray:
+    """Area [m2] of the contact plane that each node carries, (n,): its consistent area; zero off the plane.
+
+    A uniform pressure puts nothing on the corners of 6-node triangles and all on their midside nodes: only those may
+    touch. Pressures given at the corners too, or linear between them, oscillate by tens of per cent on the same meshes.
+    """
+    face = ELEMENTS[mesh.element].face
+    assert face is not None
+    areas = nodal_areas(mesh.points, mesh.faces, face)
+    return np.where(areas > 1e-6 * areas.max(initial=0.0), areas, 0.0)
+
+
+def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float, poisson: float) -> SurfaceCompliance:
+    """Compliance of the surface nodes within an ellipse, with and without the far field.
+
+    Args:
+        mesh: quarter block.
+        reach: semi-axes along x, y [m] of the ellipse that may touch.
+        young, poisson: [Pa, -].
+
+    Raises:
+        hifi.solvers.FactorError: the mesh does not hold together.
+    """
+    start = perf_counter()
+    matrix = sp.csr_matrix(stiffness(mesh.points, mesh.cells, mesh.element, young, poisson))
+    areas = carried_areas(mesh)
+    near = ((mesh.points[:, :2] / np.array(reach)) ** 2).sum(axis=1) <= 1.0
+    nodes = np.flatnonzero((areas > 0.0) & near)
+    cut = (3 * mesh.cut[:, None] + np.arange(3)).ravel()
+    symmetry = np.concatenate([3 * mesh.on_plane(0, 0.0), 3 * mesh.on_plane(1, 0.0) + 1])
+    free = np.setdiff1d(np.arange(3 * len(mesh.points)), np.concatenate([cut, symmetry]))
+    unit = sp.csr_matrix((np.ones(len(nodes)), (3 * nodes + 2, np.arange(len(nodes)))), (matrix.shape[0], len(nodes)))
+    unit = unit[free].tocsc()
+    assembled = perf_counter()
+    solver = factor(matrix[free][:, free].tocsc(), columns=len(nodes))
+    factored = perf_counter()
+    rows = matrix[cut][:, free]
+    held, reactions = np.empty((len(nodes), len(nodes))), np.empty((len(cut), len(nodes)))
+    for first in range(0, len(nodes), CHUNK):
+        part = slice(first, first + CHUNK)
+        answer = solver.solve(unit[:, part].toarray())
+        held[:, part], reactions[:, part] = unit.T @ answer, rows @ answer
+    full = held - reactions.T @ _far_field(mesh, mesh.points[nodes, :2], young, poisson)
+    seconds = {"assembly": assembled - start, "factor": factored - assembled, "solve": perf_counter() - factored}
+    return SurfaceCompliance(
+        nodes=nodes,
+        places=mesh.points[nodes, :2],
+        areas=areas[nodes],
+        matrix=0.5 * (full + full.T),
+        held=0.5 * (held + held.T),
+        asymmetry=float(np.abs(full - full.T).max() / np.abs(full).max()),
+        unknowns=len(free),
+        seconds=seconds,
+    )
+
+
+def _far_field(mesh: BlockMesh, sources: FloatArray, young: float, poisson: float) -> FloatArray:
+    """Displacement (3 cut nodes, m) [m/N] of the cut under a unit force at each source and at its mirror images."""
+    points = mesh.points[mesh.cut]
+    images = [np.array(signs) for signs in product((1.0, -1.0), repeat=2)]
+    total = sum(boussinesq(points, sources * signs, young, poisson) for signs in images)
+    return np.asarray(total).reshape(3 * len(points), len(sources))
+
+
+@dataclass(frozen=True)
+class HertzJob:
+    """A contact to verify: gap x^2/(2 radius_x) + y^2/(2 radius_y) [m], both bodies of young [Pa], poisson; load [N].
+
+    radius_x >= radius_y, so that the long semi-axis lies along x.
+    """
+
+    name: str
+    radius_x: float
+    radius_y: float
+    young: float = 210e9
+    poisson: float = 0.28
+    load: float = 225.0
+
+    @property
+    def exact(self) -> HertzSolution:
+        """The closed form."""
+        return hertz(self.load, self.radius_x, self.radius_y, self.young, self.poisson)
+
+
+_BALL = 2.778e-3
+#: A: ball on a flat. B: ball in a groove of radius 3.254 mm across (x), 20.56 mm convex along (y).
+JOBS = {
+    "A": HertzJob("A", _BALL, _BALL),
+    "B": HertzJob("B", 1.0 / (1.0 / _BALL - 1.0 / 3.254e-3), 1.0 / (1.0 / _BALL + 1.0 / 20.56e-3)),
+}
+
+
+@dataclass(frozen=True)
+class HertzRun:
+    """A verification run: what the mesh gives, and the closed form beside it.
+
+    element, b_over_h: of the mesh, h the edge of the cells at the contact along the short semi-axis; unknowns: free
+    freedoms; contact_nodes: that may touch; iterations: of the active set; seconds: of mesh, assembly, factor, solution
+    and contact; approach [m]; semi_x, semi_y [m]: of the pressure ellipsoid with the load and the second moments of the
+    nodal forces, semi^2 = 5 sum(f x^2) / sum(f), which is exact for Hertz's pressure; pole_pressure [Pa]: force over
+    area of the contact node nearest the pole, divided by that ellipsoid's height there (1 where the node is at the
+    pole, as in all meshes but P2); pole_fitted [Pa]: of the ellipsoid on these semi-axes fitted to all nodal pressures
+    by least squares over the area; exact: the closed form.
+    """
+
+    job: str
+    element: str
+    b_over_h: float
+    unknowns: int
+    contact_nodes: int
+    iterations: int
+    seconds: dict[str, float]
+    approach: float
+    semi_x: float
+    semi_y: float
+    pole_pressure: float
+    pole_fitted: float
+    exact: HertzSolution
+
+    @property
+    def total_seconds(self) -> float:
+        """Seconds from nothing to the answer."""
+        return sum(self.seconds.values())
+
+
+def study(
+    job: HertzJob, element: str, b_over_h: float, *, size: float = SIZE, far_field: bool = True, aim: float = 1.0
+) -> HertzRun:
+    """Solve a job on a mesh graded to its contact ellipse.
+
+    Meshes of one element with growing b_over_h refine each other everywhere, so that errors can converge.
+
+    Args:
+        job: see `JOBS`.
+        element: "P1", "P2", "Q1" or "Q2". Hexahedra are stretched like the ellipse, a/h cells along x; tetrahedra not.
+        b_over_h: cells across the short semi-axis.
+        size: edge of the block over the long semi-axis.
+        far_field: False to hold the cut instead.
+        aim: semi-axes that the mesh is made for over those of the job, to move the contact's edge against the mesh.
+
+    Raises:
+        ValueError: unknown element.
+        ArithmeticError: contact or factor that fails, with the reason.
+    """
+    start = perf_counter()
+    a, b = aim * job.exact.semi_x, aim * job.exact.semi_y
+    refinement = b_over_h / 4.0
+    if element in ("Q1", "Q2"):
+        order = int(element[1])
+        edge = np.array([a, b, b]) / b_over_h
+        core = (1.15 * a, 1.15 * b, 0.0)
+        mesh = hexahedra(order, tuple(edge / order), core, size * a, GROWTH ** (1.0 / refinement))
+    elif element in ("P1", "P2"):
+        influence = Influence(b / b_over_h, (1.15 * a, 1.15 * b, 0.5 * b), GRADING / refinement, size * a)
+        mesh = tetrahedra(int(element[1]), influence, size * a)
+    else:
+        raise ValueError(f"element {element!r}: one of P1, P2, Q1, Q2")
+    return _run(job, mesh, b_over_h, perf_counter() - start, far_field)
+
+
+def source_study(job: HertzJob) -> HertzRun:
+    """Solve a job on first-order tetrahedra of the source's size, 0.08 mm in a body of influence and 5 mm elsewhere."""
+    start = perf_counter()
+    radius = SOURCE_RADIUS
+    mesh = tetrahedra(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
+    return _run(job, mesh, job.exact.semi_y / SOURCE_FINE, perf_counter() - start, True)
+
+
+def _run(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float, far_field: bool) -> HertzRun:
+    """Compliance, contact and reading of one mesh."""
+    margin = 1.0 + 1.5 / (ELEMENTS[mesh.element].order * b_over_h)  # the contact may end one node too far
+    reach = (margin * job.exact.semi_x, margin * job.exact.semi_y)
+    surface = surface_compliance(mesh, reach, job.young, job.poisson)
+    start = perf_counter()
+    x, y = surface.places.T
+    gap = x**2 / (2.0 * job.radius_x) + y**2 / (2.0 * job.radius_y)
+    matrix = 2.0 * (surface.matrix if far_field else surface.held)  # two bodies
+    found = solve_contact(uncoupled(matrix), gap, np.ones((len(gap), 1)), np.array([0.25 * job.load]))  # a quarter
+    if not found.converged:
+        raise ArithmeticError(f"job {job.name}, {mesh.element}, b/h = {b_over_h:g}: {found.status}")
+    semi, pole, fitted = read_pressure(surface, found)
+    return HertzRun(
+        job=job.name,
+        element=mesh.element,
+        b_over_h=b_over_h,
+        unknowns=surface.unknowns,
+        contact_nodes=len(gap),
+        iterations=found.iterations,
+        seconds={"mesh": seconds, **surface.seconds, "contact": perf_counter() - start},
+        approach=float(found.motions[0]),
+        semi_x=semi[0],
+        semi_y=semi[1],
+        pole_pressure=pole,
+        pole_fitted=fitted,
+        exact=job.exact,
+    )
+
+
+def read_pressure(surface: SurfaceCompliance, found: ContactResult) -> tuple[tuple[float, float], float, float]:
+    """Semi-axes [m], pressure at the pole and fitted pole pressure [Pa], as `HertzRun` defines them."""
+    forces, pressure = found.forces, found.forces / surface.areas
+    squares = 5.0 * (forces @ surface.places**2) / forces.sum()
+    ellipse = (surface.places**2 / squares).sum(axis=1)
+    height = np.sqrt(np.maximum(1.0 - ellipse, 0.0))
+    nearest = int(ellipse.argmin())
+    fitted = (surface.areas * height) @ pressure / ((surface.areas * height) @ height)
+    semi = np.sqrt(squares)
+    return (float(semi[0]), float(semi[1])), float(pressure[nearest] / height[nearest]), float(fitted)

@@ -1,0 +1,150 @@
+"""Elastic bodies with sockets: what a load on one contact patch does to every other, through the body.
+
+A body is its coarse mesh plus the condensed patches in its sockets. Only the few smooth modes in which a patch's contact
+forces reach its socket matter: with the singular values of the transfer H = V Sigma W^T the contact nodes of a patch move
+by u = A f + V_k z, z = Q q, Q = Sigma_k W_k^T, and the coarse body answers z = G V^T f with G = Q K^-1 Q^T.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from hifi.elasticity import rigid_modes, stiffness
+from hifi.patch import CondensedPatch
+from hifi.solvers import factor
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Socket:
+    """One socket: its nodes in the order of its patch's side, the rotation (3, 3) of its local frame, its side."""
+
+    nodes: Index
+    rotation: Array
+    side: int
+
+
+@dataclass(frozen=True)
+class Section:
+    """A flat end face that moves as a rigid section with six freedoms at ``centre`` (3,)."""
+
+    nodes: Index
+    centre: Array
+
+
+@dataclass(frozen=True)
+class BodyResponse:
+    """Compliance G of all modes of all sockets, socket after socket ``(r, r)``; modes V per side ``(c, k)``; motion of the
+    modes by loads and prescribed motions ``(r, loads)``; largest singular value left out over the largest kept one;
+    unknowns, seconds."""
+
+    G: Array
+    modes: dict[int, Array]
+    loads: Array
+    left_out: float
+    unknowns: int
+    seconds: float
+
+
+def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array, float]:
+    """Modes V ``(c, k)``, their rows Q ``(k, 3 nodes)`` and the first singular value left out over the largest."""
+    V, s, W = np.linalg.svd(patch.H, full_matrices=False)
+    k = min(count, int((s > 1e-12 * s[0]).sum()))
+    left = float(s[k] / s[0]) if k < s.size else 0.0
+    return V[:, :k], s[:k, None] * W[:k], left
+
+
+def freedoms(nodes: Index) -> Index:
+    """Freedoms 3 i + k of nodes, ``(3 n,)``."""
+    return np.asarray((3 * nodes[:, None] + np.arange(3)).ravel(), dtype=np.int64)
+
+
+def assemble(
+    points: Array, cells: Index, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], young: float,
+    poisson: float,
+) -> sp.csc_matrix:  # fmt: skip
+    """Stiffness of the coarse body with every patch in its socket, ``(3 n, 3 n)``."""
+    K = stiffness(points, cells, "P2", young, poisson)
+    rows, columns, values = [], [], []
+    for socket in sockets:
+        S = patches[socket.side].S
+        k = len(socket.nodes)
+        R = socket.rotation
+        turned = np.einsum("ab,ibjc,dc->iajd", R, S.reshape(k, 3, k, 3), R).reshape(3 * k, 3 * k)
+        dof = freedoms(socket.nodes)
+        rows.append(np.repeat(dof, 3 * k))
+        columns.append(np.tile(dof, 3 * k))
+        values.append(turned.ravel())
+    if values:
+        added = sp.coo_matrix(
+            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=K.shape
+        )
+        K = (K + added.tocsc()).tocsc()
+    return K
+
+
+def mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> sp.csr_matrix:
+    """Q of all sockets on the body's freedoms, ``(r, size)``: local motion is R^T times the global one."""
+    data, row, column = [], [], []
+    start = 0
+    for socket in sockets:
+        Q = rows[socket.side]
+        k = len(socket.nodes)
+        turned = np.einsum("mib,ab->mia", Q.reshape(len(Q), k, 3), socket.rotation).reshape(len(Q), 3 * k)
+        data.append(turned.ravel())
+        row.append(np.repeat(start + np.arange(len(Q)), 3 * k))
+        column.append(np.tile(freedoms(socket.nodes), len(Q)))
+        start += len(Q)
+    matrix = sp.coo_matrix((np.concatenate(data), (np.concatenate(row), np.concatenate(column))), shape=(start, size))
+    return matrix.tocsr()
+
+
+def respond(
+    K: sp.spmatrix, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], transform: sp.spmatrix,
+    loads: Array, *, count: int, chunk: int = 64,
+) -> BodyResponse:  # fmt: skip
+    """Factor the body once and answer every mode of every socket.
+
+    transform: C ``(3 n + extra, m)`` of the constraints (K includes the extra freedoms); loads ``(m, l)``: right-hand
+    sides on the reduced freedoms.
+    """
+    begin = perf_counter()
+    kept = {side: patch_modes(patch, count) for side, patch in patches.items()}
+    Q = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, transform.shape[0])
+    reduced = (transform.T @ K @ transform).tocsc()
+    solver = factor(reduced)
+    B = (Q @ transform).tocsr()
+    G = np.empty((B.shape[0], B.shape[0]))
+    for start in range(0, B.shape[0], chunk):
+        part = B[start : start + chunk]
+        G[:, start : start + chunk] = B @ solver.solve(np.asarray(part.toarray().T))
+    answered = B @ solver.solve(loads) if loads.size else np.zeros((B.shape[0], 0))
+    return BodyResponse(
+        0.5 * (G + G.T), {s: k[0] for s, k in kept.items()}, np.asarray(answered),
+        max(k[2] for k in kept.values()), reduced.shape[0], perf_counter() - begin,
+    )  # fmt: skip
+
+
+def section_rows(section: Section, points: Array) -> sp.coo_matrix:
+    """Freedoms of a section's nodes from its six motions, ``(3 n, 6)``."""
+    return sp.coo_matrix(rigid_modes(points[section.nodes], section.centre))
+
+
+def isostatic(points: Array, avoid: Index) -> Index:
+    """Six freedoms that hold a free body without straining it: pivoted rows of its rigid motions, away from ``avoid``."""
+    allowed = np.setdiff1d(np.arange(len(points)), avoid)
+    pick = allowed[np.linspace(0, len(allowed) - 1, min(200, len(allowed))).astype(int)]
+    modes = rigid_modes(points[pick], points.mean(axis=0))
+    size = float(np.abs(points - points.mean(axis=0)).max())
+    modes = modes / np.array([1, 1, 1, size, size, size])
+    _, _, order = qr(modes.T, pivoting=True)
+    return np.asarray(freedoms(pick)[order[:6]])

@@ -1,0 +1,95 @@
+"""Mesh choices of the 3D reference: sizes, the contact zone's grid, and the ball's patch on the groove's nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hifi.patch import Lines, graded, growing
+from meshes.ball_body import BallSocket, directions, pyramid_points
+from meshes.groove_map import GrooveMap
+from meshes.grooved_body import SocketSize, local_points
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Mesh and modelling choices; lengths in m.
+
+    b_over_h: nodes across the short semi-axis; semi: expected semi-axes (a, b) at the typical load; socket: half width in
+    gamma [rad], depth, half width along the track; fine, coarse: element sizes of the coarse bodies near and away from
+    sockets; ball_fine, ball_coarse; modes: smooth modes kept per patch; shaft: 3D length of the screw beyond the nut on
+    each side; land_nut, bore_nut... radii not printed by the source: nut_land, screw_hole.
+    """
+
+    b_over_h: float = 4.0
+    semi: tuple[float, float] = (0.40e-3, 0.105e-3)
+    gamma: float = 0.30
+    depth: float = 1.2e-3
+    along: float = 1.24e-3
+    fine: float = 1.0e-3
+    coarse: float = 5.0e-3
+    ball_fine: float = 0.35e-3
+    ball_coarse: float = 0.8e-3
+    modes: int = 16
+    shaft: float = 20e-3
+    nut_land: float = 17e-3
+    screw_hole: float = 1.5e-3
+    shaft_radius: float = 15.5e-3
+    elastic_nut: bool = True
+
+
+def patch_lines(settings: Settings, width: tuple[float, float]) -> tuple[Lines, tuple[float, float]]:
+    """Element boundaries of a patch and its contact zone in local units; ``width``: half widths of the socket [m]."""
+    a, b = settings.semi  # the long axis lies across the groove, where ball and groove conform
+    h_a, h_b = a / settings.b_over_h, b / settings.b_over_h
+    zone_a = 2.0 * h_a * np.ceil((1.15 * a + 0.08e-3) / (2.0 * h_a))
+    zone_b = 2.0 * h_b * np.ceil(1.6 * b / (2.0 * h_b))
+    zone = (float(min(zone_a / width[0], 0.85)), float(min(zone_b / width[1], 0.85)))
+    across = graded(zone[0], 2.0 * h_a / width[0])
+    along = graded(zone[1], 2.0 * h_b / width[1])
+    depth = growing(0.0, 1.0, 1.2 * h_b / settings.depth, 1.8)
+    return Lines(across, depth, along), zone
+
+
+def socket_size(m: GrooveMap, settings: Settings) -> SocketSize:
+    """Socket in angles: the same for all sides, its length along the track set at the pitch radius."""
+    return SocketSize(settings.gamma, settings.depth, settings.along / m.R)
+
+
+def ball_place(
+    m: GrooveMap, size: SocketSize, side: int, zone: tuple[float, float]
+) -> tuple[BallSocket, Callable[[Array], Array]]:
+    """Socket of the ball at a side and the map of local coordinates into it.
+
+    Inside the contact zone the rays pass exactly through the groove's nodes; towards the rim they blend into the pyramid.
+    """
+    n, t1, t2 = directions(m, side)
+    centre = np.array([m.R, 0.0, 0.0])
+
+    def project(xi1: Array, xi3: Array) -> tuple[Array, Array]:
+        flat = np.stack([xi1, np.zeros_like(xi1), xi3], axis=1)
+        x = local_points(m, size, side, flat) - centre
+        return (x @ t1) / (x @ n), (x @ t2) / (x @ n)
+
+    one = np.array([1.0])
+    across = 0.5 * float(project(one, 0 * one)[0][0] - project(-one, 0 * one)[0][0])
+    along = 0.5 * float(project(0 * one, one)[1][0] - project(0 * one, -one)[1][0])
+    socket = BallSocket(side, across, along, size.depth * 0.75)
+
+    def ramp(x: Array, start: float) -> Array:
+        u = np.clip((np.abs(x) - start) / (1.0 - start), 0.0, 1.0)
+        return np.asarray(u * u * (3.0 - 2.0 * u))
+
+    def place(xi: Array) -> Array:
+        s, t = project(xi[:, 0], xi[:, 2])
+        w = np.maximum(ramp(xi[:, 0], zone[0]), ramp(xi[:, 2], zone[1]))
+        s = s * (1.0 - w) + w * across * xi[:, 0]
+        t = t * (1.0 - w) + w * along * xi[:, 2]
+        return pyramid_points(m, socket, s, t, xi[:, 1])
+
+    return socket, place

@@ -1,0 +1,300 @@
+"""Solvers for symmetric positive definite matrices behind one interface, chosen by size and what is installed.
+
+`cholmod`: supernodal Cholesky factor (cvxopt) in a nested-dissection order (pymetis) of the nodes, found as freedoms
+with equal columns; the one for many right-hand sides. `splu`: SuperLU of scipy, for small matrices.
+`amg`: conjugate gradients preconditioned by smoothed aggregation (pyamg), for few right-hand sides of large matrices.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from hifi.elements import FloatArray, IntArray
+
+METHODS = ("auto", "cholmod", "splu", "amg")
+SMALL = 3_000
+"""Freedoms below which SuperLU is as fast as anything."""
+LARGE = 300_000
+"""Freedoms above which multigrid beats a factor when there are few right-hand sides."""
+FEW = 20
+"""Right-hand sides that count as few."""
+SINGULAR = 1e13
+"""Response of the matrix scaled to a unit diagonal to a unit load, above which it counts as singular."""
+
+
+class FactorError(ArithmeticError):
+    """The matrix cannot be factored: not positive definite, or singular to working precision."""
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A solver prepared for one matrix.
+
+    method: 'cholmod', 'splu' or 'amg'; size: number of freedoms n; seconds: preparation time [s], ordering included.
+    """
+
+    method: str
+    size: int
+    seconds: float
+    _apply: Callable[[FloatArray], FloatArray]
+    _count: Callable[[], int]
+
+    @cached_property
+    def nonzeros(self) -> int:
+        """Stored entries of the factor (of all multigrid levels for 'amg').
+
+        Counted when asked: for 'cholmod' that costs a second numerical factorisation and as much memory again.
+        """
+        return self._count()
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Solution of K x = rhs, of the shape of rhs, (n,) or (n, k); raises ValueError for another shape."""
+        rhs = np.asarray(rhs, dtype=float)
+        if rhs.ndim not in (1, 2) or len(rhs) != self.size:
+            raise ValueError(f"right-hand side has shape {rhs.shape}, expected ({self.size},) or ({self.size}, k)")
+        if rhs.size == 0:
+            return rhs.copy()
+        return self._apply(rhs.reshape(self.size, -1)).reshape(rhs.shape)
+
+
+def factor(
+    K: sp.spmatrix,
+    *,
+    method: str = "auto",
+    modes: FloatArray | None = None,
+    columns: int | None = None,
+    tolerance: float = 1e-11,
+) -> Factor:
+    """Prepare the solution of K x = b for symmetric positive definite K, shape (n, n); only symmetry is taken on trust.
+
+    method: one of `METHODS`; columns: expected number of right-hand sides, if known; modes: rigid-body modes, shape
+    (n, 6), of the freedoms of K, needed by 'amg' (`hifi.elasticity.rigid_modes`, rows of the freedoms left free);
+    tolerance: relative residual at which 'amg' stops.
+    Raises FactorError for a matrix that is not positive definite or singular (a body that nothing holds), ValueError
+    for an unknown method or a matrix that is not square, ImportError for a method whose library is missing.
+    """
+    if method not in METHODS:
+        raise ValueError(f"method {method!r}: one of {', '.join(METHODS)}")
+    if K.shape[0] != K.shape[1]:
+        raise ValueError(f"matrix has shape {K.shape}, expected a square one")
+    started = time.perf_counter()
+    matrix = sp.csc_matrix(K)
+    size = matrix.shape[0]
+    diagonal = _diagonal(matrix)
+    chosen = choose(size, modes is not None, columns) if method == "auto" else method
+    if chosen == "cholmod":
+        apply, count = _cholmod(matrix)
+    elif chosen == "splu":
+        apply, count = _splu(matrix)
+    else:
+        apply, count = _amg(matrix, modes, tolerance)
+    if chosen != "amg":
+        _check_response(apply, diagonal)
+    return Factor(chosen, size, time.perf_counter() - started, apply, count)
+
+
+def nested_dissection(K: sp.csc_matrix) -> IntArray | None:
+    """Fill-reducing order of the freedoms, shape (n,), by METIS on the compressed graph; None without pymetis.
+
+    Freedoms whose columns have the same pattern (the three of a node) are one vertex, weighted by their number.
+    """
+    if find_spec("pymetis") is None:
+        return None
+    import pymetis
+
+    pattern = sp.csr_matrix((np.ones(K.nnz), K.indices, K.indptr), shape=K.shape)
+    signature = pattern @ np.random.default_rng(0).random(K.shape[0])  # equal columns, equal sums
+    _, first, group = np.unique(signature, return_index=True, return_inverse=True)
+    count = len(first)
+    compressed = pattern[first]  # one row for each vertex
+    rows = np.repeat(np.arange(count), np.diff(compressed.indptr))
+    graph = sp.csr_matrix((np.ones(len(rows)), (rows, group[compressed.indices])), shape=(count, count))
+    graph.sum_duplicates()
+    graph.setdiag(0)
+    graph.eliminate_zeros()
+    if graph.nnz == 0:
+        return np.arange(K.shape[0])
+    weights = np.bincount(group)
+    order, _ = pymetis.nested_dissection(pymetis.CSRAdjacency(graph.indptr, graph.indices), vweights=weights)
+    place = np.empty(count, dtype=np.int64)
+    place[np.asarray(order)] = np.arange(count)
+    return np.argsort(place[group], kind="stable")
+
+
+def gram(K: sp.spmatrix, B: sp.spmatrix) -> tuple[FloatArray, float]:
+    """B^T K^-1 B, shape (m, m), for sparse B (n, m), by one partial factorisation, and its seconds [s].
+
+    The trailing block of the Cholesky factor of [[K, B], [B^T, d I]] is that of d I - B^T K^-1 B, with the columns of B
+    scaled by diag(K) and d raised until the whole is positive definite. Many times faster than m solves: cvxopt solves
+    column by column. The result is checked against a solve.
+    Needs cvxopt; raises FactorError where no such d is found or the library orders the border elsewhere than last.
+    """
+    import cvxopt
+    from cvxopt import cholmod
+
+    started = time.perf_counter()
+    inner, columns = sp.csc_matrix(K), sp.csc_matrix(B)
+    n, m = columns.shape
+    squares = columns.power(2).T @ (1.0 / _diagonal(inner))  # scale of each diagonal entry of the result
+    root = np.sqrt(np.where(squares > 0.0, squares, 1.0))
+    order = nested_dissection(inner)
+    order = np.concatenate([np.arange(n) if order is None else order, np.arange(n, n + m)])
+    lower, border = sp.tril(inner).tocoo(), (columns @ sp.diags(1.0 / root)).tocoo()
+    # The border's own block is stored in full, zeros too: it fills anyway, and CHOLMOD's AMD, which competes with the
+    # given order, then leaves a border of many columns last.
+    i, j = np.tril_indices(m)
+    rows = np.concatenate([lower.row, n + border.col, n + i]).astype(np.int64)
+    cols = np.concatenate([lower.col, border.row, n + j]).astype(np.int64)
+    for enlarged in 1e2, 1e4, 1e6:
+        data = np.concatenate([lower.data, border.data, np.where(i == j, enlarged, 0.0)])
+        sparse = cvxopt.spmatrix(data, rows, cols, (n + m, n + m), "d")
+        try:
+            symbolic = _supernodal(sparse, order)
+        except ArithmeticError:
+            continue
+        place = cvxopt.matrix(np.arange(n + m, dtype=float))
+        cholmod.solve(symbolic, place, sys=8)
+        last = np.array(place).ravel()[n:].astype(np.int64) - n
+        if last.size and last.min() < 0:
+            break
+        probe = np.random.default_rng(2).standard_normal(m)
+        dense = cvxopt.matrix(np.concatenate([np.zeros(n), probe]), tc="d")
+        cholmod.solve(symbolic, dense)  # before getfactor, which takes the numbers out of the factor
+        pointers, indices, values = (np.array(part).ravel() for part in cholmod.getfactor(symbolic).CCS)
+        first = pointers[n]
+        trailing = sp.csc_matrix((values[first:], indices[first:] - n, pointers[n:] - first), shape=(m, m)).toarray()
+        left = np.empty((m, m))
+        left[np.ix_(last, last)] = trailing @ trailing.T
+        if not np.linalg.norm(left @ np.array(dense).ravel()[n:] - probe) <= 1e-9 * np.linalg.norm(probe):
+            break
+        return (enlarged * np.eye(m) - left) * np.outer(root, root), time.perf_counter() - started
+    raise FactorError("no bordered factor: not positive definite, or the border was not kept last")
+
+
+def _diagonal(matrix: sp.csc_matrix) -> FloatArray:
+    """Diagonal of the matrix; raises FactorError unless all of it is positive."""
+    diagonal: FloatArray = matrix.diagonal()
+    if not np.all(diagonal > 0.0):  # also NaN
+        bad = int(np.argmin(np.where(np.isnan(diagonal), -np.inf, diagonal)))
+        raise FactorError(f"not positive definite: diagonal entry {bad} is {diagonal[bad]:.3g} (a node no cell uses?)")
+    return diagonal
+
+
+def choose(size: int, modes: bool = False, columns: int | None = None) -> str:
+    """Method that 'auto' stands for, among those installed; modes: whether rigid-body modes are at hand."""
+    multigrid = modes and find_spec("pyamg") is not None
+    if size <= SMALL:
+        return "splu"
+    if size > LARGE and columns is not None and columns <= FEW and multigrid:
+        return "amg"
+    if find_spec("cvxopt") is not None:
+        return "cholmod"
+    return "amg" if multigrid else "splu"
+
+
+def _check_response(apply: Callable[[FloatArray], FloatArray], diagonal: FloatArray) -> None:
+    """Raise FactorError when the factor belongs to a matrix that is singular to working precision."""
+    root = np.sqrt(diagonal)
+    load = np.random.default_rng(1).standard_normal(len(root))
+    with np.errstate(all="ignore"):
+        response = root * apply((root * load)[:, None])[:, 0]
+        ratio = float(np.linalg.norm(response) / np.linalg.norm(load))
+    if not ratio < SINGULAR:
+        raise FactorError(f"singular to working precision (response {ratio:.1e} to a unit load): is every body held?")
+
+
+def _cholmod(matrix: sp.csc_matrix) -> tuple[Callable[[FloatArray], FloatArray], Callable[[], int]]:
+    import cvxopt
+    from cvxopt import cholmod
+
+    order = nested_dissection(matrix)
+    lower = sp.tril(matrix).tocoo()
+    sparse = cvxopt.spmatrix(lower.data, lower.row.astype(np.int64), lower.col.astype(np.int64), matrix.shape, "d")
+    try:
+        symbolic = _supernodal(sparse, order)
+    except ArithmeticError as error:
+        raise FactorError(f"not positive definite: Cholesky factor breaks down at column {error.args[0]}") from error
+
+    def apply(rhs: FloatArray) -> FloatArray:
+        dense = cvxopt.matrix(np.asfortranarray(rhs), tc="d")
+        cholmod.solve(symbolic, dense)
+        return np.array(dense)
+
+    def count() -> int:
+        entries = len(cholmod.getfactor(symbolic).V)  # takes the numbers out of the factor: put them back
+        cholmod.numeric(sparse, symbolic)
+        return entries
+
+    return apply, count
+
+
+def _supernodal(sparse: Any, order: IntArray | None) -> Any:
+    """CHOLMOD's factor L L^T of a cvxopt matrix's lower triangle, in the given order if AMD's has no less fill."""
+    import cvxopt
+    from cvxopt import cholmod
+
+    permutation = None if order is None else cvxopt.matrix(order.astype(np.int64), tc="i")
+    previous = cholmod.options.get("supernodal", 2)
+    cholmod.options["supernodal"] = 2
+    try:
+        symbolic = cholmod.symbolic(sparse, p=permutation)
+        cholmod.numeric(sparse, symbolic)
+    finally:
+        cholmod.options["supernodal"] = previous
+    return symbolic
+
+
+def _splu(matrix: sp.csc_matrix) -> tuple[Callable[[FloatArray], FloatArray], Callable[[], int]]:
+    from scipy.sparse.linalg import splu
+
+    options = {"SymmetricMode": True}
+    try:
+        lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    except RuntimeError as error:
+        raise FactorError(f"not positive definite: SuperLU says {error}") from error
+    if not (np.array_equal(lu.perm_r, lu.perm_c) and np.all(lu.U.diagonal() > 0.0)):
+        raise FactorError("not positive definite: SuperLU met a pivot that is not positive")
+
+    def apply(rhs: FloatArray) -> FloatArray:
+        solution: FloatArray = lu.solve(rhs)
+        return solution
+
+    return apply, lambda: int(lu.L.nnz)
+
+
+def _amg(
+    matrix: sp.csc_matrix, modes: FloatArray | None, tolerance: float
+) -> tuple[Callable[[FloatArray], FloatArray], Callable[[], int]]:
+    import pyamg
+
+    size = matrix.shape[0]
+    if modes is None or np.shape(modes)[0] != size:
+        raise ValueError(f"'amg' needs the rigid-body modes of the {size} freedoms, shape ({size}, 6)")
+    rows = sp.csr_matrix((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)  # symmetric
+    blocks = rows.tobsr((3, 3)) if size % 3 == 0 else None
+    dense = blocks is not None and blocks.nnz <= 1.2 * rows.nnz  # freedoms come in whole nodes
+    basis = np.linalg.qr(np.asarray(modes, dtype=float))[0]
+    hierarchy = pyamg.smoothed_aggregation_solver(
+        blocks if dense else rows, B=basis, symmetry="symmetric", coarse_solver="splu", max_coarse=500
+    )
+    preconditioner = hierarchy.aspreconditioner()
+
+    def apply(rhs: FloatArray) -> FloatArray:
+        solution = np.zeros_like(rhs)
+        for k in range(rhs.shape[1]):
+            if rhs[:, k].any():
+                solution[:, k], info = pyamg.krylov.cg(rows, rhs[:, k], tol=tolerance, maxiter=500, M=preconditioner)
+                left = np.linalg.norm(rhs[:, k] - rows @ solution[:, k]) / np.linalg.norm(rhs[:, k])
+                if info != 0 or not left <= 100.0 * tolerance:
+                    raise FactorError(f"conjugate gradients end at a relative residual of {left:.1e}: not definite?")
+        return solution
+
+    return apply, lambda: int(sum(level.A.nnz for level in hierarchy.levels))

@@ -1,0 +1,201 @@
+"""Blocks for the verification of contact: a quarter of a half space, fine at the contact, as hexahedra or tetrahedra.
+
+The body fills z > 0 below the contact plane z = 0; x = 0 and y = 0 are planes of symmetry through the contact's centre,
+and the block is cut off at x, y, z = size. Nodes of a cell are ordered as in gmsh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class BlockMesh:
+    """A quarter block.
+
+    element: "P1", "P2", "Q1" or "Q2"; points: (n, 3) [m]; cells: (cells, nodes of the element); faces: (faces, nodes of
+    its face) on the contact plane z = 0; size: edge of the block [m].
+    """
+
+    element: str
+    points: Array
+    cells: Indices
+    faces: Indices
+    size: float
+
+    def on_plane(self, axis: int, place: float) -> Indices:
+        """Nodes (m,) whose coordinate along `axis` is `place` [m]."""
+        return np.flatnonzero(np.abs(self.points[:, axis] - place) < 1e-9 * self.size)
+
+    @property
+    def cut(self) -> Indices:
+        """Nodes (m,) on the three faces where the block is cut off."""
+        return np.unique(np.concatenate([self.on_plane(axis, self.size) for axis in range(3)]))
+
+
+def graded(cell: float, core: float, size: float, growth: float) -> Array:
+    """Corner coordinates from 0 to size: equal cells to at least `core`, then growing by at most `growth` each.
+
+    Args:
+        cell, core, size: first cell, length of equal cells, and end [m].
+        growth: largest ratio of neighbouring cells, > 1.
+
+    Returns:
+        (m + 1,) coordinates [m].
+
+    Raises:
+        ValueError: unless 0 < cell <= size, core < size and growth > 1.
+
+    >>> graded(1.0, 2.0, 9.0, 2.0).round(3).tolist()
+    [0.0, 1.0, 2.0, 3.488, 5.703, 9.0]
+    """
+    if not (0.0 < cell <= size and core < size and growth > 1.0):
+        raise ValueError(f"cells of {cell} m, core {core} m, block {size} m, growth {growth}: see the ranges allowed")
+    equal = int(np.ceil(core / cell - 1e-9))
+    rest = size - equal * cell
+    count = 1
+    while cell * growth * (growth**count - 1.0) / (growth - 1.0) < rest:
+        count += 1
+    steps = growth ** np.arange(1, count + 1)
+    low, high = 0.0, growth
+    for _ in range(80):  # the ratio at which the cells end at `size`
+        ratio = 0.5 * (low + high)
+        steps = cell * ratio ** np.arange(1, count + 1)
+        low, high = (ratio, high) if steps.sum() < rest else (low, ratio)
+    out = np.concatenate([cell * np.arange(equal + 1), equal * cell + np.cumsum(steps)])
+    out[-1] = size
+    return out
+
+
+def hexahedra(order: int, spacing: Sequence[float], core: Sequence[float], size: float, growth: float) -> BlockMesh:
+    """Tensor-graded 8-node (order 1) or 27-node (order 2) hexahedra.
+
+    Args:
+        order: 1 or 2.
+        spacing: distance of the nodes in the core along x, y, z [m]; cells are `order` times as long.
+        core: length of the equal cells along x, y, z [m].
+        size: edge of the block [m].
+        growth: largest ratio of neighbouring cells outside the core.
+    """
+    axes = []
+    for step, length in zip(spacing, core, strict=True):
+        corners = graded(order * step, length, size, growth)
+        axes.append(_refined(corners) if order == 2 else corners)
+    counts = [len(axis) for axis in axes]
+    grid = np.meshgrid(*axes, indexing="ij")
+    points = np.column_stack([g.ravel() for g in grid])
+    numbers = np.arange(len(points)).reshape(counts)
+    lattice = order * np.stack(
+        np.meshgrid(*[np.arange((count - 1) // order) for count in counts], indexing="ij"), axis=-1
+    ).reshape(-1, 1, 3)
+    nodes = lattice + _HEXAHEDRON[order]
+    top = lattice[lattice[:, 0, 2] == 0] + np.insert(_QUADRANGLE[order], 2, 0, axis=1)
+    return BlockMesh(f"Q{order}", points, numbers[tuple(nodes.T)].T.copy(), numbers[tuple(top.T)].T.copy(), size)
+
+
+def _refined(corners: Array) -> Array:
+    """Corners and midpoints, in order."""
+    out = np.empty(2 * len(corners) - 1)
+    out[::2], out[1::2] = corners, 0.5 * (corners[1:] + corners[:-1])
+    return out
+
+
+def _lattice(corners: Sequence[tuple[int, ...]], pairs: Sequence[tuple[int, ...]]) -> NDArray[np.int64]:
+    """Lattice places of second-order nodes: twice the corners, then the sums over edges, faces, the body."""
+    doubled = 2 * np.array(corners)
+    return np.array([*doubled, *(doubled[list(group)].mean(axis=0).round().astype(int) for group in pairs)])
+
+
+_CORNERS3 = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+_CORNERS2 = [(0, 0), (1, 0), (1, 1), (0, 1)]
+_EDGES3 = [(0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)]
+_FACES3 = [(0, 1, 2, 3), (0, 1, 4, 5), (0, 3, 4, 7), (1, 2, 5, 6), (2, 3, 6, 7), (4, 5, 6, 7)]
+_HEXAHEDRON = {1: np.array(_CORNERS3), 2: _lattice(_CORNERS3, [*_EDGES3, *_FACES3, tuple(range(8))])}
+_QUADRANGLE = {1: np.array(_CORNERS2), 2: _lattice(_CORNERS2, [(0, 1), (1, 2), (2, 3), (0, 3), (0, 1, 2, 3)])}
+
+
+@dataclass(frozen=True)
+class Influence:
+    """Body of influence: cells of edge `fine` [m] within the ellipsoid of semi-axes `semi` [m] about the contact.
+
+    Outside, the edge grows by `growth` per unit of distance, to at most `coarse` [m].
+    """
+
+    fine: float
+    semi: tuple[float, float, float]
+    growth: float
+    coarse: float
+
+    def scaled(self, factor: float) -> Influence:
+        """The same with all lengths times `factor`."""
+        x, y, z = (factor * length for length in self.semi)
+        return replace(self, fine=factor * self.fine, semi=(x, y, z), coarse=factor * self.coarse)
+
+    def expression(self) -> str:
+        """Edge as a formula for gmsh; the distance is that of the ellipsoid through the point along its short axis."""
+        x, y, z = self.semi
+        away = f"({min(self.semi)!r}*Max(0, Sqrt((x/{x!r})^2+(y/{y!r})^2+(z/{z!r})^2)-1))"
+        return f"Min({self.coarse!r}, {self.fine!r}+{self.growth!r}*{away})"
+
+
+def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
+    """Graded 4-node (order 1) or 10-node (order 2) tetrahedra made by gmsh.
+
+    Args:
+        order: 1 or 2.
+        influence: edges of the cells.
+        size: edge of the block [m].
+
+    Raises:
+        ImportError: gmsh, or a system library that it needs, is missing.
+    """
+    gmsh = _gmsh()
+    from meshes.bridge import from_gmsh
+
+    own = not gmsh.isInitialized()
+    if own:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.add("block")
+        gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances suit lengths about 1
+        gmsh.model.occ.synchronize()
+        plane = gmsh.model.getEntitiesInBoundingBox(-0.1, -0.1, -0.1, 1.1, 1.1, 0.1, 2)
+        gmsh.model.addPhysicalGroup(2, [tag for _, tag in plane], name="contact")
+        _set_edges(gmsh, influence.scaled(1.0 / size))
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(order)
+        data = from_gmsh(boundaries=("contact",))
+        gmsh.model.remove()
+    finally:
+        if own:
+            gmsh.finalize()
+    element = f"P{order}"
+    return BlockMesh(element, size * data.points, data.cells[element], data.boundaries["contact"], size)
+
+
+def _set_edges(gmsh: Any, influence: Influence) -> None:
+    """Let the body of influence alone rule the edges."""
+    field = gmsh.model.mesh.field.add("MathEval")
+    gmsh.model.mesh.field.setString(field, "F", influence.expression())
+    gmsh.model.mesh.field.setAsBackgroundMesh(field)
+    for name in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
+        gmsh.option.setNumber(f"Mesh.{name}", 0)
+
+
+def _gmsh() -> Any:
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:
+        raise ImportError(
+            f"gmsh cannot be loaded ({error}); install rollbench[hifi] and the system libraries libGLU and libX11"
+        ) from error
+    return gmsh

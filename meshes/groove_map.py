@@ -1,0 +1,82 @@
+"""The exact map between space and the unrolled, helically invariant coordinates of a grooved body.
+
+A point (x3, z3) of the groove section at azimuth phi lies at r = |(R_p + x3, z3 sin alpha)|, at the total azimuth
+phi + psi with psi = atan2(-z3 sin alpha, R_p + x3), and at z = zeta + r_g (phi + psi) with zeta = z3 cos alpha - r_g psi:
+(r, zeta) do not depend on phi, so the groove is a straight prism in (phi, zeta, r) and nodes are mapped without error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.helix import groove_radii, lead_angle, nominal_groove_centres, reduced_lead
+from meshes.parts import SIDE_SIGNS, Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class GrooveMap:
+    """Track of one scene: pitch radius R, reduced lead rg [m/rad], lead angle alpha, contact angle beta [rad], ball
+    radius; per side: signs (4, 2), groove centres (4, 2) and radii (4,) in the section [m]; z of the nut's centre, phase,
+    starts."""
+
+    R: float
+    rg: float
+    alpha: float
+    beta: float
+    ball: float
+    signs: Array
+    centre: Array
+    radius: Array
+    z0: float
+    phase: float
+    starts: int
+
+    @staticmethod
+    def of(scene: Scene) -> GrooveMap:
+        """Map of a scene (nominal geometry)."""
+        track = scene.track
+        return GrooveMap(
+            track.pitch_radius, reduced_lead(track), lead_angle(track), track.contact_angle, scene.balls.radius,
+            np.array(SIDE_SIGNS), nominal_groove_centres(scene), groove_radii(scene), scene.nut.position, track.phase,
+            track.starts,
+        )  # fmt: skip
+
+    def section(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
+        """Section coordinates (x3, z3) [m] at angle gamma and distance rho from the centre of a side's arc."""
+        sx, sz = self.signs[side]
+        return self.centre[side, 0] + sx * rho * np.cos(gamma), self.centre[side, 1] + sz * rho * np.sin(gamma)
+
+    def unroll(self, x3: Array, z3: Array) -> tuple[Array, Array, Array]:
+        """(r, zeta, psi) of section coordinates."""
+        r = np.hypot(self.R + x3, z3 * sin(self.alpha))
+        psi = np.arctan2(-z3 * sin(self.alpha), self.R + x3)
+        return r, z3 * cos(self.alpha) - self.rg * psi, psi
+
+    def roll(self, r: Array, zeta: Array) -> tuple[Array, Array]:
+        """Section coordinates (x3, z3) of (r, zeta): Newton in z3; inverse of ``unroll`` near the groove."""
+        z3 = np.array(zeta, dtype=float)
+        s, c = sin(self.alpha), cos(self.alpha)
+        for _ in range(30):
+            q = np.clip(z3 * s / r, -0.9, 0.9)
+            f = z3 * c + self.rg * np.arcsin(q) - zeta
+            step = f / (c + self.rg * s / (r * np.sqrt(1.0 - q * q)))
+            z3 = z3 - step
+            if float(np.abs(step).max(initial=0.0)) < 1e-18:
+                break
+        return np.sqrt(np.maximum(r * r - (z3 * s) ** 2, 0.0)) - self.R, z3
+
+    def polar(self, side: int, x3: Array, z3: Array) -> tuple[Array, Array]:
+        """(gamma, rho) about the centre of a side's arc."""
+        sx, sz = self.signs[side]
+        wx, wz = x3 - self.centre[side, 0], z3 - self.centre[side, 1]
+        return np.arctan2(sz * wz, sx * wx), np.hypot(wx, wz)
+
+    def space(self, r: Array, zeta: Array, phi: Array) -> Array:
+        """Points ``(..., 3)`` [m] of (r, zeta) at the total azimuth phi, in the frame of a ball at azimuth 0 and z = 0."""
+        return np.stack([r * np.cos(phi), r * np.sin(phi), zeta + self.rg * phi], axis=-1)

@@ -1,0 +1,107 @@
+"""The block model of Hertz contact: errors fall with the mesh, and the size of the block does not matter."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hifi.block import JOBS, carried_areas, study, surface_compliance
+from meshes.block import Influence, graded, hexahedra, tetrahedra
+
+
+def errors(run):
+    """Relative size of the errors of approach, worse semi-axis, pole pressure."""
+    e = run.exact
+    return np.abs(
+        [
+            run.approach / e.approach - 1.0,
+            max(run.semi_x / e.semi_x - 1.0, run.semi_y / e.semi_y - 1.0, key=abs),
+            run.pole_pressure / e.pole_pressure - 1.0,
+        ]
+    )
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_errors_on_27_node_hexahedra_fall_with_every_refinement(name):
+    found = np.array([errors(study(JOBS[name], "Q2", n)) for n in (2.0, 3.0, 4.0)])
+    assert (found[2] < found[0] / 3.0).all()  # about second order
+    assert (found[1:, 2] < found[:-1, 2]).all()  # pole pressure falls each time
+
+
+@pytest.mark.parametrize(
+    ("element", "coarse", "fine", "most"),
+    [
+        ("Q1", 2.0, 8.0, (4e-3, 4e-3, 8e-3)),
+        ("P1", 4.0, 8.0, (2.5e-2, 2.5e-2, 5e-2)),
+        ("P2", 2.0, 5.0, (3e-3, 3e-3, 1e-2)),
+    ],
+)
+def test_errors_on_other_elements_fall_too(element, coarse, fine, most):
+    first, last = errors(study(JOBS["A"], element, coarse)), errors(study(JOBS["A"], element, fine))
+    assert (last[:2] < 0.6 * first[:2]).all()
+    assert (last < most).all()
+
+
+def test_second_order_elements_beat_first_order_ones_at_equal_unknowns():
+    q2, q1 = study(JOBS["A"], "Q2", 4.0), study(JOBS["A"], "Q1", 8.0)
+    assert 0.8 < q2.unknowns / q1.unknowns < 1.3
+    assert errors(q2)[0] < errors(q1)[0] / 2.0
+    p2, p1 = study(JOBS["A"], "P2", 4.0), study(JOBS["A"], "P1", 8.0)
+    assert p2.unknowns < 1.5 * p1.unknowns
+    assert errors(p2)[0] < errors(p1)[0] / 2.0
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_size_of_the_block_does_not_matter_once_its_cut_moves_as_the_half_space(name):
+    found = np.array([study(JOBS[name], "Q2", 4.0, size=size).approach for size in (2.0, 3.0, 5.0)])
+    assert np.ptp(found) < 1e-3 * found.mean()
+    held = np.array([study(JOBS[name], "Q2", 4.0, size=size, far_field=False).approach for size in (3.0, 5.0)])
+    assert (held < 0.99 * found[1:]).all()
+    assert held[0] < held[1]
+
+
+def test_block_of_5_mm_held_on_its_cut_shifts_the_approach_as_other_programs_found():
+    job = JOBS["A"]
+    held = study(job, "Q2", 4.0, size=5e-3 / job.exact.semi_x, far_field=False)
+    assert -0.025 < held.approach / job.exact.approach - 1.0 < -0.017
+
+
+def test_compliance_is_symmetric_and_boussinesqs_at_a_distance():
+    a, young, nu = 1e-4, 210e9, 0.28
+    mesh = hexahedra(2, (a / 8, a / 8, a / 8), (a, a, 0.0), 3 * a, 1.5)
+    found = surface_compliance(mesh, (a, a), young, nu)
+    assert found.asymmetry < 1e-5
+    first = int(np.argmin(np.abs(found.places - [0.875 * a, 0.0]).sum(axis=1)))
+    second = int(np.argmin(np.abs(found.places - [0.0, 0.875 * a]).sum(axis=1)))
+    away = np.linalg.norm(found.places[first] - found.places[second])
+    assert found.matrix[first, second] == pytest.approx(4.0 * (1 - nu**2) / (np.pi * young * away), rel=3e-3)
+    assert found.held[first, second] < 0.9 * found.matrix[first, second]
+
+
+@pytest.mark.parametrize("element", ["P1", "P2", "Q1", "Q2"])
+def test_mesh_fills_the_block_and_its_contact_plane(element):
+    order, a = int(element[1]), 1e-4
+    if element[0] == "Q":
+        mesh = hexahedra(order, (a / 4, a / 4, a / 4), (a, a, 0.0), 3 * a, 1.5)
+    else:
+        mesh = tetrahedra(order, Influence(a / 4, (a, a, a / 2), 0.5, 3 * a), 3 * a)
+    assert mesh.element == element
+    assert carried_areas(mesh).sum() == pytest.approx((3 * a) ** 2, rel=1e-12)
+    assert np.abs(mesh.points[mesh.faces, 2]).max() < 1e-12 * a
+    assert mesh.points.min() > -1e-12 * a
+    assert mesh.points.max() == pytest.approx(3 * a)
+    touching = carried_areas(mesh) > 0.0
+    corners = np.unique(mesh.faces[:, :3])
+    assert touching[corners].all() != (element == "P2")
+    np.testing.assert_allclose(mesh.points[mesh.cut].max(axis=1), 3 * a)
+
+
+def test_grading_keeps_to_its_ratio_and_refuses_nonsense():
+    x = graded(0.1, 1.0, 7.0, 1.4)
+    steps = np.diff(x)
+    assert x[0] == 0.0
+    assert x[-1] == 7.0
+    np.testing.assert_allclose(steps[:10], 0.1)
+    assert (steps[1:] / steps[:-1]).max() < 1.4 + 1e-9
+    with pytest.raises(ValueError, match="ranges allowed"):
+        graded(0.1, 8.0, 7.0, 1.4)

@@ -1,0 +1,129 @@
+"""Hertz: the closed form against published numbers and other integrals, and the 3D reference against the closed form.
+
+Numbers of jobs A and B: ball of radius 2.778 mm, E = 210 GPa, nu = 0.28, 225 N, on a flat and in a groove of radius
+3.254 mm, convex along it with 20.56 mm; elliptic-integral Hertz, six digits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import ellipe, ellipk
+
+from compare.sections import verification
+from hifi.block import JOBS, boussinesq, study
+from hifi.hertz import hertz
+from reports.figures import draw
+from reports.records import Figure, Table
+
+#: approach [um], semi-axes [mm], pole pressure [MPa]
+EXACT = {"A": (9.24316, 0.160242, 0.160242, 4183.80), "B": (6.48391, 0.401384, 0.104759, 2554.89)}
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_closed_form_gives_the_published_numbers(name):
+    exact = JOBS[name].exact
+    found = (1e6 * exact.approach, 1e3 * exact.semi_x, 1e3 * exact.semi_y, 1e-6 * exact.pole_pressure)
+    assert found == pytest.approx(EXACT[name], rel=2e-6)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1.3, 8.0, 300.0])
+def test_closed_form_satisfies_johnsons_equations_with_library_integrals(ratio):
+    young, nu, load, short = 210e9, 0.3, 100.0, 2e-3
+    s = hertz(load, ratio * short, short, young, nu)
+    modulus = young / (2.0 * (1.0 - nu**2))
+    assert load == pytest.approx(2.0 * np.pi / 3.0 * s.pole_pressure * s.semi_x * s.semi_y, rel=1e-13)
+    m = 1.0 - (s.semi_y / s.semi_x) ** 2
+    k, e = ellipk(m), ellipe(m)
+    assert s.approach == pytest.approx(s.pole_pressure * s.semi_y * k / modulus, rel=1e-11)
+    if ratio > 1.0:  # Johnson 4.26a, b: curvatures along x and y
+        scale = s.pole_pressure * s.semi_y / (modulus * m * s.semi_x**2)
+        assert 0.5 / (ratio * short) == pytest.approx(scale * (k - e), rel=1e-8)
+        assert 0.5 / short == pytest.approx(scale * (e / (1.0 - m) - k), rel=1e-8)
+
+
+def test_approach_is_the_potential_of_the_pressure_at_the_pole():
+    s, job = JOBS["B"].exact, JOBS["B"]
+    theta = 2.0 * np.pi * (np.arange(400) + 0.5) / 400
+    radius = 1.0 / np.sqrt((np.cos(theta) / s.semi_x) ** 2 + (np.sin(theta) / s.semi_y) ** 2)
+    modulus = job.young / (2.0 * (1.0 - job.poisson**2))
+    assert s.pole_pressure / (4.0 * modulus) * 2.0 * np.pi * radius.mean() == pytest.approx(s.approach, rel=1e-12)
+
+
+def test_order_of_the_radii_does_not_matter_and_wrong_input_is_refused():
+    one, other = hertz(50.0, 1e-3, 4e-3, 2e11, 0.3), hertz(50.0, 4e-3, 1e-3, 2e11, 0.3)
+    assert (one.approach, one.semi_x, one.semi_y) == (other.approach, other.semi_y, other.semi_x)
+    assert one.semi_y > one.semi_x
+    with pytest.raises(ValueError, match="must be > 0"):
+        hertz(50.0, -1e-3, 4e-3, 2e11, 0.3)
+    with pytest.raises(ValueError, match="line contact"):
+        hertz(50.0, 1e6, 1e-3, 2e11, 0.3)
+
+
+def test_boussinesqs_field_carries_one_newton_through_every_hemisphere():
+    """Traction by numerical differentiation, integrated over a hemisphere: the load, and no side force."""
+    young, nu = 1.0, 0.28
+    lam, mu = young * nu / ((1 + nu) * (1 - 2 * nu)), young / (2 * (1 + nu))
+    c, w = np.polynomial.legendre.leggauss(24)
+    c, w = 0.5 * (c + 1.0), 0.5 * w
+    phi = 2.0 * np.pi * np.arange(16) / 16
+    s = np.sqrt(1.0 - c**2)
+    normal = np.stack([np.outer(s, np.cos(phi)), np.outer(s, np.sin(phi)), np.outer(c, np.ones(16))], -1).reshape(-1, 3)
+    weight = np.repeat(w, 16) * 2.0 * np.pi / 16
+    source, step = np.zeros((1, 2)), 1e-5
+    slope = np.stack(
+        [
+            (boussinesq(normal + d, source, young, nu) - boussinesq(normal - d, source, young, nu))[..., 0] / (2 * step)
+            for d in step * np.eye(3)
+        ],
+        axis=2,
+    )  # u_i,j
+    strain = 0.5 * (slope + slope.transpose(0, 2, 1))
+    stress = 2 * mu * strain + lam * np.trace(strain, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+    force = np.einsum("n,nij,nj->i", weight, stress, normal)
+    np.testing.assert_allclose(force, [0.0, 0.0, -1.0], atol=1e-7)
+    surface = boussinesq(np.array([[3.0, 4.0, 0.0]]), source, young, nu)[0, :, 0]
+    assert surface[2] == pytest.approx((1 - nu**2) / (np.pi * young * 5.0))
+    assert surface[0] < 0.0  # the surface is drawn towards the load
+
+
+@pytest.mark.parametrize("aim", [0.94, 1.0, 1.06])
+@pytest.mark.parametrize("name", JOBS)
+def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name, aim):
+    run = study(JOBS[name], "Q2", 4.0, aim=aim)
+    assert run.approach == pytest.approx(run.exact.approach, rel=3e-3)
+    assert run.semi_x == pytest.approx(run.exact.semi_x, rel=5e-3)
+    assert run.semi_y == pytest.approx(run.exact.semi_y, rel=5e-3)
+    assert run.pole_pressure == pytest.approx(run.exact.pole_pressure, rel=1e-2)
+    assert run.pole_fitted == pytest.approx(run.exact.pole_pressure, rel=1e-2)
+
+
+def test_section_says_from_the_data_whether_the_targets_are_met():
+    made = verification.section(lambda _: None, {"Q1": (2,), "Q2": (4,)})
+    assert made.name == "verification"
+    verdicts = made.items[1].paragraphs
+    assert sum("All targets are met" in line for line in verdicts) == 2
+    assert sum("source's size" in line for line in verdicts) == 2
+    rows = [
+        row
+        for item in made.items
+        if isinstance(item, Table) and item.name == "verification-errors"
+        for row in item.rows
+    ]
+    assert [(row["job"], row["b_over_h"]) for row in rows[:2]] == [("A", 2.0), ("A", 4.0)]
+    run = JOBS["A"]
+    by_hand = 100.0 * (study(run, "Q2", 4.0).approach / run.exact.approach - 1.0)
+    assert rows[1]["approach"] == pytest.approx(by_hand, rel=1e-6)
+    for item in made.items:
+        if isinstance(item, Figure):
+            assert "<svg" in draw(item)
+
+
+def test_section_admits_a_target_that_is_missed():
+    coarse = replace(study(JOBS["A"], "Q2", 2.0), b_over_h=4.0)
+    words = verification.verdict([verification.level("27-node hexahedra", coarse)])
+    assert "NOT MET: approach, semi-axes, pole pressure" in words[0]
+    rows = verification.value_rows([verification.level("27-node hexahedra", coarse)])
+    assert [row["met"] for row in rows] == ["NO"] * 4
