@@ -160,6 +160,64 @@ def check(*, max_error: float = 7.0, as_json: Json = False) -> int:
     return 1 if bad else 0
 
 
+@app.command(name="mesh-study")
+def mesh_study(
+    scenes: list[str],
+    *,
+    levels: int = 3,
+    store: Path = Path("rollbench-reference"),
+    spread: Annotated[bool, Parameter(negative="")] = False,
+    as_json: Json = False,
+) -> int:
+    """Run the 3D reference on several mesh levels: observed orders, uncertainty, modelling spread.
+
+    Parameters
+    ----------
+    scenes
+        Names of shipped scenes, or scene files; several share meshes where geometry and held freedoms are the same.
+    levels
+        Number of mesh levels; each is stored when it is done, so an interrupted study resumes.
+    store
+        Folder of the results.
+    spread
+        Also vary the modelling choices that are not printed, on the coarsest level.
+    """
+    from compare.study_command import run_mesh_study
+
+    return run_mesh_study(
+        scenes, levels, store, spread=spread, json_out=as_json, show=_show, print_json=_print_json
+    )
+
+
+@app.command
+def compare(
+    scenes: list[str],
+    *,
+    model: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
+    levels: int = 3,
+    store: Path = Path("rollbench-reference"),
+    as_json: Json = False,
+) -> int:
+    """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
+
+    Parameters
+    ----------
+    scenes
+        Names of shipped scenes, or scene files.
+    model
+        Low-order models; lin unless given.
+    levels
+        Mesh levels to compute where no reference is stored.
+    store
+        Folder of the reference's results, besides those shipped.
+    """
+    from compare.study_command import run_compare
+
+    return run_compare(
+        scenes, model or ["lin"], levels, store, json_out=as_json, show=_show, print_json=_print_json
+    )
+
+
 @app.command
 def stability(*, as_json: Json = False) -> int:
     """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any."""

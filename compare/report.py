@@ -21,7 +21,8 @@ from reports.records import Report, Section
 Step = Callable[[str], None]
 #: Sections by name, in order.
 SECTIONS = (
-    "overview", "hertz", "cases", "errors", "manufacturing", "formulations", "stability", "timing", "notes",
+    "overview", "reference", "hertz", "cases", "errors", "manufacturing", "formulations", "verification", "stability",
+    "timing", "notes",
 )  # fmt: skip
 
 
@@ -64,16 +65,18 @@ class Progress:
 
 def _printed(study: Study, step: Step) -> tuple[list[Finding], Section, Section]:
     """Findings of all tables, and the two sections that share the ensembles."""
-    from compare.sections import cases, errors, hertz, manufacturing
+    from compare.sections import cases, errors, hertz, manufacturing, reference
 
     section, found = errors.section_with_findings(study, step)
-    everything = [*hertz.findings(study), *cases.findings_241(study), *found, *manufacturing.findings(study)]
+    against = {f.printed.key: f for f in reference.findings(study)}
+    own = [against.get(f.printed.key, f) for f in cases.findings_241(study)]
+    everything = [*hertz.findings(study), *own, *found, *manufacturing.findings(study)]
     return everything, section, manufacturing.section(study, step)
 
 
 def build(only: Sequence[str], progress: Progress) -> tuple[list[Section], list[tuple[str, str]], Study]:
     """Sections asked for (all if none), headline figures, and the study they were made from."""
-    from compare.sections import cases, formulations, hertz, notes, overview, stability, timing
+    from compare.sections import cases, formulations, hertz, notes, overview, reference, stability, timing, verification
 
     study = Study()
     wanted = [name for name in SECTIONS if not only or name in only]
@@ -87,11 +90,15 @@ def build(only: Sequence[str], progress: Progress) -> tuple[list[Section], list[
         headline += overview.counts(found)
     simple: dict[str, Callable[[Study, Step], Section]] = {
         "hertz": hertz.section, "cases": cases.section, "formulations": formulations.section,
+        "reference": reference.section,
     }  # fmt: skip
     for name in wanted:
         if name in simple:
             progress.section(name)
             made[name] = simple[name](study, progress.step)
+        elif name == "verification":
+            progress.section(name)
+            made[name] = verification.section(progress.step)
         elif name == "stability":
             progress.section(name)
             made[name], line = stability.section(progress.step)

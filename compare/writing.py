@@ -32,3 +32,16 @@ def write_new(path: Path, text: str) -> None:
         raise InputError(str(path), "file", reason, "a file that can be written", "check the path") from None
     finally:
         os.unlink(name)
+
+
+def replace_file(path: Path, text: str) -> None:
+    """Write ``text`` to a file, whole or not at all; an earlier file is replaced. Raises InputError if it cannot be."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(name, path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None

@@ -8,10 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hifi.hertz import hertz
 from hifi.patch import Lines, graded, growing
 from meshes.ball_body import BallSocket, directions, pyramid_points
+from meshes.errors import specimen
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import SocketSize, local_points
+from meshes.helix import ball_layout, lead_angle
+from meshes.parts import Scene
 
 Array = NDArray[np.float64]
 
@@ -41,6 +45,34 @@ class Settings:
     screw_hole: float = 1.5e-3
     shaft_radius: float = 15.5e-3
     elastic_nut: bool = True
+
+
+#: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.
+ROUNDING = 5e-6
+
+
+def expected_semi_axes(scene: Scene) -> tuple[float, float]:
+    """Semi-axes (a, b) [m] of a typical contact, for the grid only: the even share of the load plus that of the preload.
+
+    Hertz of the ball on the screw's nominal groove; oversized balls carry (e / c)^(3/2) with the approach c F^(2/3).
+    """
+    track, balls = scene.track, scene.balls
+    beta, alpha = track.contact_angle, lead_angle(track)
+    reach = track.pitch_radius - balls.radius * np.cos(beta)
+    across = 1.0 / (1.0 / balls.radius - 1.0 / scene.screw.groove_radius)
+    along = 1.0 / (1.0 / balls.radius + np.cos(beta) * np.cos(alpha) ** 2 / reach)
+    material = balls.material
+    unit = hertz(1.0, across, along, material.youngs_modulus, material.poissons_ratio)
+    axial = sum(abs(load.force[2]) for load in scene.loads)
+    lateral = sum(float(np.hypot(*load.force[:2])) for load in scene.loads)
+    moment = sum(float(np.hypot(*load.moment[:2])) for load in scene.loads)
+    share = axial / (scene.ball_count * np.sin(beta) * np.cos(alpha))
+    share += 4.0 * (lateral + moment / track.pitch_radius) / (scene.ball_count * np.cos(beta))
+    squeeze = max(0.0, float((specimen(scene, ball_layout(scene)).ball_radius - balls.radius).min()))
+    load = max(share + (squeeze / unit.approach) ** 1.5, 1.0)
+    a, b = (max(unit.semi_x, unit.semi_y), min(unit.semi_x, unit.semi_y))
+    scale = load ** (1.0 / 3.0)
+    return float(np.ceil(a * scale / ROUNDING) * ROUNDING), float(np.ceil(b * scale / ROUNDING) * ROUNDING)
 
 
 def patch_lines(settings: Settings, width: tuple[float, float]) -> tuple[Lines, tuple[float, float]]:

@@ -148,10 +148,25 @@ def solve_reference(setup: Setup, scene: Scene, *, updates: int = 6, member: int
     largest = max(float(load.max()), 1e-300)
     y3 = np.array([0.0, np.cos(m.alpha), np.sin(m.alpha)])
     seconds = {**setup.seconds, "contact": perf_counter() - begin}
+    status = result.status
+    if status == "converged" and _at_rim(setup, forces):
+        status = "the contact reaches the rim of its patch: the expected semi-axes are too small"
     return ReferenceResult(
-        result.status, load, angle, result.motions[: 3 * count].reshape(count, 3), result.motions[3 * count :], result,
+        status, load, angle, result.motions[: 3 * count].reshape(count, 3), result.motions[3 * count :], result,
         float(np.abs(net).max()) / largest, float(np.abs(net @ y3).max()) / largest, setup.unknowns, seconds, done,
     )  # fmt: skip
+
+
+def _at_rim(setup: Setup, forces: Array) -> bool:
+    """Whether any ball presses on the outermost nodes of a contact zone."""
+    start = 0
+    for s in setup.sides:
+        na, nb = setup.patches[s].groove.shape
+        grid = forces[:, start : start + na * nb].reshape(-1, na, nb)
+        start += na * nb
+        if (grid[:, [0, -1]] > 0.0).any() or (grid[:, :, [0, -1]] > 0.0).any():
+            return True
+    return False
 
 
 def first_guess(

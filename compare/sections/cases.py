@@ -344,8 +344,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             Text(
                 (
                     "The printed errors against ANSYS compare with loads that are only drawn in a figure; they stay "
-                    "open until this project's own 3D reference exists. The printed ratio of case 1 stands beside the "
-                    f"spread of the choices that the source leaves open: {spread_of_choices(study)}.",
+                    "open, with the errors against this project's own 3D reference in section reference. The printed "
+                    f"ratio of case 1 stands beside the spread of the choices that the source leaves open: {spread_of_choices(study)}.",
                 )
             ),
         ),
