@@ -121,6 +121,12 @@ def report(
     *,
     only: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
     out: Path = Path("rollbench-report"),
+    quick: Annotated[bool, Parameter(negative="")] = False,
+    stored: Annotated[bool, Parameter(negative="")] = False,
+    store: Path = Path("rollbench-reference"),
+    backend: str = "joblib",
+    scheduler: str | None = None,
+    workers: int | None = None,
 ) -> int:
     """Regenerate the validation report: one HTML file, its tables as CSV, its figures as SVG.
 
@@ -130,10 +136,30 @@ def report(
         Names of the sections to make; all of them unless given.
     out
         Folder to write to.
+    quick
+        Coarsest mesh of the 3D reference only, and no long verification; the report says so.
+    stored
+        Use the runs of the 3D reference that come with the package instead of computing them.
+    store
+        Folder of the 3D reference's runs; an interrupted report goes on from there.
+    backend
+        joblib (this machine) or dask (a cluster), for the 3D reference.
+    scheduler
+        Address of the Dask scheduler.
+    workers
+        Runs of the 3D reference at the same time, each of up to 4 GB; 2 here, or what the cluster has, unless given.
     """
+    from compare.jobs import Engine
     from compare.report import make_report
 
-    return make_report(only or (), out)
+    engine = Engine(backend, scheduler, workers or (2 if scheduler is None else None), _cache())
+    return make_report(only or (), out, quick=quick, stored=stored, store=store, engine=engine)
+
+
+def _cache() -> Path | None:
+    from meshes.cache import default_root
+
+    return default_root()
 
 
 @app.command
@@ -167,26 +193,40 @@ def mesh_study(
     levels: int = 3,
     store: Path = Path("rollbench-reference"),
     spread: Annotated[bool, Parameter(negative="")] = False,
+    source_mesh: Annotated[bool, Parameter(negative="")] = False,
     as_json: Json = False,
+    backend: str = "joblib",
+    scheduler: str | None = None,
+    workers: int | None = None,
 ) -> int:
     """Run the 3D reference on several mesh levels: observed orders, uncertainty, modelling spread.
 
     Parameters
     ----------
     scenes
-        Names of shipped scenes, or scene files; several share meshes where geometry and held freedoms are the same.
+        Names of shipped scenes, or scene files; those of the same parts share their meshes.
     levels
         Number of mesh levels; each is stored when it is done, so an interrupted study resumes.
     store
-        Folder of the results.
+        Folder of the results; the table goes there as CSV, the figure as SVG.
     spread
         Also vary the modelling choices that are not printed, on the coarsest level.
+    source_mesh
+        Also run the source's mesh: first-order tetrahedra of 0.08 mm around every contact.
+    backend
+        joblib (this machine) or dask (a cluster).
+    scheduler
+        Address of the Dask scheduler.
+    workers
+        Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
+    from compare.jobs import Engine
     from compare.study_command import run_mesh_study
 
     return run_mesh_study(
-        scenes, levels, store, spread=spread, json_out=as_json, show=_show, print_json=_print_json
-    )
+        scenes, levels, store, Engine(backend, scheduler, workers, _cache()), spread=spread, source=source_mesh,
+        json_out=as_json, show=_show, print_json=_print_json,
+    )  # fmt: skip
 
 
 @app.command
@@ -194,9 +234,12 @@ def compare(
     scenes: list[str],
     *,
     model: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
-    levels: int = 3,
+    levels: str | None = None,
     store: Path = Path("rollbench-reference"),
     as_json: Json = False,
+    backend: str = "joblib",
+    scheduler: str | None = None,
+    workers: int | None = None,
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
 
@@ -205,17 +248,55 @@ def compare(
     scenes
         Names of shipped scenes, or scene files.
     model
-        Low-order models; lin unless given.
+        Low-order models: lin, lin-source-partition, lin-printed-hertz, mei, mei-nut; all that suit the scene unless given.
     levels
-        Mesh levels to compute where no reference is stored.
+        Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given.
     store
         Folder of the reference's results, besides those shipped.
+    backend
+        joblib (this machine) or dask (a cluster).
+    scheduler
+        Address of the Dask scheduler.
+    workers
+        Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.study_command import run_compare
+    from compare.jobs import Engine
+    from compare.study_command import parse_levels, run_compare
 
     return run_compare(
-        scenes, model or ["lin"], levels, store, json_out=as_json, show=_show, print_json=_print_json
-    )
+        scenes, model or (), None if levels is None else parse_levels(levels), store,
+        Engine(backend, scheduler, workers, _cache()), json_out=as_json, show=_show, print_json=_print_json,
+    )  # fmt: skip
+
+
+@app.command
+def export(
+    scene: str,
+    part: str,
+    *,
+    out: Path | None = None,
+    format: Annotated[str, Parameter(name="--format")] = "",
+    level: int = 1,
+) -> int:
+    """Write a mesh of the 3D reference as a file for other programs: VTU, MSH, MED or INP, lengths in m.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    part
+        screw, nut, ball, patch-SL (the groove's fine patch; SR, NL, NR), ball-patch-SL, or block-source.
+    out
+        File to write, replaced if it exists; <scene>-<part>.vtu unless given.
+    format
+        vtu, msh, med or inp; by the file's name unless given.
+    level
+        Mesh level, 1 (coarse) to 3; 0 is the source's mesh.
+    """
+    from compare import catalogue
+    from compare.export_command import run_export
+
+    return run_export(catalogue.scene(scene), part, format, out, level, cache=_cache(), show=_show)
 
 
 @app.command

@@ -3,25 +3,75 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
 from importlib import resources
-from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from compare.errors import InputError
+from compare.findings import entry
 from compare.measure import LoadError, error_percent, load_error
 from compare.models import Options, run_model
-from compare.reference import Reference
+from compare.reference import Reference, Run
 from lowfi.result import StaticResult
 from meshes.parts import SIDES, Scene
+
+Array = NDArray[np.float64]
 
 #: Scenes whose reference runs come with the package.
 REFERENCED = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
 #: A contact below this share of the mean load is compared in per cent of the mean load, not of its own [-].
 SMALL = 0.1
+#: Printed errors (largest, RMS) and load ratio by scene.
+PRINTED = {
+    "lin-case1": ("case1_max_error", "case1_rms_error", "case1_ratio"),
+    "lin-case2": ("case2_max_error", "case2_rms_error", ""),
+}
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A low-order model as it takes part: name on the command line, label, model, changed ingredients."""
+
+    name: str
+    label: str
+    model: str
+    ingredients: tuple[tuple[str, Any], ...] = ()
+
+    def scene(self, scene: Scene) -> Scene:
+        """The scene with this contender's ingredients."""
+        return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
+
+
+CONTENDERS = {
+    c.name: c
+    for c in (
+        Contender("lin", "low-order model", "lin"),
+        Contender("lin-source-partition", "low-order model, the source's 15 mm partition", "lin", (("partition", "source"),)),
+        Contender("lin-printed-hertz", "low-order model, Hertz constants as printed", "lin", (("hertz", "as printed"),)),
+        Contender("mei", "Mei: axial bars, rigid nut", "mei"),
+        Contender("mei-nut", "Mei: axial bars, nut as a bar", "mei-nut"),
+    )
+}
+
+
+def suited(scene: Scene) -> list[Contender]:
+    """Contenders that can describe a scene: Mei's model knows axial loads without preload or lateral support only."""
+    axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
+    plain = axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1
+    return [c for c in CONTENDERS.values() if c.model == "lin" or (plain and scene.ingredients.screw == "beam")]
+
+
+def contenders(names: tuple[str, ...]) -> list[Contender]:
+    """Contenders by name. Raises InputError for an unknown one."""
+    for name in names:
+        if name not in CONTENDERS:
+            raise InputError("command line", "--model", f'"{name}"', ", ".join(CONTENDERS), "name a low-order model")
+    return [CONTENDERS[name] for name in names]
 
 
 @dataclass(frozen=True)
@@ -41,38 +91,119 @@ class Row:
     error_percent: float | None
     seconds: float | None
 
+    def as_json(self) -> dict[str, Any]:
+        """JSON-ready: no number that JSON does not know."""
+        return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(self).items()}
 
-def timed(scene: Scene, model: str) -> tuple[StaticResult, float]:
-    """Result of a model and the seconds of the whole call."""
+
+@dataclass(frozen=True)
+class Loads:
+    """What a model says of a scene: loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], centreline (stations [m],
+    motions ``(k, 3)`` [m]), seconds."""
+
+    model: str
+    load: Array
+    angle: Array
+    stations: Array
+    line: Array
+    seconds: float | None
+
+
+def timed(contender: Contender, scene: Scene) -> tuple[StaticResult, float]:
+    """Result of a contender and the seconds of the whole call."""
+    own = contender.scene(scene)
     start = perf_counter()
-    result = run_model(scene, model, Options(discretisation=False))
+    result = run_model(own, contender.model, Options(discretisation=False))
     return result, perf_counter() - start
 
 
-def rows(scene: Scene, model: str, found: Reference) -> list[Row]:
-    """Loads of every contact, then the largest and RMS error (in per cent of the mean, and of each load)."""
-    result, seconds = timed(scene, model)
-    out = []
-    for i in range(result.z.size):
-        for s, side in enumerate(SIDES):
-            value, ref = float(result.load[i, s]), float(found.load[i, s])
-            if value == 0.0 and ref == 0.0:
-                continue
-            bar = None if found.uncertainty is None else float(found.uncertainty[i, s])
-            percent = float(error_percent(value, ref)) if ref > 0.0 else None
-            out.append(Row(scene.name, "load", i + 1, side, "N", None, model, value, ref, bar, percent, seconds))
-    e = load_error(result.load, found.load)
-    for name, number in (
-        (f"largest error, of mean (ball {e.ball} {e.side})", e.max_percent), ("RMS error, of mean", e.rms_percent),
-        ("largest error, of own load", e.own_max_percent), ("RMS error, of own load", e.own_rms_percent),
-    ):  # fmt: skip
-        out.append(Row(scene.name, name, None, None, "%", None, model, None, None, None, number, seconds))
+def from_model(contender: Contender, scene: Scene) -> Loads:
+    """A low-order model's answer."""
+    result, seconds = timed(contender, scene)
+    line = result.centreline[:, :3]
+    return Loads(contender.name, result.load, np.degrees(result.contact_angle), result.centreline_z, line, seconds)
+
+
+def from_run(run: Run, name: str) -> Loads:
+    """The answer of one run of the 3D reference, cold."""
+    line = run.centreline
+    return Loads(name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds)
+
+
+def reference_answers(found: Reference, source: Run | None) -> list[Loads]:
+    """The reference on its levels, extrapolated, and on the source's mesh."""
+    out = [from_run(run, f"3D level {run.level}") for run in found.runs]
+    if source is not None:
+        out.insert(0, from_run(source, "3D source mesh"))
+    if found.extrapolated is not None:
+        out.append(replace(out[-1], model="3D extrapolated", load=found.extrapolated, seconds=None))
     return out
 
 
-def as_json(row: Row) -> dict[str, Any]:
-    """JSON-ready."""
-    return asdict(row)
+def rows(scene: Scene, answer: Loads, found: Reference) -> list[Row]:
+    """Loads and angles of every contact, the centreline, the load ratio, and the largest and RMS errors."""
+    return [*_contact_rows(scene, answer, found), *_line_rows(scene, answer, found), *_summary_rows(scene, answer, found)]
+
+
+def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
+    best = found.best
+    for i, s in np.ndindex(answer.load.shape):
+        value, ref = float(answer.load[i, s]), float(found.load[i, s])
+        if value == 0.0 and ref == 0.0:
+            continue
+        bar = None if found.uncertainty is None else float(found.uncertainty[i, s])
+        percent = float(error_percent(value, ref)) if ref > 0.0 else None
+        yield Row(
+            scene.name, "load", i + 1, SIDES[s], "N", None, answer.model, value, ref, bar, percent, answer.seconds
+        )
+        if value > 0.0 and ref > 0.0:
+            angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
+            yield Row(
+                scene.name, "contact angle", i + 1, SIDES[s], "deg", None, answer.model, angle, own, None,
+                float(error_percent(angle, own)), answer.seconds,
+            )  # fmt: skip
+
+
+def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
+    """Centreline at the reference's stations, in per cent of its largest displacement along that axis."""
+    line = found.best.centreline
+    for k, axis in enumerate("xyz"):
+        largest = float(np.abs(line[:, 1 + k]).max(initial=0.0))
+        values = np.interp(line[:, 0], answer.stations, answer.line[:, k])
+        for z, value, ref in zip(line[:, 0], values, line[:, 1 + k], strict=True):
+            yield Row(
+                scene.name, f"centreline u{axis} at {1e3 * z:.4g} mm", None, None, "um", None, answer.model,
+                1e6 * float(value), 1e6 * float(ref), None, float(error_percent(value, ref, largest)), answer.seconds,
+            )  # fmt: skip
+
+
+def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
+    e = load_error(answer.load, found.load)
+    keys = PRINTED.get(scene.name, ("", "", ""))
+
+    def printed(key: str) -> float | None:
+        return entry("lin-2.4.1", key).value if key and answer.model.startswith("lin") else None
+
+    mean = float(found.load[found.load > 0.0].mean())
+    bar = None if found.uncertainty is None else float(np.abs(error_percent(found.uncertainty, 0.0, mean)).max())
+    for name, unit, value, key in (
+        (f"largest error, of the mean load (ball {e.ball} {e.side})", "%", e.max_percent, ""),
+        ("RMS error, of the mean load", "%", e.rms_percent, ""),
+        ("largest error, of the own load", "%", e.own_max_percent, keys[0]),
+        ("RMS error, of the own load", "%", e.own_rms_percent, keys[1]),
+    ):
+        yield Row(scene.name, name, None, None, unit, printed(key), answer.model, value, 0.0, bar, value, answer.seconds)
+    ratio, own = load_ratio(answer.load), load_ratio(found.load)
+    yield Row(
+        scene.name, "largest over smallest load, SL", None, None, "", printed(keys[2]), answer.model, ratio, own, None,
+        float(error_percent(ratio, own)), answer.seconds,
+    )  # fmt: skip
+
+
+def load_ratio(load: Array) -> float:
+    """Largest over smallest load on the screw's left flanks; infinite where one has lost contact."""
+    smallest = float(load[:, 0].min())
+    return float(load[:, 0].max()) / smallest if smallest > 0.0 else float("inf")
 
 
 @dataclass(frozen=True)
@@ -104,9 +235,10 @@ class GatePoint:
     exceeds: bool
 
 
-def gate_points(scene: Scene, found: Reference, max_error: float) -> list[GatePoint]:
-    """Every loaded contact of the reference against the ``lin`` model."""
-    load = timed(scene, "lin")[0].load
+def gate_points(scene: Scene, found: Reference, max_error: float, load: Array | None = None) -> list[GatePoint]:
+    """Every contact loaded in the reference or in ``load`` (the ``lin`` model's unless given), with the gate's verdict."""
+    if load is None:
+        load = timed(CONTENDERS["lin"], scene)[0].load
     mean = float(found.load[found.load > 0.0].mean())
     points = []
     for i, s in zip(*np.nonzero((found.load > 0.0) | (load > 0.0)), strict=True):
@@ -120,12 +252,7 @@ def gate_points(scene: Scene, found: Reference, max_error: float) -> list[GatePo
     return points
 
 
-def summary(scene: Scene, model: str, found: Reference) -> tuple[LoadError, StaticResult, float]:
-    """Errors of a model against the reference, its result and seconds."""
-    result, seconds = timed(scene, model)
+def summary(contender: Contender, scene: Scene, found: Reference) -> tuple[LoadError, StaticResult, float]:
+    """Errors of a contender against the reference, its result and seconds."""
+    result, seconds = timed(contender, scene)
     return load_error(result.load, found.load), result, seconds
-
-
-def stores(extra: Path | None) -> Sequence[Path]:
-    """Where to look for runs besides the shipped ones."""
-    return (extra,) if extra is not None else ()

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from compare import catalogue, closed_forms
 from compare.findings import Finding
@@ -13,6 +16,8 @@ from compare.study import Study
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+Array = NDArray[np.float64]
 
 #: Limits [%] of rows that are exact but for round-off and root finding.
 EXACT = 1e-6
@@ -116,11 +121,12 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
     return rows
 
 
-def reference_rows(study: Study, max_error: float) -> list[GateRow]:
+def reference_rows(study: Study, max_error: float, loads: Mapping[str, Array] | None = None) -> list[GateRow]:
     """The low-order model against the stored 3D reference: worst contact per scene, and every unnamed exceedance.
 
     Errors are per cent of each load (of the mean for small loads) with the reference's uncertainty deducted. A named
-    exceedance that has gone fails too, so that the list stays true.
+    exceedance that has gone fails too, so that the list stays true. ``loads``: of another model, by scene, to see whether
+    the gate would catch it.
     """
     from compare.comparison import REFERENCED, gate_points, known_exceedances
     from compare.reference import reference
@@ -135,7 +141,7 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
             text = "no stored run of the 3D reference: run rollbench mesh-study"
             rows.append(GateRow(f"{name}: 3D reference", "3D reference", None, None, None, max_error, False, text))
             continue
-        points = gate_points(scene, found, max_error)
+        points = gate_points(scene, found, max_error, (loads or {}).get(name))
         over = {(p.scene, p.ball, p.side): p for p in points if p.exceeds}
         seen |= set(over)
         for key, p in over.items():
@@ -144,6 +150,8 @@ def reference_rows(study: Study, max_error: float) -> list[GateRow]:
                 label = f"{p.scene}: ball {p.ball} {p.side} against the 3D reference"
                 rows.append(GateRow(label, "3D reference", None, None, p.error_percent, max_error, False, text))
         rest = [p for p in points if (p.scene, p.ball, p.side) not in over]
+        if not rest:
+            continue
         top = max(rest, key=lambda p: abs(p.error_percent))
         label = f"{name}: worst contact within the gate (ball {top.ball} {top.side}) against the 3D reference"
         rows.append(GateRow(label, "3D reference", None, None, top.error_percent, max_error, True))

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import datetime
 import hashlib
 import json
-import os
 import resource
-import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from importlib import metadata, resources
 from pathlib import Path
-from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,33 +18,93 @@ from numpy.typing import NDArray
 from compare import __version__
 from compare.convergence import Convergence, observe
 from compare.errors import InputError
+from compare.writing import replace_file
+from meshes.errors import specimen
+from meshes.helix import ball_layout, groove_radii
 from meshes.parts import Scene
+from meshes.solid import Dimensions, dimensions
+
+if TYPE_CHECKING:
+    from hifi.fit import Settings
+    from hifi.setup import Setup
 
 Array = NDArray[np.float64]
 Step = Callable[[str], None]
 
-#: Mesh levels, coarse to fine; each refines patches, coarse bodies and balls by about 1.3. Lengths in m.
+#: Mesh levels, coarse to fine; each refines patches, coarse bodies and balls by about 1.35. b_over_h counts second-order cells, so
+#: that there are twice as many nodes; it is 1.5 times that at the finest. Lengths in m for the ball of
+#: ``BALL`` radius, other scenes in proportion. Level 0 is the source's mesh: first-order tetrahedra, 0.08 mm around every
+#: contact, 5 mm elsewhere (second-order ones of twice the size, split); it is no part of a convergence study.
 LEVELS: dict[int, dict[str, float]] = {
-    1: {"b_over_h": 2.4, "fine": 1.6e-3, "coarse": 8.0e-3, "ball_fine": 0.55e-3, "ball_coarse": 1.2e-3},
-    2: {"b_over_h": 3.2, "fine": 1.2e-3, "coarse": 6.0e-3, "ball_fine": 0.42e-3, "ball_coarse": 0.95e-3},
-    3: {"b_over_h": 4.2, "fine": 0.92e-3, "coarse": 4.6e-3, "ball_fine": 0.32e-3, "ball_coarse": 0.72e-3},
+    1: {"b_over_h": 1.6, "fine": 1.6e-3, "coarse": 8.0e-3, "ball_fine": 0.55e-3, "ball_coarse": 1.2e-3, "cell": 6.0e-3},
+    2: {"b_over_h": 2.2, "fine": 1.2e-3, "coarse": 6.0e-3, "ball_fine": 0.42e-3, "ball_coarse": 0.95e-3, "cell": 5.0e-3},
+    3: {"b_over_h": 3.0, "fine": 0.92e-3, "coarse": 4.6e-3, "ball_fine": 0.32e-3, "ball_coarse": 0.72e-3, "cell": 4.0e-3},
 }
-#: Modelling choices that the source does not print, each varied on the coarsest level: label, changed settings.
-VARIANTS: dict[str, tuple[str, dict[str, float | bool]]] = {
-    "shaft-10": ("3D shaft 10 mm beyond the nut instead of 20 mm", {"shaft": 10e-3}),
-    "shaft-40": ("3D shaft 40 mm beyond the nut", {"shaft": 40e-3}),
-    "land": ("nut land radius 16.7 mm instead of 17 mm", {"nut_land": 16.7e-3}),
-    "shaft-radius": ("shaft beyond the 3D stretch of 14.9 mm radius instead of 15.5 mm", {"shaft_radius": 14.9e-3}),
-    "hole": ("hole along the axis of 0.8 mm radius instead of 1.5 mm", {"screw_hole": 0.8e-3}),
-    "modes": ("24 modes per patch instead of 16", {"modes": 24}),
-    "rigid-nut": ("rigid nut", {"elastic_nut": False}),
+SOURCE_LEVEL = 0
+SOURCE_MESH: dict[str, float] = {
+    "b_over_h": 0.8, "fine": 1.6e-3, "coarse": 10.0e-3, "ball_fine": 0.55e-3, "ball_coarse": 1.3e-3, "cell": 6.0e-3,
+    "tet": 0.08e-3,
+}  # fmt: skip
+BALL = 2.778e-3
+PRODUCTION = max(LEVELS)
+#: Bump when the mechanics of the reference changes: stored runs of an older number are not used.
+SCHEMA = 2
+#: How often patches are enlarged where a contact reaches their rim.
+ENLARGE = 2
+Change = Callable[[Scene], Scene]
+
+
+def _solid(**changes: Any) -> Change:
+    return lambda scene: replace(scene, solid=replace(scene.solid, **changes))
+
+
+def _scaled(name: str, take: Callable[[Dimensions], float], factor: float, shift: float = 0.0) -> Change:
+    """Change of a dimension of the solid parts by a factor and a shift [m]."""
+
+    def change(scene: Scene) -> Scene:
+        return _solid(**{name: take(dimensions(scene)) * factor + shift})(scene)
+
+    return change
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A modelling choice varied on the coarsest level: what it is, the changed scene or mesh settings; ``spread``: an
+    unprinted dimension or a numerical choice (part of the spread), otherwise another boundary condition."""
+
+    label: str
+    change: Change
+    settings: tuple[tuple[str, Any], ...] = ()
+    spread: bool = True
+
+
+#: Modelling choices that the source does not print, and the nut's fixing.
+VARIANTS: dict[str, Variant] = {
+    "junction": Variant(
+        "3D shaft 20 mm longer on each side", _scaled("shaft", lambda d: d.shaft, 1.0, 20e-3)
+    ),
+    "junction-short": Variant("3D shaft of half the length", _scaled("shaft", lambda d: d.shaft, 0.5)),
+    "land": Variant("nut lands 0.6 mm narrower in diameter", _scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3)),
+    "hole": Variant("hole along the screw of half the diameter", _scaled("hole_diameter", lambda d: 2.0 * d.hole, 0.5)),
+    "shaft-plain": Variant(
+        "shaft beyond the 3D stretch plain, of the lands' diameter",
+        lambda s: _solid(shaft_diameter=s.screw.outer_diameter)(s),
+    ),
+    "modes": Variant("24 modes per patch instead of 16", lambda s: s, (("modes", 24),)),
+    "nut-right": Variant("nut held at its right face", _solid(nut_held="right face"), spread=False),
+    "nut-outer": Variant("nut held by its outer surface", _solid(nut_held="outer surface"), spread=False),
 }
 
 
 @dataclass(frozen=True)
 class Run:
-    """Stored result of one scene on one level: loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], loads with the
-    directions frozen in the nominal state, unknowns of the equivalent monolithic mesh, seconds, peak memory [MB]."""
+    """Stored result of one scene on one level.
+
+    Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], loads with directions frozen in the nominal state, centreline
+    ``(stations, 4)``: z, ux, uy, uz [m]; loads without single ingredients, with seconds they take; sides that were
+    prepared; unknowns of the equivalent monolithic mesh; seconds of the set-up by stage and of the load case; peak
+    memory [MB] of the process; balance of balls and screw; bound on the modes left out; settings and versions.
+    """
 
     scene: str
     level: int
@@ -55,21 +113,32 @@ class Run:
     load: Array
     angle: Array
     frozen: Array
+    centreline: Array
+    without: dict[str, Array]
+    without_seconds: dict[str, float]
+    sides: tuple[int, ...]
     unknowns: int
-    setup_seconds: float
+    stages: dict[str, float]
     solve_seconds: float
     peak_MB: float
     balance: float
     along_groove: float
+    screw_balance: float
+    left_out: float
+    quality: dict[str, float]
     settings: dict[str, Any]
+    assumed: tuple[str, ...]
     versions: dict[str, str]
+    date: str
+
+    @property
+    def setup_seconds(self) -> float:
+        """Seconds of the whole set-up."""
+        return sum(self.stages.values())
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
     """Sides that may touch, by the preload and the sense of the axial load; all four unless that is plain."""
-    from meshes.errors import specimen
-    from meshes.helix import ball_layout, groove_radii
-
     drawn = specimen(scene, ball_layout(scene))
     force = sum(x.force[2] for x in scene.loads)
     lateral = sum(abs(x.force[0]) + abs(x.force[1]) for x in scene.loads)
@@ -80,77 +149,147 @@ def needed_sides(scene: Scene) -> tuple[int, ...]:
     return (0, 3) if force > 0.0 else (1, 2)
 
 
-def key_of(scene: Scene, settings: dict[str, Any]) -> str:
-    """Content key of a run: geometry, errors, loads, supports and mesh settings; names and remarks do not count."""
+def geometry_of(scene: Scene) -> tuple[Any, ...]:
+    """What scenes must share to share a set-up."""
+    return scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw
+
+
+def groups(scenes: Sequence[Scene]) -> list[list[Scene]]:
+    """Scenes of one geometry together, in order."""
+    found: dict[tuple[Any, ...], list[Scene]] = {}
+    for scene in scenes:
+        found.setdefault(geometry_of(scene), []).append(scene)
+    return list(found.values())
+
+
+def key_of(scene: Scene, level: int, variant: str = "") -> str:
+    """Content key of a run: geometry, errors, loads, supports, level and variant; names and remarks do not count."""
     bare = replace(scene, name="", title="", source="", assumed=(), members=1)
-    return hashlib.sha256(f"1|{bare!r}|{sorted(settings.items())!r}".encode()).hexdigest()[:16]
+    mesh = sorted((SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]).items())
+    return hashlib.sha256(f"{SCHEMA}|{bare!r}|{mesh!r}|{variant}".encode()).hexdigest()[:16]
 
 
-def settings_of(scene: Scene, level: int, variant: str = "") -> dict[str, Any]:
-    """Mesh settings of a scene on a level with a modelling variant."""
+def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
+    """Mesh settings that serve ``scenes`` of one geometry on a level with a modelling variant."""
     from hifi.fit import Settings, expected_semi_axes
 
-    if level not in LEVELS:
+    if level not in (SOURCE_LEVEL, *LEVELS):
         raise InputError("command line", "--levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
-    extra = VARIANTS[variant][1] if variant else {}
-    axes = {"semi": expected_semi_axes(scene)}
-    return asdict(Settings(**{**LEVELS[level], **axes, **extra}))  # type: ignore[arg-type]
+    mesh = SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]
+    ratio = scenes[0].balls.radius / BALL
+    sizes: dict[str, Any] = {k: v if k == "b_over_h" else v * ratio for k, v in mesh.items()}
+    axes = [expected_semi_axes(scene) for scene in scenes]
+    sizes["semi"] = (min(a for a, _ in axes), min(b for _, b in axes))
+    sizes["reach"] = (max(a for a, _ in axes), max(b for _, b in axes))
+    sizes["element"] = "P1" if level == SOURCE_LEVEL else "Q2"
+    return Settings(**sizes, **dict(VARIANTS[variant].settings if variant else ()))
 
 
-def compute(scenes: Sequence[Scene], level: int, variant: str = "", step: Step = lambda _: None) -> list[Run]:
-    """Run scenes of one geometry and one set of held freedoms on one level, sharing the set-up."""
-    from hifi.fit import Settings
-    from hifi.reference import solve_reference
+@dataclass(frozen=True)
+class Task:
+    """One set-up and its load cases: scenes of one geometry on one level, with a variant; ``ablate``: also leave out every
+    ingredient in turn; ``cache``: folder of the mesh cache."""
+
+    scenes: tuple[Scene, ...]
+    level: int
+    variant: str = ""
+    ablate: bool = False
+    cache: Path | None = None
+
+    @property
+    def label(self) -> str:
+        """What it is, for the terminal."""
+        mesh = "the source's mesh" if self.level == SOURCE_LEVEL else f"level {self.level}"
+        tail = f", {VARIANTS[self.variant].label}" if self.variant else ""
+        return f"{', '.join(s.name for s in self.scenes)}: {mesh}{tail}"
+
+    @property
+    def weight(self) -> float:
+        """Expected cost, in arbitrary units."""
+        sides = len({s for scene in self.scenes for s in needed_sides(scene)})
+        own = {SOURCE_LEVEL: 1.2, 1: 1.0, 2: 2.0, 3: 4.5}[self.level] * (1.0 if sides == 2 else 2.2)
+        return own * (0.6 if self.variant else 1.0) + 0.15 * len(self.scenes) * (6 if self.ablate else 1)
+
+
+def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
+    """Run a task. Raises InputError where a mesh cannot be built."""
+    from hifi.reference import AT_RIM
     from hifi.setup import prepare
+    from meshes.cache import Cache
 
-    settings = settings_of(scenes[0], level, variant)
-    start = perf_counter()
+    scenes = task.scenes
+    if task.variant:
+        scenes = tuple(VARIANTS[task.variant].change(scene) for scene in scenes)
+    settings = settings_of(scenes, task.level, task.variant)
     sides = tuple(sorted({s for scene in scenes for s in needed_sides(scene)}))
-    try:
-        setup = prepare(scenes[0], sides, Settings(**settings), step, tuple(scenes[1:]))
-    except ValueError as error:
-        raise InputError(
-            scenes[0].name, "3D reference", str(error), "a scene whose contacts have room for their patches",
-            "solve it with a low-order model only",
-        ) from error  # fmt: skip
-    shared = perf_counter() - start
-    runs = []
-    for scene in scenes:
-        result = solve_reference(setup, scene)
-        frozen = solve_reference(setup, scene, updates=0)
-        runs.append(
-            Run(
-                scene.name, level, variant, result.status, result.load, np.degrees(result.contact_angle), frozen.load,
-                result.unknowns, shared, result.seconds["contact"],
-                resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0, result.balance, result.along_groove,
-                settings, {"rollbench": __version__, "gmsh": metadata.version("gmsh")},
-            )
-        )  # fmt: skip
-        step(f"{scene.name}, level {level}: {result.status}, {result.seconds['contact']:.1f} s")
+    for attempt in range(ENLARGE + 1):
+        try:
+            setup = prepare(scenes[0], sides, settings, step, scenes[1:], cache=Cache(task.cache))
+        except ValueError as error:
+            raise InputError(
+                scenes[0].name, "3D reference", str(error), "a scene whose contacts have room for their patches",
+                "change what it names, or solve the scene with a low-order model",
+            ) from error  # fmt: skip
+        runs = []
+        for number, scene in enumerate(scenes):
+            runs.append(_one(task, number, scene, setup, needed_sides(scene), step))
+            if AT_RIM in runs[-1].status and attempt < ENLARGE:
+                break
+        else:
+            return runs
+        settings = replace(settings, reach=(1.35 * settings.reach[0], 1.35 * settings.reach[1]))
+        step("a contact reaches the rim of its patch: larger patches")
     return runs
+
+
+def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, ...], step: Step) -> Run:
+    """One load case of a prepared geometry; the run carries the name of the task's own scene."""
+    from hifi.reference import INGREDIENTS, solve_reference
+
+    result = solve_reference(setup, scene, sides=sides)
+    without, seconds = {}, {}
+    if task.ablate:
+        for name in INGREDIENTS:
+            found = solve_reference(setup, scene, sides=sides, leave_out=frozenset([name]))
+            without[name], seconds[name] = found.load, found.seconds["contact"]
+    frozen = without.get("moving normals")
+    if frozen is None:
+        frozen = solve_reference(setup, scene, sides=sides, updates=0).load
+    step(f"{scene.name}, level {task.level}: {result.status}, {result.seconds['contact']:.1f} s")
+    return Run(
+        scene=task.scenes[number].name, level=task.level, variant=task.variant, status=result.status, load=result.load,
+        angle=np.degrees(result.contact_angle), frozen=frozen,
+        centreline=np.column_stack([result.stations, result.centreline[:, :3]]), without=without, without_seconds=seconds,
+        sides=setup.sides, unknowns=result.unknowns, stages=setup.seconds, solve_seconds=result.seconds["contact"],
+        peak_MB=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0, balance=result.balance,
+        along_groove=result.along_groove, screw_balance=result.screw_balance, left_out=setup.left_out,
+        quality=setup.quality, settings=asdict(setup.settings), assumed=setup.dims.assumed,
+        versions={"rollbench": __version__, "gmsh": metadata.version("gmsh")},
+        date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
+    )  # fmt: skip
 
 
 def path_in(store: Path, scene: Scene, level: int, variant: str = "") -> Path:
     """File of a run in a store."""
     tail = f"-{variant}" if variant else ""
-    return store / f"{scene.name}-level{level}{tail}-{key_of(scene, settings_of(scene, level, variant))}.json"
+    return store / f"{scene.name}-level{level}{tail}-{key_of(scene, level, variant)}.json"
+
+
+ARRAYS = ("load", "angle", "frozen", "centreline")
+
+
+def _rows(array: Array) -> list[list[float | None]]:
+    """Rows with seven significant digits: far beyond the reference's own uncertainty, and small files."""
+    return [[None if np.isnan(x) else float(f"{x:.7g}") for x in row] for row in array]
 
 
 def save(store: Path, scene: Scene, run: Run) -> Path:
     """Write a run whole or not at all."""
-    store.mkdir(parents=True, exist_ok=True)
     path = path_in(store, scene, run.level, run.variant)
-    data = asdict(run)
-    for name in ("load", "angle", "frozen"):
-        data[name] = [[None if np.isnan(x) else float(x) for x in row] for row in data[name]]
-    handle, temporary = tempfile.mkstemp(dir=store, prefix=".run.", suffix=".tmp")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            json.dump(data, file, indent=1)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
+    data = asdict(run) | {name: _rows(getattr(run, name)) for name in ARRAYS}
+    data["without"] = {name: _rows(array) for name, array in run.without.items()}
+    text = json.dumps(data, indent=None, separators=(",", ":")).replace('],[', '],\n[') + "\n"
+    replace_file(path, text)
     return path
 
 
@@ -159,35 +298,47 @@ def shipped_store() -> Path:
     return Path(str(resources.files("compare").joinpath("references")))
 
 
-def load(scene: Scene, level: int, variant: str = "", stores: Sequence[Path] = ()) -> Run | None:
-    """A stored run, or None; a damaged file counts as absent."""
-    for store in (*stores, shipped_store()):
+def _array(rows: list[list[float | None]]) -> Array:
+    return np.array([[np.nan if x is None else x for x in row] for row in rows], dtype=float)
+
+
+def load(scene: Scene, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
+    """A stored run, or None; a damaged file counts as absent. ``stores``: the shipped one unless given."""
+    for store in (shipped_store(),) if stores is None else stores:
         path = path_in(store, scene, level, variant)
         try:
             data = json.loads(path.read_text(encoding="utf-8"))
-            arrays: dict[str, Any] = {
-                k: np.array([[np.nan if x is None else x for x in row] for row in data.pop(k)], dtype=float)
-                for k in ("load", "angle", "frozen")
-            }
-            return Run(**data, **arrays)
-        except (OSError, ValueError, KeyError, TypeError):
+            arrays: dict[str, Any] = {k: _array(data.pop(k)) for k in ARRAYS}
+            without = {k: _array(v) for k, v in data.pop("without").items()}
+            data |= {"sides": tuple(data["sides"]), "assumed": tuple(data["assumed"])}
+            run = Run(**data, **arrays, without=without)
+            if run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape:
+                return run
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
             continue
     return None
 
 
 @dataclass(frozen=True)
 class Reference:
-    """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], uncertainty ``(n, 4)`` [N] by
-    grid convergence per contact (band where not monotone; None with fewer than three levels)."""
+    """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], its uncertainty ``(n, 4)`` [N]
+    (None with fewer than three levels) and the convergence of every contact's load; loads extrapolated to cells of no
+    size where the three levels allow it, else the finest."""
 
     scene: str
     runs: tuple[Run, ...]
     load: Array
     uncertainty: Array | None
     convergence: tuple[tuple[Convergence, ...], ...] | None
+    extrapolated: Array | None
+
+    @property
+    def best(self) -> Run:
+        """The finest run."""
+        return self.runs[-1]
 
 
-def reference(scene: Scene, stores: Sequence[Path] = ()) -> Reference | None:
+def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference | None:
     """Best stored reference of a scene, or None."""
     runs = tuple(run for level in LEVELS if (run := load(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.status == "converged")
@@ -195,10 +346,10 @@ def reference(scene: Scene, stores: Sequence[Path] = ()) -> Reference | None:
         return None
     best = runs[-1]
     if len(runs) < 3:
-        return Reference(scene.name, runs, best.load, None, None)
+        return Reference(scene.name, runs, best.load, None, None, None)
     sizes = [1.0 / run.settings["b_over_h"] for run in runs[-3:]]
     stack = np.stack([run.load for run in runs[-3:]])
-    found = tuple(
-        tuple(observe(stack[:, i, s], sizes) for s in range(4)) for i in range(stack.shape[1])
-    )
-    return Reference(scene.name, runs, best.load, np.array([[c.uncertainty for c in row] for row in found]), found)
+    found = tuple(tuple(observe(stack[:, i, s], sizes) for s in range(4)) for i in range(stack.shape[1]))
+    uncertainty = np.array([[c.uncertainty for c in row] for row in found])
+    extrapolated = np.array([[c.values[2] if c.extrapolated is None else c.extrapolated for c in row] for row in found])
+    return Reference(scene.name, runs, best.load, uncertainty, found, extrapolated)

@@ -6,6 +6,7 @@ import datetime
 import os
 import platform
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from importlib import metadata
 from pathlib import Path
@@ -14,6 +15,7 @@ from time import perf_counter
 from compare import __version__, catalogue
 from compare.errors import InputError
 from compare.findings import Finding
+from compare.jobs import Engine
 from compare.scene_file import scene_hash
 from compare.study import Study
 from reports.records import Report, Section
@@ -21,7 +23,7 @@ from reports.records import Report, Section
 Step = Callable[[str], None]
 #: Sections by name, in order.
 SECTIONS = (
-    "overview", "reference", "hertz", "cases", "errors", "manufacturing", "formulations", "verification", "stability",
+    "overview", "reference", "reference-mesh", "pictures", "hertz", "cases", "errors", "manufacturing", "formulations", "verification", "stability",
     "timing", "notes",
 )  # fmt: skip
 
@@ -34,7 +36,7 @@ def provenance() -> dict[str, str]:
         cpu = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), cpu)
     except OSError:
         pass
-    packages = ("numpy", "scipy", "numba", "matplotlib", "pyvista")
+    packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "cvxopt", "matplotlib", "pyvista")
     return {
         "rollbench": __version__,
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
@@ -63,34 +65,78 @@ class Progress:
         print(f"      {text}", flush=True)
 
 
-def _printed(study: Study, step: Step) -> tuple[list[Finding], Section, Section]:
+@dataclass(frozen=True)
+class Source:
+    """Where the runs of the 3D reference come from: folders, computed now or stored, coarse meshes only."""
+
+    stores: tuple[Path, ...] | None
+    engine: Engine
+    compute: bool = True
+    quick: bool = False
+
+
+def compute_references(study: Study, source: Source, step: Step) -> None:
+    """Compute the runs that the report needs and ``source`` does not hold yet."""
+    from compare.comparison import REFERENCED
+    from compare.jobs import all_variants, ensure, plan
+    from compare.reference import LEVELS
+
+    if not source.compute or source.stores is None:
+        return
+    scenes = [study.scene(name) for name in REFERENCED]
+    if source.quick:
+        tasks = plan(scenes, (min(LEVELS),))
+    else:
+        tasks = plan(scenes, tuple(LEVELS), source=True, ablate=True)
+        tasks += plan(scenes[:1], (), all_variants())
+    ensure(tasks, source.stores[0], source.engine, step)
+
+
+def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], Section, Section]:
     """Findings of all tables, and the two sections that share the ensembles."""
     from compare.sections import cases, errors, hertz, manufacturing, reference
 
     section, found = errors.section_with_findings(study, step)
-    against = {f.printed.key: f for f in reference.findings(study)}
+    against = {f.printed.key: f for f in reference.findings(study, source.stores)}
     own = [against.get(f.printed.key, f) for f in cases.findings_241(study)]
     everything = [*hertz.findings(study), *own, *found, *manufacturing.findings(study)]
     return everything, section, manufacturing.section(study, step)
 
 
-def build(only: Sequence[str], progress: Progress) -> tuple[list[Section], list[tuple[str, str]], Study]:
+def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list[Section], list[tuple[str, str]], Study]:
     """Sections asked for (all if none), headline figures, and the study they were made from."""
-    from compare.sections import cases, formulations, hertz, notes, overview, reference, stability, timing, verification
+    from compare.sections import (
+        cases,
+        formulations,
+        hertz,
+        notes,
+        overview,
+        pictures,
+        reference,
+        reference_mesh,
+        stability,
+        timing,
+        verification,
+    )
 
     study = Study()
     wanted = [name for name in SECTIONS if not only or name in only]
     made: dict[str, Section] = {}
     headline: list[tuple[str, str]] = []
     found: list[Finding] = []
+    if any(name in wanted for name in ("overview", "reference", "reference-mesh", "notes")):
+        progress.section("runs of the 3D reference")
+        compute_references(study, source, progress.step)
     if any(name in wanted for name in ("overview", "errors", "manufacturing", "notes")):
         progress.section("printed numbers and claims, geometric errors")
-        found, made["errors"], made["manufacturing"] = _printed(study, progress.step)
+        found, made["errors"], made["manufacturing"] = _printed(study, source, progress.step)
         made["overview"] = overview.section(found)
         headline += overview.counts(found)
     simple: dict[str, Callable[[Study, Step], Section]] = {
         "hertz": hertz.section, "cases": cases.section, "formulations": formulations.section,
-        "reference": reference.section,
+        "reference": partial(reference.section, stores=source.stores, quick=source.quick),
+        "reference-mesh": partial(reference_mesh.section, stores=source.stores),
+        "pictures": partial(pictures.section, cache=source.engine.cache),
     }  # fmt: skip
     for name in wanted:
         if name in simple:
@@ -98,7 +144,8 @@ def build(only: Sequence[str], progress: Progress) -> tuple[list[Section], list[
             made[name] = simple[name](study, progress.step)
         elif name == "verification":
             progress.section(name)
-            made[name] = verification.section(progress.step)
+            wanted_levels = verification.QUICK if source.quick else verification.LEVELS
+            made[name] = verification.section(progress.step, wanted_levels)
         elif name == "stability":
             progress.section(name)
             made[name], line = stability.section(progress.step)
@@ -113,8 +160,15 @@ def build(only: Sequence[str], progress: Progress) -> tuple[list[Section], list[
     return [made[name] for name in wanted], headline, study
 
 
-def make_report(only: Sequence[str], out: Path) -> int:
-    """Run, draw and write the report; returns the exit code. Raises InputError for a bad section name or folder."""
+def make_report(
+    only: Sequence[str], out: Path, *, quick: bool = False, stored: bool = False,
+    store: Path = Path("rollbench-reference"), engine: Engine | None = None,
+) -> int:  # fmt: skip
+    """Run, draw and write the report; returns the exit code.
+
+    quick: coarsest meshes of the 3D reference only; stored: the runs that come with the package; store: folder in which
+    computed runs are kept, so that an interrupted report goes on. Raises InputError for a bad section name or folder.
+    """
     unknown = [name for name in only if name not in SECTIONS]
     if unknown:
         raise InputError("command line", "--only", f'"{unknown[0]}"', ", ".join(SECTIONS), "name a section")
@@ -125,16 +179,20 @@ def make_report(only: Sequence[str], out: Path) -> int:
     except (ValueError, OSError) as error:
         raise _bad_folder(out, error) from None
     total = len([n for n in SECTIONS if (not only or n in only) and n not in ("overview", "errors", "manufacturing")])
-    total += 1 + any(not only or n in only for n in ("overview", "errors", "manufacturing"))
+    total += 1 + any(not only or n in only for n in ("overview", "errors", "manufacturing", "notes"))
+    total += any(not only or n in only for n in ("overview", "reference", "reference-mesh", "notes"))
+    source = Source(None if stored else (store,), engine or Engine(), not stored, quick)
     progress = Progress(total)
     start = perf_counter()
-    sections, headline, study = build(only, progress)
+    sections, headline, study = build(only, progress, source)
     progress.section("drawing and writing")
     facts = provenance()
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
+    facts["3D reference"] = "stored runs of the package" if stored else "coarse meshes only (quick)" if quick else "computed"
     report = Report(
         title="rollbench validation report",
-        subtitle="Static low-order model of ball screws against the printed numbers of its source",
+        subtitle="Static low-order model of ball screws against its source's printed numbers and a 3D contact reference"
+        + (" (quick run: coarse meshes)" if quick else ""),
         headline=headline, provenance=facts, sections=sections,
         scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in sorted(study.scenes)},
     )  # fmt: skip

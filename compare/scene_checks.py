@@ -150,6 +150,7 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
     yield from _groove_faults(scene, largest)
     yield from _section_faults(scene)
     yield from _station_faults(scene)
+    yield from _solid_faults(scene)
     if scene.track.pitch_radius > scene.balls.radius:
         yield from _packing_faults(scene, radii)
 
@@ -239,6 +240,23 @@ def _station_faults(scene: Scene) -> Iterator[Fault]:
         if at > length + TOLERANCE:
             advice = "stations are measured from the screw's left end and must lie on the screw"
             yield Fault((where,), f"0 mm to {mm(length)}", advice)
+
+
+def _solid_faults(scene: Scene) -> Iterator[Fault]:
+    """Dimensions that only the 3D reference needs, where the scene gives them."""
+    solid, R = scene.solid, scene.track.pitch_radius
+    if solid.nut_inner_diameter is not None:
+        most = min(2.0 * (R + scene.nut.groove_radius), scene.nut.outer_diameter)
+        if not 2.0 * R < solid.nut_inner_diameter < most:
+            advice = "the lands lie outside the pitch cylinder and must leave a groove and a wall"
+            yield Fault(("solid.nut_inner_diameter",), f"above {mm(2.0 * R)}, below {mm(most)}", advice)
+    if solid.hole_diameter is not None:
+        most = 2.0 * (R - scene.screw.groove_radius)
+        if not scene.screw.bore <= solid.hole_diameter < most:
+            advice = "the hole holds the bore and must leave a wall under the groove"
+            yield Fault(("solid.hole_diameter",), f"from {mm(scene.screw.bore)}, below {mm(most)}", advice)
+    if solid.screw_held == "bore" and scene.screw.bore <= 0.0:
+        yield Fault(("solid.screw_held",), '"ends" for a screw without bore', 'give screw.bore, or write "ends"')
 
 
 def _packing_faults(scene: Scene, radii: Array) -> Iterator[Fault]:

@@ -38,6 +38,7 @@ from meshes.parts import (
     Scene,
     Screw,
     SideErrors,
+    Solid,
     Support,
     Track,
 )
@@ -156,6 +157,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
         supports=tuple(_support(s) for s in keys.supports),
         loads=tuple(Load(p.at, _vector(p.force), _vector(p.moment)) for p in keys.loads),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
+        solid=Solid(**keys.solid.model_dump()),
         source=keys.source,
         assumed=tuple(keys.assumed),
         members=keys.members,

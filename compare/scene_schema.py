@@ -284,6 +284,24 @@ class IngredientKeys(Table):
     )
 
 
+class SolidKeys(Table):
+    """What the 3D reference needs beyond the low-order model; a key left out stands for an assumption, which is printed."""
+
+    nut_inner_diameter: Size | None = key("diameter of the nut's lands; mirrors the screw's if left out", None, "34 mm")
+    hole_diameter: Size | None = key("hole along the meshed screw where it has no bore", None, "3 mm")
+    shaft: Station | None = key("length of 3D shaft beyond each face of the nut; a beam continues it", None, "20 mm")
+    shaft_diameter: Size | None = key(
+        "diameter of the plain shaft beyond the 3D stretch; the homogenised grooved shaft if left out", None, "31 mm"
+    )
+    nut_held: Literal["left face", "right face", "both faces", "outer surface"] | None = key(
+        "where the nut is held; its left face, or its outer surface at zero lead", None, "left face"
+    )
+    screw_held: Literal["ends", "bore"] | None = key(
+        "whether supports and loads reach the screw through its ends or through a stiff shaft in its bore", None, "ends"
+    )
+    nut: Literal["elastic", "rigid"] = key("nut elastic, or rigid beyond its contact patches", "elastic", "elastic")
+
+
 class SceneKeys(Table):
     """One load case of one ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
 
@@ -308,6 +326,7 @@ class SceneKeys(Table):
         "loads on the screw", [], [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
     )
     ingredients: IngredientKeys = key("parts of the low-order model", IngredientKeys(), {"screw": "rigid"})
+    solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_held": "left face"})
 
 
 def json_schema() -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -12,29 +13,17 @@ from typing import Any
 import numpy as np
 
 from compare import catalogue
-from compare.comparison import as_json, rows
+from compare.comparison import CONTENDERS, contenders, from_model, reference_answers, rows, suited
 from compare.convergence import observe
 from compare.errors import InputError
+from compare.jobs import Engine, all_variants, ensure, plan
 from compare.measure import error_percent
-from compare.reference import LEVELS, VARIANTS, Run, compute, load, reference, save, shipped_store
+from compare.reference import LEVELS, SOURCE_LEVEL, VARIANTS, Run, load, reference, shipped_store
 from compare.writing import replace_file
 from meshes.parts import SIDES, Scene
 
 Show = Callable[..., None]
-
-
-def ensure(
-    scenes: Sequence[Scene], levels: int, store: Path, step: Callable[[str], None], variants: Sequence[str] = ()
-) -> None:
-    """Compute the runs that no store holds yet, level after level; each is stored when it is done."""
-    tasks = [(level, "") for level in range(1, levels + 1)] + [(1, v) for v in variants]
-    for level, variant in tasks:
-        missing = [s for s in scenes if load(s, level, variant, stores=(store,)) is None]
-        if not missing:
-            continue
-        step(f"level {level}{' ' + VARIANTS[variant][0] if variant else ''}: {', '.join(s.name for s in missing)}")
-        for run, scene in zip(compute(missing, level, variant, step), missing, strict=True):
-            save(store, scene, run)
+Take = Callable[[Run], float]
 
 
 def _extreme(side: int, sign: float, run: Run) -> float:
@@ -45,54 +34,74 @@ def _single(ball: int, side: int, run: Run) -> float:
     return float(run.load[ball, side])
 
 
-def study_table(scene: Scene, store: Path, levels: int) -> list[dict[str, Any]]:
-    """Per quantity: value on each level, observed order, extrapolated value, grid uncertainty, modelling spread."""
-    runs = [r for k in range(1, levels + 1) if (r := load(scene, k, stores=(store,))) is not None]
-    quantities: list[tuple[str, Callable[[Run], float]]] = []
+def _line(station: int, axis: int, run: Run) -> float:
+    """Displacement [um] at one of the stations that every level shares."""
+    return float(1e6 * run.centreline[station, 1 + axis])
+
+
+def quantities(run: Run) -> list[tuple[str, str, Take]]:
+    """What a mesh study follows: name, unit, how to take it from a run."""
+    out: list[tuple[str, str, Take]] = []
     for s, side in enumerate(SIDES):
-        if runs and (runs[-1].load[:, s] > 0.0).any():
-            quantities += [
-                (f"largest load, {side}", partial(_extreme, s, 1.0)),
-                (f"smallest load, {side}", partial(_extreme, s, -1.0)),
+        if (run.load[:, s] > 0.0).any():
+            out += [
+                (f"largest load, {side}", "N", partial(_extreme, s, 1.0)),
+                (f"smallest load, {side}", "N", partial(_extreme, s, -1.0)),
             ]
-            quantities += [
-                (f"load of ball {i + 1}, {side}", partial(_single, i, s)) for i in range(len(runs[-1].load))
-            ]
-    base = load(scene, 1, stores=(store,))
-    changed = {v: r for v in VARIANTS if (r := load(scene, 1, v, stores=(store,))) is not None and v != "rigid-nut"}
+            out += [(f"load of ball {i + 1}, {side}", "N", partial(_single, i, s)) for i in range(len(run.load))]
+    for k in sorted({0, len(run.centreline) // 2}):
+        for axis, name in enumerate("xyz"):
+            z = 1e3 * run.centreline[k, 0]
+            out.append((f"centreline u{name} at {z:.4g} mm", "um", partial(_line, k, axis)))
+    return out
+
+
+def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(LEVELS)) -> list[dict[str, Any]]:
+    """Per quantity: value on each level, observed order, extrapolated value, grid uncertainty, modelling spread and the
+    effect of holding the nut elsewhere."""
+    runs = [r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None]
+    if not runs:
+        return []
+    base = load(scene, min(LEVELS), stores=stores)
+    changed = {v: r for v in VARIANTS if (r := load(scene, min(LEVELS), v, stores)) is not None}
     table = []
-    for name, take in quantities:
+    for name, unit, take in quantities(runs[-1]):
         values = [take(r) for r in runs]
-        row: dict[str, Any] = {"quantity": name, **{f"level {r.level}": v for r, v in zip(runs, values, strict=True)}}
+        row: dict[str, Any] = {"quantity": name, "unit": unit}
+        row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(values) >= 3:
             found = observe(values[-3:], [1.0 / r.settings["b_over_h"] for r in runs[-3:]])
             row |= {
-                "order": found.order, "extrapolated": found.extrapolated, "uncertainty_N": found.uncertainty,
+                "order": found.order, "extrapolated": found.extrapolated, "uncertainty": found.uncertainty,
                 "uncertainty_percent": float(error_percent(found.uncertainty, 0.0, values[-1])),
                 "kind": "grid convergence index" if found.monotone else "band: not monotone",
             }  # fmt: skip
         if base is not None and changed:
-            spread = max(abs(take(r) - take(base)) for r in changed.values())
-            row["modelling_spread_N"] = spread
+            for column, spread in (("modelling_spread", True), ("nut_fixing", False)):
+                own = [r for v, r in changed.items() if VARIANTS[v].spread is spread]
+                row[column] = max((abs(take(r) - take(base)) for r in own), default=None)
         table.append(row)
     return table
 
 
+def on_terminal(text: str) -> None:
+    """A line of progress, on standard error."""
+    print(text, file=sys.stderr, flush=True)
+
+
 def run_mesh_study(
-    names: Sequence[str], levels: int, store: Path, *, spread: bool, json_out: bool, show: Show,
-    print_json: Callable[[Any], None],
+    names: Sequence[str], levels: int, store: Path, engine: Engine, *, spread: bool, source: bool, json_out: bool,
+    show: Show, print_json: Callable[[Any], None],
 ) -> int:  # fmt: skip
-    """Compute what is missing, print the table, write it as CSV into the store."""
+    """Compute what is missing, print the table, write it as CSV and SVG into the store."""
     if not 1 <= levels <= len(LEVELS):
         raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give an order")
     scenes = [catalogue.scene(name) for name in names]
-    import sys
-
-    def step(text: str) -> None:
-        print(text, file=sys.stderr, flush=True)
-
-    ensure(scenes, levels, store, step, tuple(VARIANTS) if spread else ())
-    tables = {scene.name: study_table(scene, store, levels) for scene in scenes}
+    tasks = plan(scenes, range(1, levels + 1), source=source)
+    if spread:
+        tasks += [t for s in scenes for t in plan([s], (), all_variants())]
+    ensure(tasks, store, engine, on_terminal)
+    tables = {scene.name: study_table(scene, (store,), levels) for scene in scenes}
     for name, table in tables.items():
         columns = list(dict.fromkeys(k for row in table for k in row))
         text = io.StringIO()
@@ -100,11 +109,21 @@ def run_mesh_study(
         writer.writeheader()
         writer.writerows(table)
         replace_file(store / f"{name}-mesh-study.csv", text.getvalue())
+        _figure(name, table, store)
         if not json_out:
-            show(_terminal(name, columns, table))
+            show(_terminal(name, columns, table), f"{store / name}-mesh-study.csv and .svg written")
     if json_out:
         print_json(tables)
     return 0
+
+
+def _figure(name: str, table: Sequence[dict[str, Any]], store: Path) -> None:
+    from compare.sections.reference import study_figure
+    from reports.figures import draw
+
+    figure = study_figure(name, table)
+    if figure is not None:
+        replace_file(store / f"{name}-mesh-study.svg", draw(figure))
 
 
 def _terminal(name: str, columns: Sequence[str], table: Sequence[dict[str, Any]]) -> Any:
@@ -118,42 +137,91 @@ def _terminal(name: str, columns: Sequence[str], table: Sequence[dict[str, Any]]
     return out
 
 
+def parse_levels(text: str) -> tuple[int, ...]:
+    """Levels of ``--levels``: ``3`` (levels 1 to 3), ``1,3``, ``source,1,2,3``. Raises InputError."""
+    allowed = f"a number from 1 to {len(LEVELS)}, or some of source, {', '.join(map(str, LEVELS))} with commas"
+    if text in [str(k) for k in LEVELS]:
+        return tuple(range(1, int(text) + 1))
+    names = {"source": SOURCE_LEVEL} | {str(k): k for k in LEVELS}
+    parts = [part.strip() for part in text.split(",")]
+    if any(part not in names for part in parts):
+        raise InputError("command line", "--levels", f'"{text}"', allowed, "3 computes levels 1, 2 and 3")
+    return tuple(sorted({names[part] for part in parts}))
+
+
 def run_compare(
-    names: Sequence[str], models: Sequence[str], levels: int, store: Path, *, json_out: bool, show: Show,
-    print_json: Callable[[Any], None],
+    names: Sequence[str], models: Sequence[str], levels: tuple[int, ...] | None, store: Path, engine: Engine, *,
+    json_out: bool, show: Show, print_json: Callable[[Any], None],
 ) -> int:  # fmt: skip
-    """Rows of every scene and model against the stored reference, computed first where there is none."""
-    import sys
+    """Rows of every scene and model against the reference; what is not stored is computed first.
 
-    def step(text: str) -> None:
-        print(text, file=sys.stderr, flush=True)
-
+    levels: None for the best stored reference (all levels are computed where there is none); else just those.
+    """
+    own = contenders(tuple(models))
+    scenes = [catalogue.scene(name) for name in names]
+    stores = (store, shipped_store())
+    without = [s for s in scenes if reference(s, stores) is None] if levels is None else scenes
+    if without:
+        wanted = levels or tuple(LEVELS)
+        tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
+        ensure(tasks, store, engine, on_terminal, stores)
     out = []
-    for name in names:
-        scene = catalogue.scene(name)
-        if reference(scene, (store, shipped_store())) is None:
-            ensure([scene], levels, store, step)
-        found = reference(scene, (store, shipped_store()))
+    for scene in scenes:
+        found = reference(scene, stores)
         if found is None:
-            raise InputError(scene.name, "3D reference", "not converged", "a converged reference", "see the run's status")
-        for model in models:
-            out += rows(scene, model, found)
+            raise InputError(
+                scene.name, "3D reference", "no converged run", "a scene whose contact problem has a solution",
+                "see the status of the runs in the store, or solve it with a low-order model",
+            )  # fmt: skip
+        answers = [from_model(c, scene) for c in (own or suited(scene))]
+        answers += reference_answers(found, load(scene, SOURCE_LEVEL, stores=stores))
+        for answer in answers:
+            out += rows(scene, answer, found)
     if json_out:
-        print_json([as_json(row) for row in out])
+        print_json([row.as_json() for row in out])
         return 0
+    for scene in scenes:
+        show(_summary(scene, [row for row in out if row.scene == scene.name]))
+        show(_contacts(scene, [row for row in out if row.scene == scene.name]))
+    return 0
+
+
+def _cell(value: float | int | str | None, form: str = "") -> str:
+    return "–" if value is None or (isinstance(value, float) and not np.isfinite(value)) else format(value, form)
+
+
+def _summary(scene: Scene, own: Sequence[Any]) -> Any:
     from rich.table import Table
 
-    table = Table(title="low-order models against the 3D reference", title_justify="left")
-    for column in ("scene", "model", "quantity", "ball", "side", "value", "reference", "+-", "error %"):
+    table = Table(title=f"{scene.name}: models against the finest 3D reference", title_justify="left")
+    for column in ("model", "quantity", "value", "reference", "printed", "reference's uncertainty", "seconds"):
         table.add_column(column)
+    for row in own:
+        if row.ball is None and not row.quantity.startswith("centreline"):
+            table.add_row(
+                _label(row.model), row.quantity, _cell(row.value, ".3f") + f" {row.unit}", _cell(row.reference, ".3f"),
+                _cell(row.printed), _cell(row.reference_error, ".2f"), _cell(row.seconds, ".3g"),
+            )  # fmt: skip
+    return table
 
-    def cell(value: float | int | str | None, form: str = "") -> str:
-        return "–" if value is None or (isinstance(value, float) and np.isnan(value)) else format(value, form)
 
-    for row in out:
-        table.add_row(
-            row.scene, row.model, row.quantity, cell(row.ball), cell(row.side), cell(row.value, ".2f"),
-            cell(row.reference, ".2f"), cell(row.reference_error, ".2f"), cell(row.error_percent, "+.2f"),
-        )  # fmt: skip
-    show(table)
-    return 0
+def _label(name: str) -> str:
+    return CONTENDERS[name].label if name in CONTENDERS else name
+
+
+def _contacts(scene: Scene, own: Sequence[Any]) -> Any:
+    from rich.table import Table
+
+    models = list(dict.fromkeys(row.model for row in own))
+    table = Table(title=f"{scene.name}: contact loads / N", title_justify="left")
+    for column in ("ball", "side", *(_label(m) for m in models), "reference", "+-"):
+        table.add_column(column)
+    cells: dict[tuple[int, str], dict[str, Any]] = {}
+    for row in own:
+        if row.quantity == "load":
+            cells.setdefault((row.ball, row.side), {})[row.model] = row
+    for (ball, side), found in sorted(cells.items(), key=lambda x: (x[0][0], SIDES.index(x[0][1]))):
+        first = next(iter(found.values()))
+        values = [_cell(found[m].value if m in found else 0.0, ".1f") for m in models]
+        table.add_row(str(ball), side, *values, _cell(first.reference, ".1f"), _cell(first.reference_error, ".2f"))
+    return table

@@ -38,21 +38,32 @@ class _Ball:
     energy: float
 
 
-def press(D: Array, gap: Array, active: Flags, most: int = 60) -> _Ball:
-    """min 1/2 l^T D l + g^T l over l >= 0: active set from ``active``, non-negative least squares where it cycles."""
+def press(D: Array, gap: Array, start: _Ball | Flags, most: int = 60) -> _Ball:
+    """min 1/2 l^T D l + g^T l over l >= 0: active set from ``start``, non-negative least squares where it cycles.
+
+    A state to start from lends its factor: neighbouring active sets are solved by bordering it, so that only the last
+    one is factored anew.
+    """
     n = gap.size
-    active = active.copy()
+    base = start if isinstance(start, _Ball) else _Ball(np.zeros(n), start, None, 0.0)
+    if base.factor is None and base.active.any():
+        base = _Ball(base.forces, base.active, _factor(D, base.active), 0.0)
+    active = base.active.copy()
     scale = float(np.abs(gap).max(initial=0.0))
     seen: set[bytes] = set()
     for _ in range(most):
-        forces = np.zeros(n)
-        found = None
-        if active.any():
-            found = cho_factor(D[np.ix_(active, active)], lower=True, check_finite=False)
-            forces[active] = cho_solve(found, -gap[active], check_finite=False)
+        if np.count_nonzero(active != base.active) > 0.35 * np.count_nonzero(base.active):
+            base = _Ball(base.forces, active, _factor(D, active), 0.0)
+        forces = _bordered(D, gap, base, active)
         slack = gap + D @ forces
         new = np.where(active, forces > 0.0, slack < -1e-13 * scale)
         if np.array_equal(new, active):
+            found = base.factor if np.array_equal(active, base.active) else _factor(D, active)
+            if found is not None and found is not base.factor:  # the bordered forces lose a digit or two
+                forces = np.zeros(n)
+                forces[active] = cho_solve(found, -gap[active], check_finite=False)
+                if (forces[active] <= 0.0).any():
+                    break
             return _Ball(forces, active, found, float(-0.5 * forces @ (D @ forces) - gap @ forces))
         key = new.tobytes()
         if key in seen:
@@ -62,8 +73,46 @@ def press(D: Array, gap: Array, active: Flags, most: int = 60) -> _Ball:
     L = np.linalg.cholesky(D)
     forces, _ = nnls(L.T, np.linalg.solve(L, -gap), maxiter=30 * n)
     active = forces > 1e-12 * max(float(forces.max(initial=0.0)), 1e-300)
-    found = cho_factor(D[np.ix_(active, active)], lower=True) if active.any() else None
-    return _Ball(forces, active, found, float(-0.5 * forces @ (D @ forces) - gap @ forces))
+    return _Ball(forces, active, _factor(D, active), float(-0.5 * forces @ (D @ forces) - gap @ forces))
+
+
+def _factor(D: Array, active: Flags) -> tuple[Array, bool] | None:
+    if not active.any():
+        return None
+    found: tuple[Array, bool] = cho_factor(D[np.ix_(active, active)], lower=True, check_finite=False)
+    return found
+
+
+def _bordered(D: Array, gap: Array, base: _Ball, active: Flags) -> Array:
+    """Forces of the pairs ``active`` alone, D l + g = 0 there, from the factor of the pairs of ``base``.
+
+    Pairs that left are held at no force by multipliers, pairs that came border the matrix.
+    """
+    forces = np.zeros(gap.size)
+    if not active.any():
+        return forces
+    if base.factor is None:
+        found = _factor(D, active)
+        forces[active] = cho_solve(found, -gap[active], check_finite=False)
+        return forces
+    own = np.flatnonzero(base.active)
+    came, left = np.flatnonzero(active & ~base.active), np.flatnonzero(~active[own])
+    if came.size + left.size == 0:
+        forces[own] = cho_solve(base.factor, -gap[own], check_finite=False)
+        return forces
+    border = np.zeros((own.size, came.size + left.size))
+    border[:, : came.size] = D[np.ix_(own, came)]
+    border[left, came.size + np.arange(left.size)] = 1.0
+    solved = cho_solve(base.factor, np.column_stack([border, -gap[own]]), check_finite=False)
+    small = -(border.T @ solved[:, :-1])
+    small[: came.size, : came.size] += D[np.ix_(came, came)]
+    right = np.concatenate([-gap[came], np.zeros(left.size)]) - border.T @ solved[:, -1]
+    extra = np.linalg.solve(small, right)
+    inner = solved[:, -1] - solved[:, :-1] @ extra
+    inner[left] = 0.0
+    forces[own] = inner
+    forces[came] = extra[: came.size]
+    return forces
 
 
 class _System:
@@ -90,7 +139,7 @@ class _System:
         for i, g in enumerate(self.gaps):
             columns, n = self.rows[i]
             total = g + self.C.modes[i] @ z[self.C.columns[i]] - n @ y[columns]
-            ball = press(self.C.blocks[i], total, self.balls[i].active)
+            ball = press(self.C.blocks[i], total, self.balls[i])
             self.balls[i] = ball
             phi += ball.energy
             np.add.at(back, self.C.columns[i], self.C.modes[i].T @ ball.forces)

@@ -19,6 +19,7 @@ from scipy.linalg import qr
 from hifi.elasticity import rigid_modes, stiffness
 from hifi.patch import CondensedPatch
 from hifi.solvers import factor
+from meshes.tet_patch import split_second_order
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -70,10 +71,16 @@ def freedoms(nodes: Index) -> Index:
 
 def assemble(
     points: Array, cells: Index, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], young: float,
-    poisson: float,
+    poisson: float, *, kind: str = "P2",
 ) -> sp.csc_matrix:  # fmt: skip
-    """Stiffness of the coarse body with every patch in its socket, ``(3 n, 3 n)``."""
-    K = stiffness(points, cells, "P2", young, poisson)
+    """Stiffness of the coarse body with every patch in its socket, ``(3 n, 3 n)``.
+
+    cells: 10-node tetrahedra; kind: "P2", or "P1" to divide each into eight of first order on the same nodes (half the
+    size; the patches are then tied linearly, `hifi.patch.tie_matrix`).
+    """
+    if kind not in ("P1", "P2"):
+        raise ValueError(f"coarse body of {kind!r} elements: P1 or P2")
+    K = stiffness(points, split_second_order(points, cells) if kind == "P1" else cells, kind, young, poisson)
     rows, columns, values = [], [], []
     for socket in sockets:
         S = patches[socket.side].S

@@ -93,15 +93,19 @@ def coupled(
             raise ValueError(f"the modes have {ends[-1]} columns, the coupling {len(coupling)} rows")
     if not len(blocks) == len(modes) == len(columns):
         raise ValueError(f"{len(blocks)} blocks, {len(modes)} modes and {len(columns)} columns; one each is needed")
+    checked: set[int] = set()
     for p, (block, mode, column) in enumerate(zip(blocks, modes, columns, strict=True)):
-        _check_symmetric(f"block {p}", block)
+        if id(block) not in checked:
+            _check_symmetric(f"block {p}", block)
+        checked.add(id(block))
         if mode.shape != (len(block), len(column)):
             raise ValueError(f"modes of block {p} have shape {mode.shape}; it must be {(len(block), len(column))}")
         if len(np.unique(column)) != len(column) or np.any((column < 0) | (column >= len(coupling))):
             raise ValueError(f"columns of block {p} must be different numbers from 0 to {len(coupling) - 1}")
     _check_symmetric("the coupling", coupling)
+    once = {id(block): _symmetric(block) for block in blocks}  # congruent patches share one block
     return Compliance(
-        tuple(_symmetric(block) for block in blocks),
+        tuple(map(once.__getitem__, map(id, blocks))),
         tuple(np.asarray(mode, float) for mode in modes),
         tuple(np.asarray(column, np.int64) for column in columns),
         _symmetric(coupling),

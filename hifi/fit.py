@@ -13,40 +13,39 @@ from hifi.patch import Lines, graded, growing
 from meshes.ball_body import BallSocket, directions, pyramid_points
 from meshes.errors import specimen
 from meshes.groove_map import GrooveMap
-from meshes.grooved_body import SocketSize, local_points
-from meshes.helix import ball_layout, lead_angle
+from meshes.helix import BallLayout, ball_layout, lead_angle
 from meshes.parts import Scene
+from meshes.sockets import SocketSize, fitted_socket, local_points
+from meshes.solid import Dimensions
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Mesh and modelling choices; lengths in m.
+    """Mesh choices of the 3D reference; lengths in m.
 
-    b_over_h: nodes across the short semi-axis; semi: expected semi-axes (a, b) at the typical load; socket: half width in
-    gamma [rad], depth, half width along the track; fine, coarse: element sizes of the coarse bodies near and away from
-    sockets; ball_fine, ball_coarse; modes: smooth modes kept per patch; shaft: 3D length of the screw beyond the nut on
-    each side; land_nut, bore_nut... radii not printed by the source: nut_land, screw_hole.
+    b_over_h: cells across the short semi-axis; semi, reach: smallest and largest expected semi-axes (a, b); fine, coarse: element
+    sizes of the coarse bodies near and away from sockets; ball_fine, ball_coarse; cell: element size of the homogenised
+    shaft; modes: smooth modes kept per patch; element: ``"Q2"`` patches on second-order bodies, or ``"P1"``: first-order
+    tetrahedra of ``tet`` size around each contact, on first-order bodies, as the source's mesh.
     """
 
     b_over_h: float = 4.0
     semi: tuple[float, float] = (0.40e-3, 0.105e-3)
-    gamma: float = 0.30
-    depth: float = 1.2e-3
-    along: float = 1.24e-3
+    reach: tuple[float, float] = (0.40e-3, 0.105e-3)
     fine: float = 1.0e-3
     coarse: float = 5.0e-3
     ball_fine: float = 0.35e-3
     ball_coarse: float = 0.8e-3
+    cell: float = 4.5e-3
     modes: int = 16
-    shaft: float = 20e-3
-    nut_land: float = 17e-3
-    screw_hole: float = 1.5e-3
-    shaft_radius: float = 15.5e-3
-    elastic_nut: bool = True
+    element: str = "Q2"
+    tet: float = 0.08e-3
 
 
+#: Half width of the contact zone over the largest expected semi-axes, across and along the groove.
+MARGIN = (1.25, 1.35)
 #: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.
 ROUNDING = 5e-6
 
@@ -75,22 +74,32 @@ def expected_semi_axes(scene: Scene) -> tuple[float, float]:
     return float(np.ceil(a * scale / ROUNDING) * ROUNDING), float(np.ceil(b * scale / ROUNDING) * ROUNDING)
 
 
-def patch_lines(settings: Settings, width: tuple[float, float]) -> tuple[Lines, tuple[float, float]]:
-    """Element boundaries of a patch and its contact zone in local units; ``width``: half widths of the socket [m]."""
-    a, b = settings.semi  # the long axis lies across the groove, where ball and groove conform
-    h_a, h_b = a / settings.b_over_h, b / settings.b_over_h
-    zone_a = 2.0 * h_a * np.ceil((1.15 * a + 0.08e-3) / (2.0 * h_a))
-    zone_b = 2.0 * h_b * np.ceil(1.6 * b / (2.0 * h_b))
+def patch_lines(
+    settings: Settings, width: tuple[float, float], deep: float
+) -> tuple[Lines, tuple[float, float]]:
+    """Element boundaries of a patch and its contact zone in local units; half widths ``width`` and depth of the socket [m]."""
+    a, b = settings.semi
+    wide, long = settings.reach  # the long axis lies across the groove, where ball and groove conform
+    cell_a, cell_b = a / settings.b_over_h, b / settings.b_over_h
+    zone_a = cell_a * np.ceil(MARGIN[0] * wide / cell_a)
+    zone_b = cell_b * np.ceil(MARGIN[1] * long / cell_b)
     zone = (float(min(zone_a / width[0], 0.85)), float(min(zone_b / width[1], 0.85)))
-    across = graded(zone[0], 2.0 * h_a / width[0])
-    along = graded(zone[1], 2.0 * h_b / width[1])
-    depth = growing(0.0, 1.0, 1.2 * h_b / settings.depth, 1.8)
+    across = graded(zone[0], cell_a / width[0])
+    along = graded(zone[1], cell_b / width[1])
+    depth = growing(0.0, 1.0, 0.6 * cell_b / deep, 1.8)
     return Lines(across, depth, along), zone
 
 
-def socket_size(m: GrooveMap, settings: Settings) -> SocketSize:
-    """Socket in angles: the same for all sides, its length along the track set at the pitch radius."""
-    return SocketSize(settings.gamma, settings.depth, settings.along / m.R)
+def socket_size(
+    scene: Scene, m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], dims: Dimensions
+) -> SocketSize:
+    """Socket of all contacts, as large as the scene leaves room for. Raises ValueError where that is too small."""
+    nut, position = scene.nut, scene.nut.position
+    low, high = dims.ends(scene)
+    ends = (max(position - nut.length / 2.0, low), min(position + nut.length / 2.0, high))
+    return fitted_socket(
+        m, layout, sides, scene.screw.outer_diameter / 2.0, dims.hole, dims.land, nut.outer_diameter / 2.0, ends
+    )
 
 
 def ball_place(

@@ -1,4 +1,6 @@
-"""A fine groove or ball patch of 27-node hexahedra, condensed once onto its socket and its contact normals.
+"""A fine groove or ball patch, condensed once onto its socket and its contact normals.
+
+27-node hexahedra of a tensor grid, or first-order tetrahedra sized as the source's.
 
 With the freedoms of the socket's inner faces tied to the coarse trace q and unit forces f along the contact normals:
 displacement of the contact nodes along their normals u_c = A f + H q, reaction on the socket r = S q - H^T f.
@@ -16,11 +18,17 @@ from numpy.typing import NDArray
 
 from hifi.elasticity import nodal_areas, stiffness
 from hifi.elements import ELEMENTS
+from hifi.response import compliance
 from hifi.solvers import factor
 from meshes.grooved_body import SocketMesh
+from meshes.tet_patch import LocalTets, signed_volumes
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+#: Planes (axis, value) of local coordinates on which a patch's inner faces lie.
+PLANES = ((0, -1.0), (0, 1.0), (1, 1.0), (2, -1.0), (2, 1.0))
 
 
 @dataclass(frozen=True)
@@ -34,13 +42,16 @@ class Lines:
 
 @dataclass(frozen=True)
 class PatchMesh:
-    """Nodes ``(n, 3)`` [m], 27-node cells, nodes of the contact zone and of the interface, tie of the interface to the
-    socket's nodes ``(interface nodes, socket nodes)``."""
+    """Nodes ``(n, 3)`` [m], cells of element ``kind``, nodes of the contact zone ``(c,)``, the shape of their grid (None:
+    no grid) and which are its outermost ``(c,)``, nodes of the interface, their tie to the socket's nodes ``(interface
+    nodes, socket nodes)``, tributary areas of the contact nodes ``(c,)`` [m2]."""
 
+    kind: str
     points: Array
     cells: Index
     contact: Index
-    contact_shape: tuple[int, int]
+    contact_shape: tuple[int, int] | None
+    rim: Flags
     interface: Index
     tie: sp.csr_matrix
     areas: Array
@@ -49,7 +60,8 @@ class PatchMesh:
 @dataclass(frozen=True)
 class CondensedPatch:
     """A ``(c, c)``, H ``(c, 3k)``, S ``(3k, 3k)`` for c contact nodes and k socket nodes; contact points and normals
-    ``(c, 3)``, tributary areas ``(c,)``, unknowns and seconds it took."""
+    ``(c, 3)``, tributary areas ``(c,)``, which nodes are the zone's outermost ``(c,)``, the shape of their grid (None: no
+    grid), unknowns and seconds it took."""
 
     A: Array
     H: Array
@@ -57,7 +69,8 @@ class CondensedPatch:
     points: Array
     normals: Array
     areas: Array
-    shape: tuple[int, int]
+    rim: Flags
+    shape: tuple[int, int] | None
     unknowns: int
     seconds: float
 
@@ -98,22 +111,18 @@ def refined(boundaries: Array) -> Array:
 
 
 def build_patch(
-    lines: Lines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh
-) -> PatchMesh:
+    lines: Lines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh, *,
+    linear: bool = False,
+) -> PatchMesh:  # fmt: skip
     """Patch mesh: ``place`` maps local coordinates ``(n, 3)`` to points; ``zone``: half widths of the contact zone.
 
-    The interface nodes are put onto the socket's second-order triangles, so that rigid motions of the socket strain
-    nothing. Raises ValueError where an interface node lies on no triangle.
+    The interface nodes are put onto the socket's triangles, so that rigid motions of the socket strain nothing; linear:
+    whether the coarse body is of first order (`tie_matrix`). Raises ValueError where one lies on no triangle.
     """
     axes = [refined(lines.across), refined(lines.depth), refined(lines.along)]
     shape = (axes[0].size, axes[1].size, axes[2].size)
     xi = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    on_face = (np.abs(np.abs(xi[:, 0]) - 1.0) < 1e-9) | (np.abs(np.abs(xi[:, 2]) - 1.0) < 1e-9)
-    on_face |= np.abs(xi[:, 1] - 1.0) < 1e-9
-    interface = np.flatnonzero(on_face)
-    tie = tie_matrix(xi[interface], socket)
-    points = place(xi)
-    points[interface] = tie @ place(socket.xi)
+    points, interface, tie = _placed(xi, place, socket, linear)
     top = np.abs(xi[:, 1]) < 1e-12
     inside = (np.abs(xi[:, 0]) <= zone[0] + 1e-9) & (np.abs(xi[:, 2]) <= zone[1] + 1e-9)
     contact = np.flatnonzero(top & inside)
@@ -129,19 +138,56 @@ def build_patch(
     order = _face_order(local[face][:, [0, 2]], ELEMENTS[quads].local)
     topmost = cells[np.abs(xi[cells[:, face[0]], 1]) < 1e-12]
     areas = nodal_areas(points, topmost[:, face[order]], quads)
-    return PatchMesh(points, cells, contact, counts, interface, tie, areas[contact])
+    i, k = np.divmod(np.arange(contact.size), counts[1])
+    rim = (i % (counts[0] - 1) == 0) | (k % (counts[1] - 1) == 0)
+    return PatchMesh("Q2", points, cells, contact, counts, rim, interface, tie, areas[contact])
+
+
+def build_tet_patch(
+    local: LocalTets, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool
+) -> PatchMesh:
+    """Patch of first-order tetrahedra from a box meshed in local coordinates, put into its socket as by `build_patch`.
+
+    Tributary areas are thirds of the triangles around a node. Raises ValueError where the map turns cells inside out.
+    """
+    points, interface, tie = _placed(local.xi, place, socket, linear)
+    volumes = signed_volumes(points, local.tets)
+    if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
+        raise ValueError("tetrahedra of a patch are turned inside out by the map to space: make the far edge shorter")
+    cells = local.tets if volumes[0] > 0.0 else local.tets[:, [0, 2, 1, 3]]  # a left-handed map: mirror every cell
+    loose = np.ones(len(points), dtype=bool)
+    loose[local.contact] = False
+    beside = np.zeros(len(points), dtype=bool)
+    beside[local.top[loose[local.top].any(axis=1)]] = True
+    areas = nodal_areas(points, local.top, "triangle3")
+    contact = local.contact
+    return PatchMesh("P1", points, cells, contact, None, beside[contact], interface, tie, areas[contact])
+
+
+def _placed(
+    xi: Array, place: Callable[[Array], Array], socket: SocketMesh, linear: bool
+) -> tuple[Array, Index, sp.csr_matrix]:
+    """Points of local coordinates, those of the interface on the socket's triangles; the interface and its tie."""
+    on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
+    interface = np.flatnonzero(on_face)
+    tie = tie_matrix(xi[interface], socket, linear=linear)
+    points = place(xi)
+    points[interface] = tie @ place(socket.xi)
+    return points, interface, tie
 
 
 def _face_order(found: Array, wanted: Array) -> Index:
     return np.array([int(np.abs(found - w).sum(axis=1).argmin()) for w in wanted], dtype=np.int64)
 
 
-def tie_matrix(xi: Array, socket: SocketMesh) -> sp.csr_matrix:
-    """Interpolation of points on the socket's inner faces from its nodes, ``(n, k)``; second-order triangles."""
-    planes = [(0, -1.0), (0, 1.0), (1, 1.0), (2, -1.0), (2, 1.0)]
+def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_matrix:
+    """Interpolation of points on the socket's inner faces from its nodes, ``(n, k)``.
+
+    On second-order triangles or, linear, on the four first-order ones that the nodes of each make.
+    """
     rows, columns, values = [], [], []
     done = np.zeros(len(xi), dtype=bool)
-    for axis, value in planes:
+    for axis, value in PLANES:
         flat = [k for k in range(3) if k != axis]
         own = np.flatnonzero(~done & (np.abs(xi[:, axis] - value) < 1e-9))
         on_plane = np.all(np.abs(socket.xi[socket.triangles[:, :3], axis] - value) < 1e-6, axis=1)
@@ -151,10 +197,7 @@ def tie_matrix(xi: Array, socket: SocketMesh) -> sp.csr_matrix:
             bary = np.column_stack([1.0 - t.sum(axis=1), t])
             inside = np.flatnonzero((bary > -1e-7).all(axis=1) & ~done[own])
             w = bary[inside]
-            n = np.column_stack(
-                [w[:, 0] * (2 * w[:, 0] - 1), w[:, 1] * (2 * w[:, 1] - 1), w[:, 2] * (2 * w[:, 2] - 1),
-                 4 * w[:, 0] * w[:, 1], 4 * w[:, 1] * w[:, 2], 4 * w[:, 2] * w[:, 0]]
-            )  # fmt: skip
+            n = _linear_shape(w) if linear else _quadratic_shape(w)
             rows.append(np.repeat(own[inside], 6))
             columns.append(np.tile(tri, inside.size))
             values.append(n.ravel())
@@ -167,10 +210,36 @@ def tie_matrix(xi: Array, socket: SocketMesh) -> sp.csr_matrix:
     return matrix.tocsr()
 
 
-def condense_patch(mesh: PatchMesh, normals: Array, young: float, poisson: float) -> CondensedPatch:
-    """Exact condensation of a patch; ``normals`` ``(c, 3)``: directions of the contact forces and displacements."""
-    begin = perf_counter()
-    K = stiffness(mesh.points, mesh.cells, "Q2", young, poisson)
+def _quadratic_shape(w: Array) -> Array:
+    """Shape functions ``(n, 6)`` of a second-order triangle at barycentric coordinates ``(n, 3)``."""
+    return np.column_stack(
+        [w[:, 0] * (2 * w[:, 0] - 1), w[:, 1] * (2 * w[:, 1] - 1), w[:, 2] * (2 * w[:, 2] - 1),
+         4 * w[:, 0] * w[:, 1], 4 * w[:, 1] * w[:, 2], 4 * w[:, 2] * w[:, 0]]
+    )  # fmt: skip
+
+
+def _linear_shape(w: Array) -> Array:
+    """Piecewise linear functions ``(n, 6)`` of its nodes on the four triangles that they make."""
+    corner, opposite = np.maximum(2 * w - 1, 0.0), np.maximum(1 - 2 * w, 0.0)
+    return np.hstack([corner, opposite[:, [2, 0, 1]] - corner - corner[:, [1, 2, 0]]])
+
+
+@dataclass(frozen=True)
+class _Partition:
+    """Stiffness of the inner freedoms, between them and the socket's, and of the interface; unit contact forces on the
+    inner freedoms, interface from the socket; inner freedoms ``(i,)``; contact nodes off the interface ``(c,)``."""
+
+    inner_stiffness: sp.csc_matrix
+    coupling: sp.csc_matrix
+    outer_stiffness: sp.csc_matrix
+    forces: sp.csc_matrix
+    tie: sp.csc_matrix
+    inner: Index
+    free: Flags
+
+
+def _partition(mesh: PatchMesh, normals: Array, young: float, poisson: float) -> _Partition:
+    K = stiffness(mesh.points, mesh.cells, mesh.kind, young, poisson)
     n = mesh.points.shape[0]
     held = np.zeros(n, dtype=bool)
     held[mesh.interface] = True
@@ -187,14 +256,33 @@ def condense_patch(mesh: PatchMesh, normals: Array, young: float, poisson: float
     T = sp.kron(mesh.tie, sp.identity(3), format="csc")
     K_ii = K[inner][:, inner].tocsc()
     coupling = (K[inner][:, outer] @ T).tocsc()
-    boundary = (T.T @ (K[outer][:, outer] @ T)).toarray()
-    solver = factor(K_ii)
-    X = solver.solve(np.hstack([P.toarray(), coupling.toarray()]))
-    c = contact.size
-    A = P.T @ X[:, :c]
-    H = -(P.T @ X[:, c:])
-    S = boundary - coupling.T @ X[:, c:]
+    return _Partition(K_ii, coupling, K[outer][:, outer], P, T, inner, free)
+
+
+def condense_patch(mesh: PatchMesh, normals: Array, young: float, poisson: float) -> CondensedPatch:
+    """Exact condensation of a patch; ``normals`` ``(c, 3)``: directions of the contact forces and displacements."""
+    begin = perf_counter()
+    part = _partition(mesh, normals, young, poisson)
+    P, coupling, free = part.forces, part.coupling, part.free
+    boundary = (part.tie.T @ (part.outer_stiffness @ part.tie)).toarray()
+    c = P.shape[1]
+    F = compliance(part.inner_stiffness, sp.hstack([P, coupling]).T)
+    A, H, S = F[:c, :c], -F[:c, c:], boundary - F[c:, c:]
     return CondensedPatch(
-        A=0.5 * (A + A.T), H=H, S=0.5 * (S + S.T), points=mesh.points[contact], normals=normals[free],
-        areas=mesh.areas[free], shape=mesh.contact_shape, unknowns=int(inner.size), seconds=perf_counter() - begin,
+        A=0.5 * (A + A.T), H=H, S=0.5 * (S + S.T), points=mesh.points[mesh.contact[free]], normals=normals[free],
+        areas=mesh.areas[free], rim=mesh.rim[free], shape=mesh.contact_shape, unknowns=int(part.inner.size),
+        seconds=perf_counter() - begin,
     )  # fmt: skip
+
+
+def field(mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, trace: Array) -> Array:
+    """Displacements ``(n, 3)`` [m] of all nodes of a patch, by solving once more.
+
+    normals: as for `condense_patch`; forces ``(c,)`` [N] along them; trace: displacements of the socket's nodes ``(3 k,)``
+    [m] in the patch's frame. At the contact nodes, along their normals, A f + H q.
+    """
+    part = _partition(mesh, normals, young, poisson)
+    u = np.empty(mesh.points.size)
+    u[part.inner] = factor(part.inner_stiffness, columns=1).solve(part.forces @ forces - part.coupling @ trace)
+    u[(3 * mesh.interface[:, None] + np.arange(3)).ravel()] = part.tie @ trace
+    return u.reshape(-1, 3)

@@ -6,17 +6,23 @@ distances from the ball's centre; directions and gaps follow the motion of ball 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 from scipy.sparse.linalg import lsqr
+from threadpoolctl import threadpool_limits
 
 from hifi.balls import solve_balls
 from hifi.compliance import Compliance, coupled
 from hifi.contact import ContactResult
+from hifi.mounting import Mounted, beam_stretch, mount
+from hifi.response import transport
 from hifi.setup import Setup, rotation
 from meshes.errors import Specimen, specimen
 from meshes.helix import groove_radii, nominal_groove_centres
@@ -24,186 +30,310 @@ from meshes.parts import Scene
 from meshes.surface import groove_profile
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 #: Change of the relative motions [m] below which directions and gaps count as settled.
 SETTLED = 2e-9
 
 
+AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too small"
+#: Ingredients of the reference that can be left out, to see what they change.
+INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
+
+
 @dataclass(frozen=True)
 class ReferenceResult:
-    """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad], ball motions ``(n, 3)`` [m], screw's rigid motions, contact
-    record, residuals, unknowns (of the equivalent monolithic mesh), seconds by stage, status."""
+    """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad], ball motions ``(n, 3)`` [m], centreline: stations ``(s,)`` [m]
+    and motions ``(s, 6)``, contact record, residuals, unknowns (of the equivalent monolithic mesh), seconds by stage,
+    status."""
 
     status: str
     load: Array
     contact_angle: Array
     ball_motion: Array
-    screw_motion: Array
+    stations: Array
+    centreline: Array
+    sides: tuple[int, ...]
+    directions: Array
     contact: ContactResult
     balance: float
     along_groove: float
+    screw_balance: float
     unknowns: int
     seconds: dict[str, float]
     updates: int
 
 
-def compliance_of(setup: Setup) -> Compliance:
+@dataclass(frozen=True)
+class _Zones:
+    """Contact nodes of one ball, side after side: sides, their slices, number."""
+
+    sides: tuple[int, ...]
+    parts: tuple[slice, ...]
+    size: int
+
+
+def _zones(setup: Setup, sides: tuple[int, ...]) -> _Zones:
+    ends = np.cumsum([0] + [len(setup.patches[s].groove.A) for s in sides])
+    return _Zones(sides, tuple(slice(int(a), int(b)) for a, b in pairwise(ends)), int(ends[-1]))
+
+
+def compliance_of(
+    setup: Setup, mounted: Mounted, sides: tuple[int, ...], leave_out: frozenset[str] = frozenset()
+) -> Compliance:
     """Compliance of all contact nodes, ball after ball, side after side."""
-    sides = setup.sides
-    count = setup.layout.z.size
-    block = setup.ball.copy()
-    sizes = [len(setup.patches[s].groove.A) for s in sides]
-    starts = np.concatenate([[0], np.cumsum(sizes)])
-    for k, s in enumerate(sides):
-        part = slice(starts[k], starts[k + 1])
+    zones, count = _zones(setup, sides), setup.layout.z.size
+    block = _ball_block(setup, sides, "finite ball" in leave_out or "patch coupling" in leave_out)
+    for part, s in zip(zones.parts, sides, strict=True):
         block[part, part] += setup.patches[s].groove.A
-    screw_modes = [setup.screw.modes.get(s) for s in sides]
-    nut_modes = [setup.nut.modes.get(s) if setup.nut else None for s in sides]
-    per_ball = [m for m in screw_modes if m is not None]
-    r_screw = sum(m.shape[1] for m in per_ball)
-    r_nut = sum(m.shape[1] for m in nut_modes if m is not None)
-    total_screw = setup.screw.G.shape[0]
-    total = total_screw + (setup.nut.G.shape[0] if setup.nut else 0)
-    G = np.zeros((total, total))
-    G[:total_screw, :total_screw] = setup.screw.G
-    if setup.nut:
-        G[total_screw:, total_screw:] = setup.nut.G
+    G_nut = None if setup.nut is None else setup.nut.G
+    if G_nut is not None and leave_out & {"elastic nut", "patch coupling"}:
+        G_nut = local_only(G_nut, _mode_counts(setup, False))
+    total_screw = mounted.G.shape[0]
+    G = block_diag(mounted.G, G_nut) if G_nut is not None else mounted.G
+    used: list[Index] = []
     modes, columns = [], []
+    taken = 0
     for i in range(count):
-        V = np.zeros((starts[-1], r_screw + r_nut))
-        cols = np.concatenate([i * r_screw + np.arange(r_screw), total_screw + i * r_nut + np.arange(r_nut)])
-        c_screw, c_nut = 0, r_screw
-        for k, _s in enumerate(sides):
-            part = slice(starts[k], starts[k + 1])
-            own, other = screw_modes[k], nut_modes[k]
-            if own is not None:
-                V[part, c_screw : c_screw + own.shape[1]] = own
-                c_screw += own.shape[1]
-            if other is not None:
-                V[part, c_nut : c_nut + other.shape[1]] = other
-                c_nut += other.shape[1]
+        pieces, own = [], []
+        for part, s in zip(zones.parts, sides, strict=True):
+            body = setup.screw if s < 2 else setup.nut
+            if body is None:
+                continue
+            k = body.modes[s].shape[1]
+            V = np.zeros((zones.size, k))
+            V[part] = body.modes[s]
+            pieces.append(V)
+            own.append((0 if s < 2 else total_screw) + _first(setup, s, i) + np.arange(k))
+        V = np.hstack(pieces)
         modes.append(V)
-        columns.append(cols.astype(np.int64))
-    return coupled([block] * count, modes, G, columns)
+        columns.append(taken + np.arange(V.shape[1]))
+        taken += V.shape[1]
+        used += own
+    pick = np.concatenate(used)
+    return coupled([block] * count, modes, G[np.ix_(pick, pick)], columns)
 
 
-def solve_reference(setup: Setup, scene: Scene, *, updates: int = 6, member: int = 0) -> ReferenceResult:
+def _first(setup: Setup, side: int, ball: int) -> int:
+    """First row of a contact's modes in the coupling of its body."""
+    counts = _mode_counts(setup, side < 2)
+    own = [s for s in setup.sides if (s < 2) == (side < 2)]
+    return ball * sum(counts) + sum(counts[: own.index(side)])
+
+
+def _mode_counts(setup: Setup, screw: bool) -> list[int]:
+    body = setup.screw if screw else setup.nut
+    assert body is not None
+    return [body.modes[s].shape[1] for s in setup.sides if (s < 2) == screw]
+
+
+def _modal_rows(setup: Setup, sides: tuple[int, ...]) -> Index:
+    """Rows of the screw's modes of the given sides, ball after ball, in the screw's own coupling."""
+    rows = [
+        _first(setup, s, i) + np.arange(setup.screw.modes[s].shape[1])
+        for i in range(setup.layout.z.size) for s in sides if s < 2
+    ]  # fmt: skip
+    return np.concatenate(rows) if rows else np.zeros(0, dtype=np.int64)
+
+
+def _ball_block(setup: Setup, sides: tuple[int, ...], rigid: bool) -> Array:
+    """Compliance of one ball on the nodes of ``sides``; ``rigid``: rigid beyond its contact patches."""
+    if rigid:
+        return np.asarray(block_diag(*[setup.patches[s].ball.A for s in sides]))
+    everything = _zones(setup, setup.sides)
+    pick = np.concatenate([np.arange(p.start, p.stop) for p, s in zip(everything.parts, setup.sides, strict=True) if s in sides])
+    return np.asarray(setup.ball[np.ix_(pick, pick)])
+
+
+def local_only(G: Array, counts: Sequence[int]) -> Array:
+    """Coupling of a body that is rigid at large: every contact keeps the mean self response of its side, nothing else."""
+    out = np.zeros_like(G)
+    period = sum(counts)
+    starts = np.concatenate([[0], np.cumsum(counts)])
+    balls = G.shape[0] // period
+    for a, b in pairwise(starts):
+        mean = np.mean([G[i * period + a : i * period + b, i * period + a : i * period + b] for i in range(balls)], axis=0)
+        for i in range(balls):
+            out[i * period + a : i * period + b, i * period + a : i * period + b] = mean
+    return out
+
+
+def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozenset()) -> Mounted:
+    """The screw under a scene's supports and loads; without the 3D shaft it is a beam with the same local response."""
+    full = setup.screw.stretch
+    if not leave_out & {"3D shaft", "patch coupling"} or full.rigid:
+        return mount(full, scene, setup.section)
+    counts = _mode_counts(setup, True)
+    own = [s for s in setup.sides if s < 2]
+    stations = np.repeat(setup.layout.z, len(own))
+    beam = beam_stretch(setup.screw.rigid, stations, full, setup.section)
+    m = full.modes
+    F = beam.F.copy()
+    F[:m, :m] += local_only(full.F[:m, :m] - beam.F[:m, :m], counts)
+    return mount(replace(beam, F=F), scene, setup.section)
+
+
+@threadpool_limits.wrap(limits=1)  # many small factors: threads of two BLAS libraries only wait for one another
+def solve_reference(
+    setup: Setup, scene: Scene, *, updates: int = 6, member: int = 0, sides: tuple[int, ...] | None = None,
+    leave_out: frozenset[str] = frozenset(),
+) -> ReferenceResult:  # fmt: skip
     """Loads of a load case or error pattern of a prepared geometry.
 
-    updates: how often directions and gaps follow the motion at most (0: frozen at the nominal state).
+    updates: how often directions and gaps follow the motion at most (0: frozen at the nominal state); sides: those that
+    may touch (all prepared ones if left out); leave_out: some of ``INGREDIENTS``. Raises ValueError for others.
     """
+    if leave_out - set(INGREDIENTS):
+        raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
     begin = perf_counter()
+    sides = setup.sides if sides is None else tuple(s for s in setup.sides if s in sides)
+    updates = 0 if "moving normals" in leave_out else updates
     drawn = specimen(scene, setup.layout, member)
-    sides, count = setup.sides, setup.layout.z.size
-    C = compliance_of(setup)
-    sizes = [len(setup.patches[s].groove.A) for s in sides]
-    starts = np.concatenate([[0], np.cumsum(sizes)])
-    n = int(starts[-1])
-    m = setup.map
-    centre = np.array([m.R, 0.0, 0.0])
-    nominal = np.concatenate([setup.patches[s].groove.points - centre for s in sides])
-    errors = _groove_errors(setup, drawn)
-    total_screw = setup.screw.G.shape[0]
-    case = (scene.supports, scene.loads)
-    if case not in setup.cases:
-        raise ValueError(f"{scene.name} has loads or supports that were not prepared")
-    loads_modal = setup.screw.loads[:, setup.cases.index(case)]
-    load_motion = _modal_motion(C, np.concatenate([loads_modal, np.zeros(C.coupling.shape[0] - total_screw)]))
+    count, m, zones = setup.layout.z.size, setup.map, _zones(setup, sides)
+    mounted = mounted_screw(setup, scene, leave_out)
+    C = compliance_of(setup, mounted, sides, leave_out)
+    n = zones.size
+    nominal = np.concatenate([setup.patches[s].groove.points - np.array([m.R, 0.0, 0.0]) for s in sides])
+    errors = _groove_errors(setup, drawn, sides)
+    own_rows = _modal_rows(setup, sides)
+    at_rest = _spread(setup, C, sides, mounted.loads[own_rows])
+    load_motion = _modal_motion(C, at_rest)
     shift = np.zeros((count, n, 3))
-    motions = setup.screw_pins
     state: tuple[Array, Array] | None = None
     done = 0
-    directions_ = np.broadcast_to(nominal / np.linalg.norm(nominal, axis=1)[:, None], (count, n, 3))
     while True:
         arms = nominal[None] + errors - shift
         length = np.linalg.norm(arms, axis=2)
-        directions_ = arms / length[..., None]
-        gap = length - drawn.ball_radius[:, None] + np.einsum("ink,ink->in", directions_, shift)
-        N = _directions_matrix(setup, directions_, motions)
-        f = np.concatenate([np.zeros(3 * count), _rigid_loads(scene, motions)])
+        directions = arms / length[..., None]
+        gap = length - drawn.ball_radius[:, None] + np.einsum("ink,ink->in", directions, shift)
+        screw_rows = _screw_rows(setup, directions, zones, mounted.origin)
+        N = _directions_matrix(directions, screw_rows, mounted.motions)
+        f = np.concatenate([np.zeros(3 * count), mounted.work])
         rest = gap.ravel() + load_motion
         if state is None:
-            state = first_guess(setup, scene, C, rest, N, gap)
+            state = first_guess(setup, scene, C, rest, N, gap, zones)
         result, amplitude = solve_balls(C, rest, N, f, start=state)
         state = (amplitude, result.motions)
-        new = _relative_motion(setup, result, C, directions_, motions, loads_modal)
+        new = _relative_motion(setup, result, C, directions, zones, at_rest, screw_rows @ mounted.motions)
         change = float(np.abs(new - shift).max())
+        if "moving normals" in leave_out or not result.converged:
+            break
         shift = new
-        if change < SETTLED or done == updates or not result.converged:
+        if change < SETTLED or done == updates:
             break
         done += 1
     forces = result.forces.reshape(count, n)
-    vectors = forces[..., None] * directions_
-    load = np.zeros((count, 4))
-    angle = np.full((count, 4), np.nan)
-    for k, s in enumerate(sides):
-        part = slice(starts[k], starts[k + 1])
-        total = vectors[:, part].sum(axis=1)
-        load[:, s] = np.linalg.norm(total, axis=1)
-        unit = total / np.maximum(load[:, s], 1e-300)[:, None]
-        z3 = np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
-        sx, sz = m.signs[s]
-        angle[:, s] = np.where(load[:, s] > 0, np.arctan2(sz * (unit @ z3), sx * unit[:, 0]), np.nan)
+    vectors = forces[..., None] * directions
+    load, angle = _loads(setup, vectors, zones)
     net = vectors.sum(axis=1)
     largest = max(float(load.max()), 1e-300)
     y3 = np.array([0.0, np.cos(m.alpha), np.sin(m.alpha)])
-    seconds = {**setup.seconds, "contact": perf_counter() - begin}
     status = result.status
-    if status == "converged" and _at_rim(setup, forces):
-        status = "the contact reaches the rim of its patch: the expected semi-axes are too small"
+    if status == "converged" and _at_rim(setup, forces, zones):
+        status = AT_RIM
+    elif status == "converged" and change >= SETTLED and "moving normals" not in leave_out and updates > 0:
+        status = f"directions still move by {1e9 * change:.1f} nm after {done} updates"
+    stations, line = _centreline(mounted, own_rows, _screw_modal(setup, C, result, sides), result.motions[3 * count :])
+    free = np.abs(N[:, 3 * count :].T @ result.forces - mounted.work).max(initial=0.0)
     return ReferenceResult(
-        status, load, angle, result.motions[: 3 * count].reshape(count, 3), result.motions[3 * count :], result,
-        float(np.abs(net).max()) / largest, float(np.abs(net @ y3).max()) / largest, setup.unknowns, seconds, done,
+        status, load, angle, result.motions[: 3 * count].reshape(count, 3), stations, line, sides, directions, result,
+        float(np.abs(net).max()) / largest, float(np.abs(net @ y3).max()) / largest, float(free) / largest,
+        setup.unknowns, {**setup.seconds, "contact": perf_counter() - begin}, done,
     )  # fmt: skip
 
 
-def _at_rim(setup: Setup, forces: Array) -> bool:
+def _spread(setup: Setup, C: Compliance, sides: tuple[int, ...], screw: Array) -> Array:
+    """Motion of all modes of ``C`` from that of the screw's modes alone (in the order of ``_modal_rows``)."""
+    out = np.zeros(C.coupling.shape[0])
+    out[_screw_columns(setup, sides)] = screw
+    return out
+
+
+def _screw_columns(setup: Setup, sides: tuple[int, ...]) -> Index:
+    """Where the screw's modes stand among the modes of a compliance."""
+    flags: list[bool] = []
+    for s in sides:
+        body = setup.screw if s < 2 else setup.nut
+        if body is not None:
+            flags += [s < 2] * body.modes[s].shape[1]
+    return np.flatnonzero(np.tile(np.array(flags, dtype=bool), setup.layout.z.size))
+
+
+def _screw_modal(setup: Setup, C: Compliance, result: ContactResult, sides: tuple[int, ...]) -> Array:
+    """Modal forces on the screw, in the order of ``_modal_rows``."""
+    return _amplitude(C, result.forces)[_screw_columns(setup, sides)]
+
+
+def _amplitude(C: Compliance, forces: Array) -> Array:
+    """U^T lambda."""
+    out = np.zeros(C.coupling.shape[0])
+    for (a, b), V, c in zip(pairwise(C.starts), C.modes, C.columns, strict=True):
+        np.add.at(out, c, V.T @ forces[a:b])
+    return out
+
+
+def _loads(setup: Setup, vectors: Array, zones: _Zones) -> tuple[Array, Array]:
+    """Resultant load and contact angle of every contact, ``(balls, 4)`` each."""
+    m, count = setup.map, len(vectors)
+    load, angle = np.zeros((count, 4)), np.full((count, 4), np.nan)
+    z3 = np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
+    for part, s in zip(zones.parts, zones.sides, strict=True):
+        total = vectors[:, part].sum(axis=1)
+        load[:, s] = np.linalg.norm(total, axis=1)
+        unit = total / np.maximum(load[:, s], 1e-300)[:, None]
+        sx, sz = m.signs[s]
+        angle[:, s] = np.where(load[:, s] > 0, np.arctan2(sz * (unit @ z3), sx * unit[:, 0]), np.nan)
+    return load, angle
+
+
+def _centreline(mounted: Mounted, rows: Index, modal: Array, rigid: Array) -> tuple[Array, Array]:
+    """Stations ``(s,)`` and motions ``(s, 6)`` of the screw's centreline, sorted along the screw."""
+    z = np.array(mounted.stations)
+    # contact forces press on the screw: along the normals counted from ball to groove
+    line = mounted.line + mounted.line_modes[:, :, rows] @ modal
+    own = mounted.motions @ rigid
+    line = line + np.array([transport(x - mounted.origin) @ own for x in z])
+    z, first = np.unique(z, return_index=True)
+    return z, line[first]
+
+
+def _at_rim(setup: Setup, forces: Array, zones: _Zones) -> bool:
     """Whether any ball presses on the outermost nodes of a contact zone."""
-    start = 0
-    for s in setup.sides:
-        na, nb = setup.patches[s].groove.shape
-        grid = forces[:, start : start + na * nb].reshape(-1, na, nb)
-        start += na * nb
-        if (grid[:, [0, -1]] > 0.0).any() or (grid[:, :, [0, -1]] > 0.0).any():
-            return True
-    return False
+    rim = np.concatenate([setup.patches[s].groove.rim for s in zones.sides])
+    return bool((forces[:, rim] > 0.0).any())
 
 
 def first_guess(
-    setup: Setup, scene: Scene, C: Compliance, rest: Array, N: sp.csr_matrix, gap: Array
+    setup: Setup, scene: Scene, C: Compliance, rest: Array, N: sp.csr_matrix, gap: Array, zones: _Zones
 ) -> tuple[Array, Array]:
     """Start of the contact iteration: equal loads, spread over the nearest nodes, and motions that close the gaps there."""
     count, n = gap.shape
     m = setup.map
     total = sum(float(np.linalg.norm(load.force)) + float(np.linalg.norm(load.moment)) / m.R for load in scene.loads)
     share = max(total / (count * np.sin(m.beta) * np.cos(m.alpha)), 1.0)
-    sizes = [len(setup.patches[s].groove.A) for s in setup.sides]
-    starts = np.concatenate([[0], np.cumsum(sizes)])
     guess = np.zeros((count, n))
-    for k, s in enumerate(setup.sides):
-        part = slice(starts[k], starts[k + 1])
+    for part, s in zip(zones.parts, zones.sides, strict=True):
         areas = setup.patches[s].groove.areas
         own = gap[:, part] - gap[:, part].min(axis=1, keepdims=True)
-        reach = np.partition(own, sizes[k] // 3, axis=1)[:, sizes[k] // 3, None]
+        third = areas.size // 3
+        reach = np.partition(own, third, axis=1)[:, third, None]
         weight = np.sqrt(np.maximum(1.0 - own / reach, 0.0)) * areas
         guess[:, part] = weight / weight.sum(axis=1, keepdims=True) * share
     lam = guess.ravel()
-    w = np.zeros(C.coupling.shape[0])
-    for i, (V, c) in enumerate(zip(C.modes, C.columns, strict=True)):
-        np.add.at(w, c, V.T @ lam[i * n : (i + 1) * n])
+    w = _amplitude(C, lam)
     loaded = lam > 0.0
     scale = np.sqrt(lam[loaded])
     y = lsqr(sp.diags(scale) @ N[loaded], scale * (rest + C.apply(lam))[loaded], atol=1e-14, btol=1e-14, iter_lim=3000)[0]
     return w, np.asarray(y)
 
 
-def _groove_errors(setup: Setup, drawn: Specimen) -> Array:
+def _groove_errors(setup: Setup, drawn: Specimen, sides: tuple[int, ...]) -> Array:
     """Displacement of each groove by its geometric errors at every contact node, ``(balls, n, 3)`` in the ball's frame."""
     m = setup.map
     x3, z3 = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
     rows = []
     nominal_centres, radii = nominal_groove_centres(setup.scene), groove_radii(setup.scene)
-    for s in setup.sides:
+    for s in sides:
         points = setup.patches[s].groove.points
         offset = drawn.centre[:, s] - nominal_centres[s]
         shift = offset[:, :1, None] * x3 + offset[:, 1:, None] * z3
@@ -221,88 +351,58 @@ def _modal_motion(C: Compliance, z: Array) -> Array:
     return np.concatenate([V @ z[c] for V, c in zip(C.modes, C.columns, strict=True)])
 
 
-def _directions_matrix(setup: Setup, directions_: Array, motions: Array) -> sp.csr_matrix:
+def _directions_matrix(directions: Array, screw_rows: Array, motions: Array) -> sp.csr_matrix:
     """N: gap closed by unit motions of each ball (3) and of the screw's unheld rigid motions."""
-    count, n, _ = directions_.shape
+    count, n, _ = directions.shape
     rows, cols, vals = [], [], []
     for i in range(count):
         rows.append(np.repeat(i * n + np.arange(n), 3))
         cols.append(np.tile(3 * i + np.arange(3), n))
-        vals.append(directions_[i].ravel())
-    if motions.shape[1]:
-        screw = _screw_rows(setup, directions_)
-        for k in range(motions.shape[1]):
-            closing = -(screw @ motions[:, k])
-            own = np.flatnonzero(closing)
-            rows.append(own)
-            cols.append(np.full(own.size, 3 * count + k))
-            vals.append(closing[own])
+        vals.append(directions[i].ravel())
+    for k in range(motions.shape[1]):
+        closing = -(screw_rows @ motions[:, k])
+        own = np.flatnonzero(closing)
+        rows.append(own)
+        cols.append(np.full(own.size, 3 * count + k))
+        vals.append(closing[own])
     return sp.coo_matrix(
         (np.concatenate(vals), (np.concatenate(rows), np.concatenate(cols))), (count * n, 3 * count + motions.shape[1])
     ).tocsr()
 
 
-def _screw_rows(setup: Setup, directions_: Array) -> Array:
-    """Motion of the screw's contact nodes along their normals by its rigid motion about the first station, (c n, 6)."""
-    count, n, _ = directions_.shape
-    sizes = [len(setup.patches[s].groove.A) for s in setup.sides]
-    starts = np.concatenate([[0], np.cumsum(sizes)])
-    first = min([x.at for x in setup.scene.supports] + [x.at for x in setup.scene.loads] + [
-        setup.scene.nut.position - setup.scene.nut.length])
-    nodes = sorted({x.at for x in setup.scene.supports} | {x.at for x in setup.scene.loads})
-    origin = nodes[0] if nodes else first
+def _screw_rows(setup: Setup, directions: Array, zones: _Zones, origin: float) -> Array:
+    """Motion of the screw's contact nodes along their normals by its rigid motion about ``origin``, ``(c n, 6)``."""
+    count, n, _ = directions.shape
     out = np.zeros((count, n, 6))
-    for k, s in enumerate(setup.sides):
+    for part, s in zip(zones.parts, zones.sides, strict=True):
         if s >= 2:
             continue
-        part = slice(starts[k], starts[k + 1])
         local = setup.patches[s].groove.points
         for i in range(count):
             R = rotation(float(setup.layout.azimuth[i]))
             x = local @ R.T + np.array([0.0, 0.0, setup.layout.z[i] - origin])
-            d = directions_[i, part] @ R.T
+            d = directions[i, part] @ R.T
             out[i, part, :3] = d
             out[i, part, 3:] = np.cross(x, d)
     return out.reshape(count * n, 6)
 
 
-def _rigid_loads(scene: Scene, motions: Array) -> Array:
-    """Work of the loads on the screw's unheld rigid motions about its first station."""
-    nodes = sorted({x.at for x in scene.supports} | {x.at for x in scene.loads})
-    wrench = np.zeros(6)
-    for load in scene.loads:
-        f, mo = np.array(load.force), np.array(load.moment)
-        wrench[:3] += f
-        wrench[3:] += mo + np.cross([0.0, 0.0, load.at - nodes[0]], f)
-    return np.asarray(motions.T @ wrench)
-
-
 def _relative_motion(
-    setup: Setup, result: ContactResult, C: Compliance, directions_: Array, motions: Array, loads_modal: Array,
-) -> Array:  # fmt: skip
+    setup: Setup, result: ContactResult, C: Compliance, directions: Array, zones: _Zones, at_rest: Array, rigid: Array
+) -> Array:
     """Motion of each ball's centre relative to each of its grooves, ``(balls, n, 3)``, the same for a side's nodes.
 
     The groove's own motion is read along the normal from the body's modes and its rigid motion: what the ball's centre
     moves beyond the groove, in the section plane.
     """
-    count, n, _ = directions_.shape
-    sizes = [len(setup.patches[s].groove.A) for s in setup.sides]
-    starts = np.concatenate([[0], np.cumsum(sizes)])
+    count, n, _ = directions.shape
     y = result.motions[: 3 * count].reshape(count, 3)
-    amplitude = np.zeros(C.coupling.shape[0])
-    for i, (V, c) in enumerate(zip(C.modes, C.columns, strict=True)):
-        np.add.at(amplitude, c, V.T @ result.forces[i * n : (i + 1) * n])
-    z = C.coupling @ amplitude
-    z[: setup.screw.G.shape[0]] += loads_modal
-    along = _modal_motion(C, z).reshape(count, n)
-    if motions.shape[1]:
-        along = along + (_screw_rows(setup, directions_) @ motions @ result.motions[3 * count :]).reshape(count, n)
+    z = C.coupling @ _amplitude(C, result.forces) + at_rest
+    along = (_modal_motion(C, z) + rigid @ result.motions[3 * count :]).reshape(count, n)
     shift = np.zeros((count, n, 3))
-    for k, _s in enumerate(setup.sides):
-        part = slice(starts[k], starts[k + 1])
+    for part in zones.parts:
         for i in range(count):
-            d = directions_[i, part]
-            v = np.linalg.lstsq(d, along[i, part], rcond=1e-6)[0]
+            v = np.linalg.lstsq(directions[i, part], along[i, part], rcond=1e-6)[0]
             shift[i, part] = y[i] - v
     y3 = np.array([0.0, np.cos(setup.map.alpha), np.sin(setup.map.alpha)])
     shift -= (shift @ y3)[..., None] * y3  # ball and groove are invariant along the track

@@ -1,8 +1,14 @@
-"""Coarse mesh of a ball by gmsh: second-order tetrahedra with a socket, a truncated pyramid, at every contact."""
+"""Coarse mesh of a ball by gmsh: second-order tetrahedra with a socket, a truncated pyramid, at every contact.
+
+Each half of the sphere is triangulated in the plane onto which it projects from the opposite pole; sockets become holes,
+and no seam is needed. The projection keeps angles, and stretches lengths by a known factor from 1/2 to 1.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from math import cos, sin
 from time import perf_counter
 from typing import Any
@@ -11,10 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.groove_map import GrooveMap
-from meshes.grooved_body import MM, SocketMesh, face_triangles, match_socket, standard_socket, straighten
+from meshes.grooved_body import BEND, STRAIGHTENED, Shell, best_of, fill, graded
+from meshes.parts import SIDES
+from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
+from meshes.sockets import SocketMesh, rim, socket_mesh
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+
+#: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.
+GROWTH = (0.072, 0.72)
 
 
 @dataclass(frozen=True)
@@ -30,13 +42,14 @@ class BallSocket:
 @dataclass(frozen=True)
 class BallBody:
     """Mesh of a ball about its centre in the frame of azimuth 0: points ``(n, 3)`` [m], second-order tetrahedra, per
-    socket its nodes and its faces' mesh."""
+    socket its nodes and its faces' mesh, seconds it took, quality."""
 
     points: Array
     cells: Index
     socket_nodes: dict[int, Index]
     sockets: dict[int, SocketMesh]
     seconds: float
+    quality: Quality
 
 
 def directions(m: GrooveMap, side: int) -> Array:
@@ -56,119 +69,103 @@ def pyramid_points(m: GrooveMap, socket: BallSocket, s: Array, t: Array, depth: 
     return np.asarray(ray * (outer + depth * (m.ball - socket.depth - outer))[:, None])
 
 
-def build_ball(m: GrooveMap, sockets: tuple[BallSocket, ...], fine: float, coarse: float, cuts: int = 2) -> BallBody:
-    """Mesh a ball with a socket for each contact. Raises ValueError where sockets overlap or the mesh is bad."""
-    import gmsh
-
-    begin = perf_counter()
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.model.add("ball")
-        faces = _geometry(gmsh, m, sockets)
-        _sizes(gmsh, faces, fine, coarse, cuts)
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.setOrder(2)
-        return _collect(gmsh, m, sockets, faces, perf_counter() - begin)
-    finally:
-        gmsh.finalize()
-
-
-def _geometry(gmsh: Any, m: GrooveMap, sockets: tuple[BallSocket, ...]) -> list[list[int]]:
-    occ = gmsh.model.occ
-    ball = [(3, occ.addSphere(0, 0, 0, MM * m.ball))]
-    occ.rotate(ball, 0, 0, 0, 0, 0, 1, float(np.pi / 2))  # the seam of the sphere must not run through a socket
-    boxes = []
-    for socket in sockets:
-        n, t1, t2 = directions(m, socket.side)
-        corners = []
-        for height in (m.ball - socket.depth, 1.2 * m.ball):
-            for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
-                x = MM * height * (n + a * socket.across * t1 + b * socket.along * t2)
-                corners.append(occ.addPoint(*[float(v) for v in x]))
-        loops = []
-        for k in (0, 4):
-            lines = [occ.addLine(corners[k + i], corners[k + (i + 1) % 4]) for i in range(4)]
-            loops.append(occ.addWire(lines))
-        boxes += occ.addThruSections(loops, makeSolid=True, makeRuled=True)
-    boxes = [x for x in boxes if x[0] == 3]
-    pieces, origin = occ.fragment(ball, boxes)
-    own = set(origin[0])
-    inside = [[x for x in found if x in own] for found in origin[1:]]
-    if any(len(x) != 1 for x in inside):
-        raise ValueError("a contact patch does not fit the ball: make the sockets smaller")
-    taken = {x[0] for x in inside}
-    main = [x for x in own if x not in taken]
-    occ.remove([x for x in pieces if x not in own], recursive=True)
-    occ.synchronize()
-    shared = {abs(t) for _, t in gmsh.model.getBoundary(main, oriented=False)}
-    faces = [[abs(t) for _, t in gmsh.model.getBoundary(x, oriented=False) if abs(t) in shared] for x in inside]
-    if any(len(f) != 5 for f in faces):
-        raise ValueError("two contact patches of a ball overlap: make the sockets smaller")
-    occ.remove(sorted(taken), recursive=False)
-    occ.synchronize()
-    return faces
-
-
-def _sizes(gmsh: Any, sockets: list[list[int]], fine: float, coarse: float, cuts: int) -> None:
-    mesh = gmsh.model.mesh
-    curves: set[int] = set()
-    for faces in sockets:
-        for f in faces:
-            curves |= {abs(c) for _, c in gmsh.model.getBoundary([(2, f)], oriented=False)}
-    for c in curves:
-        mesh.setTransfiniteCurve(c, cuts + 1)
-    for faces in sockets:
-        for f in faces:
-            mesh.setTransfiniteSurface(f, "Left")
-    for name in ("Mesh.MeshSizeExtendFromBoundary", "Mesh.MeshSizeFromPoints", "Mesh.MeshSizeFromCurvature"):
-        gmsh.option.setNumber(name, 0)
-    field = mesh.field
-    distance = field.add("Distance")
-    field.setNumbers(distance, "CurvesList", sorted(curves))
-    field.setNumber(distance, "Sampling", 5)
-    size = field.add("Threshold")
-    for key, value in (
-        ("InField", distance), ("SizeMin", MM * fine), ("SizeMax", MM * coarse), ("DistMin", 0.2), ("DistMax", 2.0),
-    ):  # fmt: skip
-        field.setNumber(size, key, value)
-    field.setAsBackgroundMesh(size)
-
-
-def _collect(
-    gmsh: Any, m: GrooveMap, sockets: tuple[BallSocket, ...], faces: list[list[int]], seconds: float
-) -> BallBody:
-    tags, xyz, _ = gmsh.model.mesh.getNodes()
-    index = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
-    index[tags.astype(np.int64)] = np.arange(tags.size)
-    points = xyz.reshape(-1, 3) / MM
-    types, _, nodes = gmsh.model.mesh.getElements(3)
-    cells = index[nodes[list(types).index(11)].astype(np.int64).reshape(-1, 10)]
-    rows: dict[int, Index] = {}
-    meshes: dict[int, SocketMesh] = {}
-    for own_faces, socket in zip(faces, sockets, strict=True):
-        triangles, owner = face_triangles(gmsh, own_faces)
-        local = index[triangles]
-        corner = np.unique(local[:, :3])
-        xi = ball_coordinates(m, socket, points[corner])
-        standard = standard_socket(xi, corner, local, owner)
-        own, _ = match_socket(standard, xi, corner, local)
-        points[own] = pyramid_points(
-            m, socket, socket.across * standard.xi[:, 0], socket.along * standard.xi[:, 2], standard.xi[:, 1]
-        )
-        rows[socket.side], meshes[socket.side] = own, standard
-    used = np.unique(cells)
-    new = np.full(points.shape[0], -1, dtype=np.int64)
-    new[used] = np.arange(used.size)
-    keep = np.concatenate([new[r] for r in rows.values()])
-    placed = straighten(points[used], new[cells], keep)
-    return BallBody(placed, new[cells], {s: new[r] for s, r in rows.items()}, meshes, seconds)
+def ball_points(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
+    """Points ``(n, 3)`` [m] of local coordinates: across and along in [-1, 1], depth in [0, 1]."""
+    return pyramid_points(m, socket, socket.across * xi[:, 0], socket.along * xi[:, 2], xi[:, 1])
 
 
 def ball_coordinates(m: GrooveMap, socket: BallSocket, points: Array) -> Array:
-    """Local coordinates xi ``(n, 3)`` of points in a socket: across and along in [-1, 1], depth in [0, 1]."""
+    """Local coordinates xi ``(n, 3)`` of points on the socket's side of the ball; inverse of ``ball_points``."""
     n, t1, t2 = directions(m, socket.side)
     height = points @ n
     s, t = (points @ t1) / height, (points @ t2) / height
     outer = m.ball / np.sqrt(1.0 + s * s + t * t)
     return np.stack([s / socket.across, (outer - height) / (outer - (m.ball - socket.depth)), t / socket.along], axis=1)
+
+
+def build_ball(m: GrooveMap, sockets: tuple[BallSocket, ...], fine: float, coarse: float, cuts: int = 2) -> BallBody:
+    """Mesh a ball with a socket for each contact; fine, coarse: element sizes near and away from them [m].
+
+    Raises ValueError where sockets overlap or no attempt gives a good mesh.
+    """
+    begin = perf_counter()
+    boxes = [socket_mesh(partial(ball_points, m, socket), (cuts, cuts, cuts)) for socket in sockets]
+    _refuse_overlap(m, sockets)
+    near = np.concatenate([ball_points(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)])
+
+    def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BallBody, float]:
+        sizes = share * fine, share * coarse
+        shell = Shell(gmsh, graded(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
+        corners = []
+        for socket, (box, raised) in zip(sockets, boxes, strict=True):
+            corners.append(shell.socket(box, ball_points(m, socket, box.xi), ball_points(m, socket, raised)))
+        _sphere(m, shell, [c[rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
+        filled = fill(shell, volume)
+        own = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
+        points = untangle(filled.points, filled.cells, filled.on(shell.tris()))
+        points, moved = straighten(points, filled.cells, np.concatenate(own), STRAIGHTENED)
+        quality = measure(points, filled.cells, "P2")
+        refuse_bad(quality, "ball")
+        nodes = {socket.side: n for socket, n in zip(sockets, own, strict=True)}
+        meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
+        body = BallBody(points, filled.cells, nodes, meshes, perf_counter() - begin, quality)
+        return body, float(moved)
+
+    return best_of("ball", attempt)
+
+
+def _sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
+    """Triangulate the two halves of the sphere outside the sockets' rims."""
+    axis, limit = parting(m), share * BEND[1] * m.ball
+    along = directions(m, 0)[2]
+    middle = np.stack([along, np.cross(axis, along)])
+    equator = shell.curve(lambda t: m.ball * (np.stack([np.cos(t), np.sin(t)], axis=1) @ middle), 0.0, 2.0 * np.pi, limit)
+
+    def stretch(flat: Array) -> Array:
+        return np.asarray(0.5 * (1.0 + np.sum((flat / m.ball) ** 2, axis=1)))
+
+    for pole in (-axis, axis):
+
+        def plane(x: Array, pole: Array = pole) -> Array:
+            return np.asarray(x @ middle.T / (1.0 - x @ pole / m.ball)[:, None])
+
+        def space(flat: Array, pole: Array = pole) -> Array:
+            square = np.sum((flat / m.ball) ** 2, axis=1)[:, None]
+            return np.asarray((m.ball * (square - 1.0) * pole + 2.0 * flat @ middle) / (square + 1.0))
+
+        closed = [np.append(r, r[0]) for r in rims if shell.points[r[0]] @ pole < 0.0]
+        loops = [[(n, plane(shell.points[n]))] for n in (equator.nodes, *closed)]
+        shell.face("sphere", loops, space, limit, stretch, onto_sphere(m.ball))
+
+
+def parting(m: GrooveMap) -> Array:
+    """Normal of the plane that parts the ball away from all contacts: screw from nut, or left from right."""
+    _, t1, _ = directions(m, 3)
+    n = directions(m, 3)[0]
+    x3, z3 = cos(m.beta) * n - sin(m.beta) * t1, sin(m.beta) * n + cos(m.beta) * t1
+    return np.asarray(x3 if m.beta <= np.pi / 4 else z3)
+
+
+def onto_sphere(radius: float) -> Callable[[Array], Array]:
+    """Points on the sphere about the origin, from points near it."""
+    return lambda x: radius * x / np.linalg.norm(x, axis=1)[:, None]
+
+
+def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
+    """Raise ValueError where there is no socket, one is too deep or too wide, or two share a part of the sphere."""
+    if not sockets:
+        raise ValueError("a ball is meshed around its contacts: give it at least one socket")
+    remedy = "make the sockets smaller (meshes.sockets.fitted_socket finds a size that fits)"
+    a, b = np.linspace(-1.0, 1.0, 41), np.ones(41)
+    around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (a, 0 * a, b), (-b, 0 * a, a), (b, 0 * a, a))])
+    for one in sockets:
+        name = f"socket {SIDES[one.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
+        if not 0.0 < one.depth < 0.8 * m.ball:
+            raise ValueError(f"the {name} is {1e3 * one.depth:.4g} mm deep: {remedy}")
+        points = ball_points(m, one, around)
+        if np.ptp(np.sign(points @ parting(m))) > 0.0:
+            raise ValueError(f"the {name} reaches over the ball's middle: {remedy}")
+        for other in sockets:
+            xi = ball_coordinates(m, other, points[points @ directions(m, other.side)[0] > 0.0])
+            if other is not one and np.any((np.abs(xi[:, 0]) < 1.02) & (np.abs(xi[:, 2]) < 1.02)):
+                raise ValueError(f"the {name} and its socket {SIDES[other.side]} overlap: {remedy}")

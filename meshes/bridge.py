@@ -6,8 +6,11 @@ meshes that it reads through meshio. Node order is gmsh's; it is permuted here, 
 
 from __future__ import annotations
 
+import os
+import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +43,20 @@ _VTK: dict[str, tuple[str, tuple[int, ...]]] = {
         (*range(8), 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26),
     ),
 }
+
+# Place k of MED's cell holds meshio's (VTK's) local node: the first face turned round (checked by reading with gmsh).
+_MED: dict[str, tuple[int, ...]] = {
+    "tetra": (0, 2, 1, 3),
+    "tetra10": (0, 2, 1, 3, 6, 5, 4, 7, 9, 8),
+    "hexahedron": (0, 3, 2, 1, 4, 7, 6, 5),
+    "hexahedron20": (0, 3, 2, 1, 4, 7, 6, 5, 11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17),
+}
+_ABAQUS = {"tetra": "C3D4", "tetra10": "C3D10", "hexahedron": "C3D8", "hexahedron20": "C3D20"}
+_FACES = {3: "triangle", 6: "triangle6", 4: "quad", 9: "quad9"}
+_MESHIO = {"vtu": "vtu", "msh": "gmsh22", "med": "med"}
+
+FORMATS = {"vtu": "VTK files", "msh": "gmsh files", "med": "MED files", "inp": "Abaqus files"}
+"""Formats of mesh files by their suffix, without the dot."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,53 +193,203 @@ def to_skfem(data: MeshData, element: str) -> Any:
     return mesh
 
 
-def write_vtu(
+def form_of(path: Path, form: str = "") -> str:
+    """Format of a mesh file: `form` if given, else by the suffix; raises ValueError for one that is not in `FORMATS`."""
+    found = form or path.suffix.lower().removeprefix(".")
+    if found in FORMATS:
+        return found
+    wanted = ", ".join(f".{name}" for name in FORMATS)
+    raise ValueError(f"{path.name}: {f'format {form!r}' if form else f'suffix {path.suffix!r}'}, expected one of {wanted}")
+
+
+def need(form: str) -> None:
+    """Raise ImportError, with what to do, if a package that writes the format is missing."""
+    for package in ("meshio", *(("h5py",) if form == "med" else ())):
+        try:
+            import_module(package)
+        except ImportError as error:
+            raise ImportError(f"{FORMATS[form]} need {package}, which cannot be loaded: pip install {package}") from error
+
+
+def reduced(data: MeshData, form: str) -> bool:
+    """Whether the format holds only part of the mesh: .inp and .med have no 27-node hexahedron."""
+    return "Q2" in data.cells and form in ("inp", "med")
+
+
+def write_mesh(
     path: str | Path,
     data: MeshData,
     point_fields: Mapping[str, FloatArray] | None = None,
     cell_fields: Mapping[str, FloatArray] | None = None,
+    form: str = "",
 ) -> None:
-    """Write mesh and fields with meshio: .vtu, .msh (gmsh 2.2), .inp (Abaqus, CalculiX) or .med, by the suffix.
+    """Write mesh and fields, whole or not at all: .vtu, .msh (gmsh 2.2), .inp (Abaqus, CalculiX) or .med (Salome).
 
-    point_fields: shape (n,) or (n, k); cell_fields: shape (cells,) or (cells, k), cells counted through `data.cells`.
-    Regions go along as the cell field `region` (their place in `data.regions`, -1 for none). .inp and .med carry no
-    27-node hexahedron: its face and centre nodes are left out of the cells (20 nodes); .inp takes no fields.
-    Raises ValueError for another suffix or a field of wrong length, ImportError for .med without h5py.
+    point_fields: shape (n,) or (n, k); cell_fields: shape (cells,) or (cells, k), cells counted through `data.cells`;
+    form: one of `FORMATS`, by the suffix unless given. Names go along: regions as groups of cells, in .vtu as the cell
+    field `region` (their place in `data.regions`, -1 for none); boundaries as faces with a physical group in .msh, as
+    groups of nodes in .inp and .med, as point fields `boundary <name>` of 0 and 1 in .vtu. Where a format is `reduced`,
+    the face and centre nodes of 27-node hexahedra are left out (20 nodes); .inp takes no fields.
+    Raises ValueError for an unknown format, a field of wrong length or that the format cannot hold, a cell in two regions,
+    ImportError where a package is missing, OSError where the file cannot be written.
     """
-    import meshio
-
     path = Path(path)
-    suffix = path.suffix.lower()
-    formats = {".vtu": "vtu", ".msh": "gmsh22", ".inp": "abaqus", ".med": "med"}
-    if suffix not in formats:
-        raise ValueError(f"{path.name}: suffix {suffix!r}, expected one of {', '.join(formats)}")
+    form = form_of(path, form)
+    need(form)
     point_data = {name: np.asarray(v) for name, v in (point_fields or {}).items()}
     cell_data = {name: np.asarray(v) for name, v in (cell_fields or {}).items()}
-    if data.regions and "region" not in cell_data:
-        cell_data["region"] = np.full(data.count, -1)
-        for k, cells in enumerate(data.regions.values()):
-            cell_data["region"][cells] = k
     for fields, length in ((point_data, len(data.points)), (cell_data, data.count)):
         for name, values in fields.items():
             if len(values) != length:
                 raise ValueError(f"field {name!r} has {len(values)} values, expected {length}")
-    blocks = []
-    for name, cells in data.cells.items():
-        kind, order = _VTK[name]
-        if name == "Q2" and suffix in (".inp", ".med"):
-            kind, order = "hexahedron20", order[:20]
-        blocks.append((kind, cells[:, order]))
-    ends = np.cumsum([len(c) for c in data.cells.values()])[:-1]
-    mesh = meshio.Mesh(data.points, blocks)
-    if suffix != ".inp":
-        mesh.point_data = point_data
-        mesh.cell_data = {name: np.split(values, ends) for name, values in cell_data.items()}
-    meshio.write(path, mesh, file_format=formats[suffix])
-    if suffix == ".inp":  # meshio picks reduced and hybrid variants of the elements
-        text = path.read_text()
-        for theirs, plain in (("C3D8RH", "C3D8"), ("C3D20RH", "C3D20"), ("C3D10MH", "C3D10")):
-            text = text.replace(f"TYPE={theirs}", f"TYPE={plain}")
-        path.write_text(text)
+    region = np.full(data.count, -1)
+    for k, cells in enumerate(data.regions.values()):
+        if np.any(region[cells] >= 0):
+            raise ValueError(f"region {list(data.regions)[k]!r} shares cells with another: a file holds one for each cell")
+        region[cells] = k
+    nodes = {name: np.unique(faces) for name, faces in data.boundaries.items()}
+    points, blocks = data.points, [(*_VTK[name], cells) for name, cells in data.cells.items()]
+    if reduced(data, form):
+        blocks = [("hexahedron20", o[:20], c) if kind == "hexahedron27" else (kind, o, c) for kind, o, c in blocks]
+    connected = [(kind, cells[:, order]) for kind, order, cells in blocks]
+    if reduced(data, form):
+        used, numbers = np.unique(np.concatenate([c.ravel() for _, c in connected]), return_inverse=True)
+        ends = np.cumsum([c.size for _, c in connected])[:-1]
+        connected = [(k, n.reshape(c.shape)) for (k, c), n in zip(connected, np.split(numbers, ends), strict=True)]
+        points = points[used]
+        point_data = {name: values[used] for name, values in point_data.items()}
+        nodes = {name: np.flatnonzero(np.isin(used, own)) for name, own in nodes.items()}
+    plain = _Plain(points, connected, point_data, cell_data, region, tuple(data.regions), nodes)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=f".{form}.tmp")
+    os.close(handle)
+    try:
+        if form == "inp":
+            _write_inp(Path(temporary), plain)
+        else:
+            import meshio
+
+            made = _as_vtu(plain) if form == "vtu" else _as_med(plain) if form == "med" else _as_msh(plain, data.boundaries)
+            meshio.write(temporary, made, file_format=_MESHIO[form])
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+#: Earlier name, from when there was one format.
+write_vtu = write_mesh
+
+
+@dataclass(frozen=True, eq=False)
+class _Plain:
+    """What all formats are written from: points, cells in VTK's node order by meshio's names, fields, place of every cell's
+    region (-1 for none), names of the regions, nodes of the boundaries."""
+
+    points: FloatArray
+    blocks: list[tuple[str, IntArray]]
+    point_data: dict[str, Any]
+    cell_data: dict[str, Any]
+    region: IntArray
+    regions: tuple[str, ...]
+    nodes: dict[str, IntArray]
+
+    def split(self, values: Any) -> list[Any]:
+        """Cell values by blocks."""
+        return np.split(values, np.cumsum([len(c) for _, c in self.blocks])[:-1])
+
+
+def _as_vtu(plain: _Plain) -> Any:
+    import meshio
+
+    points = dict(plain.point_data)
+    for name, own in plain.nodes.items():
+        points[f"boundary {name}"] = np.isin(np.arange(len(plain.points)), own).astype(np.uint8)
+    cells = dict(plain.cell_data)
+    if plain.regions:
+        cells.setdefault("region", plain.region)
+    return meshio.Mesh(plain.points, plain.blocks, points, {name: plain.split(v) for name, v in cells.items()})
+
+
+def _as_msh(plain: _Plain, faces: Mapping[str, IntArray]) -> Any:
+    """Regions and boundaries as physical groups; cell fields are not a number on the boundaries' faces."""
+    import meshio
+
+    blocks = list(plain.blocks)
+    cells = {name: plain.split(np.asarray(values, dtype=float)) for name, values in plain.cell_data.items()}
+    groups = plain.split(plain.region + 1)
+    entities = plain.split(np.where(plain.region < 0, len(plain.regions), plain.region) + 1)
+    for name, values in (*plain.point_data.items(), *plain.cell_data.items()):
+        if values.size not in (len(values), 3 * len(values), 9 * len(values)):
+            raise ValueError(f"field {name!r} has {values.size // len(values)} components: an .msh file takes 1, 3 or 9")
+    field_data = {name: np.array([k + 1, 3]) for k, name in enumerate(plain.regions)}
+    for number, (name, own) in enumerate(faces.items(), start=1):
+        blocks.append((_FACES[own.shape[1]], own))
+        groups.append(np.full(len(own), number))
+        entities.append(groups[-1])
+        field_data[name] = np.array([number, 2])
+        for values in cells.values():
+            values.append(np.full((len(own), *values[0].shape[1:]), np.nan))
+    cells |= {"gmsh:physical": groups, "gmsh:geometrical": entities}
+    return meshio.Mesh(plain.points, blocks, plain.point_data, cells, field_data)
+
+
+def _as_med(plain: _Plain) -> Any:
+    """Regions and boundaries as families; meshio writes cells as they are, but MED orients them the other way."""
+    import meshio
+
+    blocks = [(kind, cells[:, _MED[kind]]) for kind, cells in plain.blocks]
+    points = {name: np.asarray(values, dtype=float) for name, values in plain.point_data.items()}
+    cells = {name: plain.split(np.asarray(values, dtype=float)) for name, values in plain.cell_data.items()}
+    components = [[f"C{k + 1}" for k in range(int(np.prod(v.shape[1:])))] for v in points.values()]
+    components += [[f"C{k + 1}" for k in range(int(np.prod(v[0].shape[1:])))] for v in cells.values()]
+    node_families: dict[int, list[str]] = {}
+    if plain.nodes:
+        names = np.array(list(plain.nodes))
+        belongs = np.stack([np.isin(np.arange(len(plain.points)), own) for own in plain.nodes.values()])
+        patterns, which = np.unique(belongs, axis=1, return_inverse=True)
+        families = np.where(patterns.any(axis=0), 1 + np.arange(patterns.shape[1]), 0)  # 0: in no group
+        points["point_tags"] = families[which.ravel()]
+        node_families = {int(n): list(map(str, names[p])) for n, p in zip(families, patterns.T, strict=True) if n}
+    if plain.regions:
+        cells["cell_tags"] = plain.split(-1 - plain.region)
+    mesh = meshio.Mesh(plain.points, blocks, points, cells, {"med:nom": components} if components else {})
+    mesh.point_tags = node_families
+    mesh.cell_tags = {-1 - k: [name] for k, name in enumerate(plain.regions)}
+    return mesh
+
+
+def _write_inp(path: Path, plain: _Plain) -> None:
+    """Abaqus' input; not by meshio, whose lines are longer than the 16 entries allowed and whose elements are hybrid."""
+    if plain.point_data or plain.cell_data:
+        raise ValueError("an .inp file takes no fields: write a .vtu, .msh or .med file")
+    with path.open("w", encoding="ascii") as file:
+        file.write("*HEADING\nrollbench; lengths in m\n*NODE, NSET=NALL\n")
+        for k, (x, y, z) in enumerate(plain.points.tolist(), start=1):
+            file.write(f"{k}, {x!r}, {y!r}, {z!r}\n")
+        number = 0
+        for kind, cells in plain.blocks:
+            file.write(f"*ELEMENT, ELSET=EALL, TYPE={_ABAQUS[kind]}\n")
+            for row in (cells + 1).tolist():
+                number += 1
+                file.write(_lines([number, *row]))
+        sets = [("NSET", name, own) for name, own in plain.nodes.items()]
+        sets += [("ELSET", name, np.flatnonzero(plain.region == k)) for k, name in enumerate(plain.regions)]
+        for what, name, own in sets:
+            file.write(f"*{what}, {what}={name.replace(' ', '_')}\n{_lines((own + 1).tolist(), open_end=False)}")
+
+
+def _lines(entries: list[int], *, open_end: bool = True) -> str:
+    """Entries, at most 16 on a line; lines that the next one continues end with a comma (`open_end`), or do not."""
+    rows = [", ".join(map(str, entries[k : k + 16])) for k in range(0, len(entries), 16)]
+    return (",\n" if open_end else "\n").join(rows) + "\n"
+
+
+def _umask() -> int:
+    """The process's mask for new files; reading it means setting it."""
+    mask = os.umask(0o022)
+    os.umask(mask)
+    return mask
 
 
 def _groups(dimension: int) -> dict[str, list[int]]:

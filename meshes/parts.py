@@ -186,6 +186,26 @@ class Ingredients:
 
 
 @dataclass(frozen=True)
+class Solid:
+    """What a 3D model needs beyond a low-order one; ``None`` stands for the assumption of ``meshes.solid``.
+
+    ``nut_inner_diameter``: lands of the nut [m]; ``hole_diameter``: hole along the axis of the meshed screw [m];
+    ``shaft``: length of the 3D stretch beyond the nut on each side [m]; ``shaft_diameter``: diameter of the equivalent
+    plain shaft beyond it [m] (``None``: the section is homogenised from the grooved shaft);
+    ``nut_held``: where the nut is held; ``screw_held``: at the ends of the 3D stretch, or by its bore (a ring on a stiff
+    shaft); ``nut``: elastic, or rigid beyond the contact patches.
+    """
+
+    nut_inner_diameter: float | None = None
+    hole_diameter: float | None = None
+    shaft: float | None = None
+    shaft_diameter: float | None = None
+    nut_held: Literal["left face", "right face", "both faces", "outer surface"] | None = None
+    screw_held: Literal["ends", "bore"] | None = None
+    nut: Literal["elastic", "rigid"] = "elastic"
+
+
+@dataclass(frozen=True)
 class Scene:
     """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open."""
 
@@ -199,6 +219,7 @@ class Scene:
     supports: tuple[Support, ...] = ()
     loads: tuple[Load, ...] = ()
     ingredients: Ingredients = field(default_factory=Ingredients)
+    solid: Solid = field(default_factory=Solid)
     source: str = ""
     assumed: tuple[str, ...] = ()
     members: int = 1

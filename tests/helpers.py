@@ -8,6 +8,8 @@ from lowfi import jit
 from lowfi.problem import build
 from lowfi.static import prepare, solve_static
 from meshes.errors import specimen
+from meshes.groove_map import GrooveMap
+from meshes.grooved_body import BodySpec
 from meshes.helix import ball_layout
 from meshes.parts import (
     SIDES,
@@ -25,6 +27,7 @@ from meshes.parts import (
     Support,
     Track,
 )
+from meshes.sockets import fitted_socket
 
 STEEL = Material(210e9, 0.28)
 ALL_BUT_AXIAL = (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
@@ -91,3 +94,28 @@ def dense(band):
         i = np.arange(n - k)
         full[i + k, i] = full[i, i + k] = band[: n - k, k]
     return full
+
+
+def solid_sizes(scene, *, hole=None):
+    """Radii [m] that a body's mesh needs: screw's land and bore, nut's land and outside; flat ends of the nut."""
+    R, outer = scene.track.pitch_radius, scene.screw.outer_diameter / 2.0
+    bore = max(scene.screw.bore / 2.0, R / 11.0) if hole is None else hole
+    middle, half = scene.nut.position, scene.nut.length / 2.0
+    return outer, bore, 2.0 * R - outer, scene.nut.outer_diameter / 2.0, (middle - half, middle + half)
+
+
+def body_specs(scene, sides, *, fine=1.6e-3, coarse=8e-3, beyond=20e-3, size=None, hole=None):
+    """Screw and nut with fitted sockets; fine, coarse for balls of 2.778 mm radius; beyond: shaft beside the nut [m]."""
+    m, layout = GrooveMap.of(scene), ball_layout(scene)
+    outer, bore, land, outside, ends = solid_sizes(scene, hole=hole)
+    size = size or fitted_socket(m, layout, sides, outer, bore, land, outside, ends)
+    places = list(zip(layout.azimuth.tolist(), layout.z.tolist(), strict=True))
+    scale = m.ball / 2.778e-3
+    beyond = beyond if m.rg else 0.0
+    reach = max(ends[0] - beyond, 0.0), min(ends[1] + beyond, scene.screw.length)
+
+    def spec(radii, z, screw):
+        sockets = tuple((phi, zz, s) for phi, zz in places for s in sides if (s < 2) == screw)
+        return BodySpec(*radii, *z, screw, sockets, size, scale * fine, scale * coarse)
+
+    return {"screw": spec((bore, outer), reach, True), "nut": spec((land, outside), ends, False)}

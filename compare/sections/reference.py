@@ -1,38 +1,51 @@
-"""The low-order models beside the 3D reference: errors with its error bar, run times, what moves the reference."""
+"""The low-order models beside the 3D reference: errors with its error bar, loads, centreline, run times."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
-from compare.comparison import REFERENCED, gate_points, known_exceedances, summary
+from compare.comparison import (
+    CONTENDERS,
+    PRINTED,
+    REFERENCED,
+    Contender,
+    from_model,
+    gate_points,
+    known_exceedances,
+    load_ratio,
+    reference_answers,
+    suited,
+    summary,
+)
 from compare.findings import Finding, entry
 from compare.measure import error_percent, load_error
-from compare.reference import LEVELS, VARIANTS, Reference, Run, load, reference
+from compare.reference import PRODUCTION, SOURCE_LEVEL, Reference, Run, load, reference
 from compare.study import Study
 from meshes.parts import SIDES, Scene
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
-PRINTED = {"lin-case1": ("case1_max_error", "case1_rms_error"), "lin-case2": ("case2_max_error", "case2_rms_error")}
+References = Mapping[str, Reference]
 
 
-def references(study: Study) -> dict[str, Reference]:
+def references(study: Study, stores: Sequence[Any] | None = None) -> dict[str, Reference]:
     """Stored references of the scenes that have one."""
-    found = {name: reference(study.scene(name)) for name in REFERENCED}
+    found = {name: reference(study.scene(name), stores) for name in REFERENCED}
     return {name: r for name, r in found.items() if r is not None}
 
 
-def findings(study: Study) -> list[Finding]:
+def findings(study: Study, stores: Sequence[Any] | None = None) -> list[Finding]:
     """The source's errors against ANSYS, with ours against the 3D reference beside them; they stay open."""
     out = []
     for name, keys in PRINTED.items():
-        found = reference(study.scene(name))
+        found = reference(study.scene(name), stores)
         if found is None:
             continue
         e = load_error(study.solve(name).load, found.load)
         for key, own, mean in zip(
-            keys, (e.own_max_percent, e.own_rms_percent), (e.max_percent, e.rms_percent), strict=True
+            keys[:2], (e.own_max_percent, e.own_rms_percent), (e.max_percent, e.rms_percent), strict=True
         ):
             out.append(
                 Finding(
@@ -44,39 +57,41 @@ def findings(study: Study) -> list[Finding]:
     return out
 
 
-def variants(study: Study) -> list[tuple[str, str, Scene, str]]:
-    """Low-order models compared: label, scene's name, scene, model."""
-    out = []
-    for name in REFERENCED:
-        out.append(("low-order model", name, study.scene(name), "lin"))
-        out.append(("source's partition (15 mm)", name, study.changed(name, partition="source"), "lin"))
-        out.append(("Hertz constants as printed", name, study.changed(name, hertz="as printed"), "lin"))
-        if name == "lin-case1":
-            out.append(("Mei, axial bars, rigid nut", name, study.scene(name), "mei"))
-            out.append(("Mei, nut as a bar", name, study.scene(name), "mei-nut"))
-    return out
+def _mean(found: Reference) -> float:
+    return float(found.load[found.load > 0.0].mean())
 
 
-def error_table(study: Study, found: dict[str, Reference]) -> Table:
-    """Errors of every low-order model against the reference."""
+def bar_percent(found: Reference) -> float | None:
+    """Largest uncertainty of any contact load of a reference, in per cent of its mean load."""
+    if found.uncertainty is None:
+        return None
+    return float(np.abs(error_percent(found.uncertainty, 0.0, _mean(found))).max())
+
+
+def error_table(study: Study, found: References, stores: Sequence[Any] | None) -> Table:
+    """Errors of every low-order model, of the source's mesh and of the extrapolation against the finest reference."""
     rows: list[dict[str, Cell]] = []
-    for label, name, scene, model in variants(study):
-        if name not in found:
-            continue
-        ref = found[name]
-        e, _, seconds = summary(scene, model, ref)
-        mean = float(ref.load[ref.load > 0.0].mean())
-        best = ref.runs[-1]
-        cold = best.setup_seconds + best.solve_seconds
-        printed = [entry("lin-2.4.1", k).printed for k in PRINTED.get(name, ())] if label == "low-order model" else []
-        bar = None if ref.uncertainty is None else float(np.abs(error_percent(ref.uncertainty, 0.0, mean)).max())
+    for name, ref in found.items():
+        scene = study.scene(name)
+        keys = PRINTED.get(name)
+        cold = ref.best.setup_seconds + ref.best.solve_seconds
+        for contender in suited(scene):
+            e, result, seconds = summary(contender, scene, ref)
+            printed = " / ".join(entry("lin-2.4.1", k).printed for k in keys[:2]) if keys and contender.name == "lin" else "–"
+            rows.append(
+                _error_row(name, contender.label, e, load_ratio(result.load), printed, bar_percent(ref), seconds, cold)
+            )
+        source = load(scene, SOURCE_LEVEL, stores=stores)
+        for answer in reference_answers(ref, source):
+            if answer.model != f"3D level {ref.best.level}":
+                e = load_error(answer.load, ref.load)
+                rows.append(
+                    _error_row(name, LABELS.get(answer.model, answer.model), e, load_ratio(answer.load), "–",
+                               bar_percent(ref), answer.seconds, cold)
+                )  # fmt: skip
         rows.append(
-            {
-                "scene": name, "model": label, "max": e.max_percent, "at": f"{e.ball} {e.side}", "rms": e.rms_percent,
-                "own_max": e.own_max_percent, "own_rms": e.own_rms_percent,
-                "printed": " / ".join(printed) if printed else "–", "bar": bar, "seconds": seconds, "cold": cold,
-                "ratio": cold / seconds,
-            }
+            {"scene": name, "model": f"3D reference, level {ref.best.level}", "load_ratio": load_ratio(ref.load),
+             "bar": bar_percent(ref), "seconds": cold}
         )  # fmt: skip
     columns = (
         Column("scene", "scene", "", "s"),
@@ -88,115 +103,244 @@ def error_table(study: Study, found: dict[str, Reference]) -> Table:
         Column("own_rms", "RMS", "% of own load", ".2f"),
         Column("printed", "printed max / RMS", "%", "s"),
         Column("bar", "reference's uncertainty", "% of mean", ".2f"),
-        Column("seconds", "low-order", "s", "g3"),
-        Column("cold", "reference, cold", "s", "g3"),
-        Column("ratio", "reference : low-order", "", ".0f"),
+        Column("load_ratio", "largest : smallest on SL", "", ".3f"),
+        Column("seconds", "run time, cold", "s", "g3"),
+        Column("ratio", "reference : this", "", ".0f"),
     )
     note = (
-        "Low-order seconds are those of one interpreted call with set-up; the reference's are those of its finest run, "
-        "set-up included. Printed: the source's low-order model against its ANSYS model."
+        "Errors against the finest level of the 3D reference. Low-order seconds are those of one interpreted call with "
+        "set-up; the reference's are those of its finest run, set-up of all scenes of its geometry included. Printed: the "
+        "source's low-order model against its ANSYS model, whose loads are not printed; its errors are of the own load."
     )
-    return Table("reference-errors", "Low-order models against the 3D reference", columns, rows, note)
+    return Table("reference-errors", "Models against the 3D reference", columns, rows, note)
 
 
-def level_table(found: dict[str, Reference]) -> Table:
-    """Mesh levels of every scene."""
-    rows: list[dict[str, Cell]] = []
+LABELS = {
+    "3D source mesh": "3D reference, the source's mesh",
+    "3D extrapolated": "3D reference, extrapolated",
+    "3D level 1": "3D reference, level 1",
+    "3D level 2": "3D reference, level 2",
+    "3D level 3": "3D reference, level 3",
+}
+
+
+def _error_row(
+    scene: str, label: str, e: Any, ratio: float, printed: str, bar: float | None, seconds: float | None, cold: float
+) -> dict[str, Cell]:
+    return {
+        "scene": scene, "model": label, "max": e.max_percent, "at": f"{e.ball} {e.side}", "rms": e.rms_percent,
+        "own_max": e.own_max_percent, "own_rms": e.own_rms_percent, "printed": printed, "bar": bar,
+        "load_ratio": ratio, "seconds": seconds, "ratio": None if not seconds else cold / seconds,
+    }  # fmt: skip
+
+
+def load_tables(study: Study, found: References, stores: Sequence[Any] | None) -> list[Table]:
+    """Every contact load of every model, scene by scene."""
+    out = []
     for name, ref in found.items():
-        for run in ref.runs:
-            e = load_error(run.load, ref.load)
-            frozen = load_error(run.frozen, run.load)
-            rows.append(
-                {
-                    "scene": name, "level": run.level, "b": run.settings["b_over_h"], "unknowns": run.unknowns,
-                    "setup": run.setup_seconds, "solve": run.solve_seconds, "memory": run.peak_MB,
-                    "max": float(run.load.max()), "min": float(run.load[:, 0].min()), "change": e.max_percent,
-                    "frozen": frozen.max_percent, "balance": run.balance, "along": run.along_groove,
-                }
-            )  # fmt: skip
-    columns = (
-        Column("scene", "scene", "", "s"),
-        Column("level", "level", "", "s"),
-        Column("b", "b/h", "", ".1f"),
-        Column("unknowns", "unknowns, equivalent monolithic mesh", "", "s"),
-        Column("setup", "set-up", "s", ".1f"),
-        Column("solve", "load case", "s", ".1f"),
-        Column("memory", "peak memory", "MB", ".0f"),
-        Column("max", "largest load", "N", ".2f"),
-        Column("min", "smallest on SL", "N", ".2f"),
-        Column("change", "largest difference from the finest", "% of mean", ".2f"),
-        Column("frozen", "effect of moving normals", "% of mean", ".2f"),
-        Column("balance", "ball's balance", "", "g2"),
-        Column("along", "force along the groove", "", "g2"),
-    )
-    return Table("reference-levels", "Mesh levels of the 3D reference", columns, rows)
-
-
-def spread_table(study: Study) -> Table:
-    """What modelling choices that are not printed change, on the coarsest level."""
-    scene = study.scene("lin-case1")
-    base = load(scene, 1)
-    rows: list[dict[str, Cell]] = []
-    for name, (label, _) in VARIANTS.items():
-        run: Run | None = load(scene, 1, name)
-        if base is None or run is None:
-            continue
-        e = load_error(run.load, base.load)
-        model = load_error(study.solve("lin-case1").load, run.load)
-        rows.append(
-            {
-                "choice": label, "max": e.max_percent, "rms": e.rms_percent, "at": f"{e.ball} {e.side}",
-                "model": model.max_percent, "model_rms": model.rms_percent,
-            }
-        )  # fmt: skip
-    columns = (
-        Column("choice", "choice", "", "s"),
-        Column("max", "largest change of a load", "% of mean", ".2f"),
-        Column("rms", "RMS change", "% of mean", ".2f"),
-        Column("at", "at ball", "", "s"),
-        Column("model", "low-order model against this variant: largest", "% of mean", ".2f"),
-        Column("model_rms", "RMS", "% of mean", ".2f"),
-    )
-    return Table("reference-spread", "Case 1: what moves the reference besides its mesh (level 1)", columns, rows)
-
-
-def _curve(label: str, load_: np.ndarray[tuple[int, ...], np.dtype[np.float64]], *, emphasis: bool = False) -> Series:
-    return Series(label, [float(i + 1) for i in range(load_.size)], [float(x) for x in load_], emphasis=emphasis)
-
-
-def figures(study: Study, found: dict[str, Reference]) -> list[Figure]:
-    """Load distributions of all models on one axis, and error against run time."""
-    panels = []
-    for name, ref in found.items():
-        low = study.solve(name).load
-        series = [_curve("3D reference SL", ref.load[:, 0], emphasis=True), _curve("low-order SL", low[:, 0])]
-        if (ref.load[:, 1] > 0.0).any():
-            series += [_curve("3D reference SR", ref.load[:, 1], emphasis=True), _curve("low-order SR", low[:, 1])]
-        elif name == "lin-case1":
-            series.append(_curve("Mei, rigid nut", study.solve(name, "mei").load[:, 0]))
-        panels.append(Panel(name, "ball", "contact load / N", tuple(series), integer_x=True))
-    out = [Figure("reference-loads", "Load distributions: low-order models and 3D reference", tuple(panels))]
-    if "lin-case1" in found:
-        ref = found["lin-case1"]
-        points = []
-        for label, name, scene, model in variants(study):
-            if name == "lin-case1":
-                e, _, seconds = summary(scene, model, ref)
-                points.append(Series(label, [seconds], [max(e.max_percent, 1e-3)], "markers"))
-        levels = [run for run in ref.runs if run.level < max(LEVELS)]
-        points.append(
-            Series(
-                "3D reference, coarser levels", [r.setup_seconds + r.solve_seconds for r in levels],
-                [load_error(r.load, ref.load).max_percent for r in levels], "line+markers",
-            )
-        )  # fmt: skip
-        panel = Panel("case 1", "run time, cold / s", "largest error / % of the mean load", tuple(points), log="xy")
-        caption = "Errors are against the finest level of the 3D reference."
-        out.append(Figure("reference-time", "Error against run time", (panel,), caption))
+        scene = study.scene(name)
+        answers = [from_model(c, scene) for c in suited(scene)]
+        answers += reference_answers(ref, load(scene, SOURCE_LEVEL, stores=stores))
+        columns = [Column("ball", "ball", "", "s"), Column("side", "side", "", "s")]
+        for k, a in enumerate(answers):
+            label = CONTENDERS[a.model].label if a.model in CONTENDERS else LABELS.get(a.model, a.model)
+            columns.append(Column(f"m{k}", label, "N", ".1f"))
+        columns.append(Column("bar", "uncertainty", "N", ".2f"))
+        columns.append(Column("error", "low-order error", "% of own load", "+.2f"))
+        columns.append(Column("angle", "contact angle, reference", "deg", ".2f"))
+        columns.append(Column("low_angle", "low-order", "deg", ".2f"))
+        rows: list[dict[str, Cell]] = []
+        for i, s in np.ndindex(ref.load.shape):
+            if not any(a.load[i, s] > 0.0 for a in answers):
+                continue
+            row: dict[str, Cell] = {f"m{k}": float(a.load[i, s]) for k, a in enumerate(answers)}
+            own = float(ref.load[i, s])
+            row |= {
+                "ball": i + 1, "side": SIDES[s], "angle": _number(ref.best.angle[i, s]),
+                "low_angle": _number(answers[0].angle[i, s]),
+                "bar": None if ref.uncertainty is None else float(ref.uncertainty[i, s]),
+                "error": float(error_percent(answers[0].load[i, s], own)) if own > 0.0 else None,
+            }  # fmt: skip
+            rows.append(row)
+        out.append(Table(f"reference-loads-{name}", f"{name}: contact loads and angles", columns, rows))
     return out
 
 
-def gate_text(found: dict[str, Reference], study: Study, limit: float = 7.0) -> str:
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def line_table(study: Study, found: References) -> Table:
+    """Centreline of the screw at the reference's stations."""
+    rows: list[dict[str, Cell]] = []
+    for name, ref in found.items():
+        low = from_model(CONTENDERS["lin"], study.scene(name))
+        line = ref.best.centreline
+        for row in line:
+            cells: dict[str, Cell] = {"scene": name, "z": 1e3 * float(row[0])}
+            for k, axis in enumerate("xyz"):
+                cells[f"r{axis}"] = 1e6 * float(row[1 + k])
+                cells[f"l{axis}"] = 1e6 * float(np.interp(row[0], low.stations, low.line[:, k]))
+            rows.append(cells)
+    columns = [Column("scene", "scene", "", "s"), Column("z", "station", "mm", ".1f")]
+    for axis in "xyz":
+        columns += [
+            Column(f"r{axis}", f"u{axis}, reference", "um", ".2f"), Column(f"l{axis}", f"u{axis}, low-order", "um", ".2f")
+        ]
+    note = "Mean motion of the meshed screw's hole inside the nut's reach, of the beam's nodes outside."
+    return Table("reference-centreline", "Centreline of the screw", columns, rows, note)
+
+
+def _curve(label: str, values: np.ndarray[tuple[int, ...], np.dtype[np.float64]], *, emphasis: bool = False) -> Series:
+    return Series(label, [float(i + 1) for i in range(values.size)], [float(x) for x in values], emphasis=emphasis)
+
+
+def load_figures(study: Study, found: References) -> list[Figure]:
+    """Load distributions of all models on one axis; the reference's uncertainty as a band."""
+    out = []
+    for name, ref in found.items():
+        scene = study.scene(name)
+        answers = {c: from_model(c, scene) for c in suited(scene) if c.name != "lin-source-partition"}
+        panels = []
+        for s in range(4):
+            if not (ref.load[:, s] > 0.0).any() or (s >= 2 and len(ref.best.sides) == 2):
+                continue
+            series = [_curve(f"3D reference, level {ref.best.level}", ref.load[:, s], emphasis=True)]
+            if ref.uncertainty is not None:
+                low, high = ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s]
+                x = [float(i + 1) for i in range(len(low))]
+                series.insert(
+                    0, Series("its uncertainty", x, [float(v) for v in low], "band", [float(v) for v in high])
+                )
+            series += [_curve(c.label, a.load[:, s]) for c, a in answers.items() if (a.load[:, s] > 0.0).any()]
+            panels.append(Panel(SIDES[s], "ball", "contact load / N", tuple(series), integer_x=True))
+        out.append(Figure(f"reference-loads-{name}", f"{name}: contact loads of all models", tuple(panels)))
+    return out
+
+
+def line_figure(study: Study, found: References) -> Figure:
+    """Lateral deflection of the screw: beam against 3D."""
+    panels = []
+    for name, ref in found.items():
+        low = from_model(CONTENDERS["lin"], study.scene(name))
+        line = ref.best.centreline
+        series = []
+        for k, axis in ((0, "x"), (1, "y")):
+            series.append(
+                Series(f"u{axis}, low-order", [1e3 * float(z) for z in low.stations],
+                       [1e6 * float(v) for v in low.line[:, k]], "line")
+            )  # fmt: skip
+            series.append(
+                Series(f"u{axis}, 3D reference", [1e3 * float(z) for z in line[:, 0]],
+                       [1e6 * float(v) for v in line[:, 1 + k]], "markers", emphasis=True)
+            )  # fmt: skip
+        panels.append(Panel(name, "station / mm", "displacement / um", tuple(series)))
+    return Figure("reference-centreline", "Lateral displacement of the centreline", tuple(panels))
+
+
+def time_points(study: Study, ref: Reference, scene: Scene, stores: Sequence[Any] | None) -> list[dict[str, Any]]:
+    """Error and run time of every model and mesh of a scene: cold, and with the set-up shared."""
+    out: list[dict[str, Any]] = []
+    for contender in suited(scene):
+        e, result, seconds = summary(contender, scene, ref)
+        warm = min(seconds, result.solver.seconds) if result.solver.seconds > 0.0 else seconds
+        out.append(
+            {"model": contender.label, "error": e.max_percent, "rms": e.rms_percent, "cold": seconds, "warm": warm,
+             "unknowns": result.solver.unknowns, "memory": None, "kind": "low"}
+        )  # fmt: skip
+    runs = [(LABELS[f"3D level {r.level}"], r) for r in ref.runs]
+    source = load(scene, SOURCE_LEVEL, stores=stores)
+    if source is not None:
+        runs.insert(0, (LABELS["3D source mesh"], source))
+    for label, run in runs:
+        e = load_error(run.load, ref.load)
+        out.append(
+            {"model": label, "error": e.max_percent, "rms": e.rms_percent, "cold": run.setup_seconds + run.solve_seconds,
+             "warm": run.solve_seconds, "unknowns": run.unknowns, "memory": run.peak_MB,
+             "kind": "source" if run.level == SOURCE_LEVEL else "level"}
+        )  # fmt: skip
+    del study
+    return out
+
+
+def time_items(study: Study, found: References, stores: Sequence[Any] | None) -> list[Table | Figure]:
+    """Error against run time: one table and one figure for all models and mesh levels, and the speed ratio by scene."""
+    rows: list[dict[str, Cell]] = []
+    panels = []
+    ratios: list[dict[str, Cell]] = []
+    for name, ref in found.items():
+        points = time_points(study, ref, study.scene(name), stores)
+        rows += [{"scene": name} | {k: v for k, v in p.items() if k != "kind"} for p in points]
+        low = next(p for p in points if p["model"] == CONTENDERS["lin"].label)
+        best = ref.best
+        cold = best.setup_seconds + best.solve_seconds
+        ratios.append(
+            {"scene": name, "low": low["cold"], "low_warm": low["warm"], "ref": cold, "ref_warm": best.solve_seconds,
+             "cold": cold / low["cold"], "warm": best.solve_seconds / low["warm"]}
+        )  # fmt: skip
+        series = [
+            Series(p["model"], [p["cold"]], [max(p["error"], 1e-2)], "markers") for p in points if p["kind"] == "low"
+        ]
+        levels = [p for p in points if p["kind"] == "level" and p["error"] > 0.0]
+        if levels:
+            series.append(
+                Series("3D reference, coarser levels", [p["cold"] for p in levels], [p["error"] for p in levels],
+                       "line+markers", emphasis=True)
+            )  # fmt: skip
+        series += [Series(p["model"], [p["cold"]], [p["error"]], "markers") for p in points if p["kind"] == "source"]
+        bar = bar_percent(ref)
+        if bar is not None:
+            series.append(Series(f"3D reference, level {best.level} (its uncertainty)", [cold], [bar], "markers", emphasis=True))
+        panels.append(Panel(name, "run time, cold / s", "largest error / % of the mean load", tuple(series), log="xy"))
+    table = Table(
+        "reference-time", "Error against run time",
+        (
+            Column("scene", "scene", "", "s"), Column("model", "model", "", "s"),
+            Column("error", "largest error", "% of mean", ".2f"), Column("rms", "RMS error", "% of mean", ".2f"),
+            Column("cold", "cold", "s", "g3"), Column("warm", "with set-up shared", "s", "g3"),
+            Column("unknowns", "unknowns", "", "s"), Column("memory", "peak memory", "MB", ".0f"),
+        ),
+        rows, "Unknowns of the 3D reference are those of the monolithic mesh that its condensed parts are equal to; memory "
+        "is the whole process's.",
+    )  # fmt: skip
+    speed = Table(
+        "reference-speed", "Speed ratio, 3D reference : low-order model (the source: over 6,800, ANSYS : its model)",
+        (
+            Column("scene", "scene", "", "s"), Column("low", "low-order, cold", "s", "g3"),
+            Column("low_warm", "low-order, solve alone", "s", "g3"), Column("ref", "3D reference, cold", "s", ".1f"),
+            Column("ref_warm", "3D reference, load case alone", "s", ".2f"), Column("cold", "ratio, cold", "", ".0f"),
+            Column("warm", "ratio, load case alone", "", ".0f"),
+        ),
+        ratios,
+    )  # fmt: skip
+    caption = "Errors are against the finest level of the 3D reference, whose own point is its uncertainty."
+    return [table, speed, Figure("reference-time", "Error against run time", tuple(panels), caption)]
+
+
+def study_figure(name: str, table: Sequence[Mapping[str, Any]]) -> Figure | None:
+    """Largest and smallest loads over the mesh levels, as change from the finest; None with fewer than two levels."""
+    keys = sorted({k for row in table for k in row if k.startswith("level ")})
+    if len(keys) < 2:
+        return None
+    loads = [row for row in table if "est load" in row["quantity"]]
+    line = [row for row in table if row["quantity"].startswith("centreline")]
+    panels = []
+    for title, own in (("contact loads", loads), ("centreline", line)):
+        series = []
+        for row in own:
+            finest = row[keys[-1]]
+            if abs(finest) < 1e-9:
+                continue
+            change = [float(error_percent(row[k], finest)) for k in keys]
+            series.append(Series(row["quantity"], [float(k.split()[1]) for k in keys], change, "line+markers"))
+        if series:
+            panels.append(Panel(title, "mesh level", "change from the finest / %", tuple(series[:8]), integer_x=True))
+    if not panels:
+        return None
+    return Figure(f"mesh-study-{name}", f"{name}: mesh study", tuple(panels))
+
+
+def gate_text(found: References, study: Study, limit: float = 7.0) -> str:
     """What the gate sees, in words from the data."""
     worst = []
     for name, ref in found.items():
@@ -207,29 +351,60 @@ def gate_text(found: dict[str, Reference], study: Study, limit: float = 7.0) -> 
             f"{name}: largest error {abs(top.error_percent):.1f} % at ball {top.ball} {top.side}, "
             f"{len(over)} of {len(points)} contacts beyond {limit:g} %"
         )
-    known = len(known_exceedances())
     return "Gate (per cent of each load, of the mean for loads below a tenth of it; the reference's uncertainty is " \
-        f"deducted): {'; '.join(worst)}. Known exceedances named in the gate's data: {known}."  # fmt: skip
+        f"deducted): {'; '.join(worst)}. Known exceedances named in the gate's data: {len(known_exceedances())}."  # fmt: skip
 
 
-def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report; reads stored runs of ``rollbench mesh-study``."""
-    step("stored runs of the 3D reference")
-    found = references(study)
-    stamps = (run.versions for ref in found.values() for run in ref.runs)
-    versions = sorted({f"rollbench {v['rollbench']}, gmsh {v['gmsh']}" for v in stamps})
-    text = (
+def exceedance_table(found: References, study: Study, limit: float = 7.0) -> Table:
+    """Contacts beyond the gate's limit, with the cause that the gate's data name."""
+    causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
+    rows: list[dict[str, Cell]] = []
+    for name, ref in found.items():
+        for p in gate_points(study.scene(name), ref, limit):
+            if p.exceeds:
+                k = SIDES.index(p.side)
+                rows.append(
+                    {"scene": name, "ball": p.ball, "side": p.side, "error": p.error_percent,
+                     "bar": p.uncertainty_percent, "ref": float(ref.load[p.ball - 1, k]),
+                     "cause": causes.get((name, p.ball, p.side), "not named: the gate fails")}
+                )  # fmt: skip
+    columns = (
+        Column("scene", "scene", "", "s"), Column("ball", "ball", "", "s"), Column("side", "side", "", "s"),
+        Column("ref", "reference", "N", ".1f"), Column("error", "low-order error", "%", "+.1f"),
+        Column("bar", "reference's uncertainty", "%", ".2f"), Column("cause", "cause", "", "s"),
+    )  # fmt: skip
+    return Table("reference-exceedances", f"Contacts of the low-order model beyond {limit:g} %", columns, rows)
+
+
+def section(study: Study, step: Callable[[str], None], stores: Sequence[Any] | None = None, quick: bool = False) -> Section:
+    """Section of the report; reads runs that ``compare.jobs`` computed."""
+    step("low-order models against the 3D reference")
+    found = references(study, stores)
+    title = "Low-order models against the 3D reference"
+    if not found:
+        return Section("reference", title, (Text(("No run of the 3D reference was found.",)),))
+    runs: list[Run] = [run for ref in found.values() for run in ref.runs]
+    versions = sorted({f"rollbench {r.versions['rollbench']}, gmsh {r.versions['gmsh']}, {r.date}" for r in runs})
+    text = [
         "The reference is a 3D elastic-contact model: screw and nut meshed by gmsh with exact helical grooves, flat ends "
         "and a socket at every contact, one fine patch of 27-node hexahedra per flank condensed exactly and reused on all "
         "balls, elastic balls free to move, unilateral frictionless contact, normals that follow the motion. It shares "
-        f"nothing with the low-order model but the description of the parts. These are stored runs ({'; '.join(versions)}) "
-        "of `rollbench mesh-study`, which computes them again.",
+        f"nothing with the low-order model but the description of the parts. Computed: {'; '.join(versions)}.",
         "The uncertainty is the grid convergence index of three levels per contact (Celik et al. 2008), or the band of the "
         "three where they are not monotone. Sides are " + ", ".join(SIDES) + ".",
-        gate_text(found, study) if found else "No stored run was found.",
-    )
-    return Section(
-        "reference",
-        "Low-order models against the 3D reference",
-        (Text(text), error_table(study, found), *figures(study, found), level_table(found), spread_table(study)),
-    )
+        gate_text(found, study),
+    ]
+    if quick:
+        text.insert(0, "QUICK RUN: coarse meshes only, so there is no grid uncertainty; these numbers are for a look, not "
+                       "for a decision.")  # fmt: skip
+    elif any(ref.best.level < PRODUCTION for ref in found.values()):
+        text.insert(0, f"Some references were not computed up to level {PRODUCTION}; they have no grid uncertainty.")
+    over = exceedance_table(found, study)
+    items: list[Any] = [Text(tuple(text)), error_table(study, found, stores)]
+    items += [over] if over.rows else []
+    items += [*load_figures(study, found), *load_tables(study, found, stores), line_figure(study, found),
+              line_table(study, found), *time_items(study, found, stores)]  # fmt: skip
+    return Section("reference", title, tuple(items))
+
+
+__all__ = ["Contender", "findings", "section", "study_figure"]

@@ -53,6 +53,18 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
     ),
     "unknown table": ({"[screw]": "[shaft]"}, "shaft", "{ length", "screw"),
     "missing key": ({'radius = "2.778 mm"': ""}, "balls.radius", "nothing", 'add radius = "2.778 mm"'),
+    "nut lands inside the pitch cylinder": (
+        {'# [solid]': '[solid]', '# nut_inner_diameter = "34 mm"': 'nut_inner_diameter = "33 mm"'},
+        "solid.nut_inner_diameter", '"33 mm"', "above 33 mm, below 39.508 mm",
+    ),
+    "hole through the groove": (
+        {'# [solid]': '[solid]', '# hole_diameter = "6 mm"': 'hole_diameter = "27 mm"'},
+        "solid.hole_diameter", '"27 mm"', "from 0 mm, below 26.492 mm",
+    ),
+    "held by a bore that is not there": (
+        {'# [solid]': '[solid]', '# screw_held = "ends"': 'screw_held = "bore"'},
+        "solid.screw_held", '"bore"', "give screw.bore",
+    ),
     "missing unit": ({'length = "800 mm"': "length = 800"}, "screw.length", "800", "has no unit"),
     "missing unit in text": ({'length = "800 mm"': 'length = "800"'}, "screw.length", '"800"', "has no unit"),
     "wrong dimension": ({'length = "800 mm"': 'length = "8 kN"'}, "screw.length", '"8 kN"', "is a force"),

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from dataclasses import asdict
 
 import pytest
 
@@ -279,6 +280,11 @@ def to_toml(scene: Scene) -> str:
     lines += [
         f'[ingredients]\nhertz = "{i.hertz}"\nscrew = "{i.screw}"\npartition = "{i.partition}"',
         f'element_length = {m(i.element_length)}\nsection = "{i.section}"\narm = "{i.arm}"',
+        "[solid]",
+        *(
+            f"{k} = {m(v)}" if isinstance(v, float) else f'{k} = "{v}"'
+            for k, v in asdict(scene.solid).items() if v is not None
+        ),
     ]
     return "\n".join(lines)
 

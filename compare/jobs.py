@@ -1,0 +1,98 @@
+"""Runs of the 3D reference as jobs: what is missing, side by side where asked, each stored when it is done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+
+from compare.reference import LEVELS, SOURCE_LEVEL, VARIANTS, Run, Task, compute, groups, load, path_in, save
+from meshes.parts import Scene
+
+Step = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Where jobs run: joblib's processes on this machine, or a Dask cluster at ``scheduler``; ``workers`` at once;
+    ``cache``: folder of meshes and condensed parts (None: none)."""
+
+    backend: str = "joblib"
+    scheduler: str | None = None
+    workers: int | None = None
+    cache: Path | None = None
+
+
+def plan(
+    scenes: Sequence[Scene], levels: Sequence[int], variants: Sequence[str] = (), *, source: bool = False,
+    ablate: bool = False,
+) -> list[Task]:  # fmt: skip
+    """Tasks of a study, dearest first: every level of every geometry, variants and ablation on the coarsest level."""
+    tasks = []
+    for group in groups(scenes):
+        own = tuple(group)
+        tasks += [Task(own, level, ablate=ablate and level == min(LEVELS)) for level in levels]
+        if source:
+            tasks.append(Task(own, SOURCE_LEVEL))
+        tasks += [Task(own[:1], min(LEVELS), variant) for variant in variants]
+    return sorted(tasks, key=lambda task: -task.weight)
+
+
+def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
+    """What no store holds yet, task by task; an ablation is missing where a run has none."""
+    left = []
+    for task in tasks:
+        scenes = []
+        for scene in task.scenes:
+            run = load(scene, task.level, task.variant, stores)
+            if run is None or (task.ablate and not run.without):
+                scenes.append(scene)
+        if scenes:
+            left.append(replace(task, scenes=tuple(scenes)))
+    return left
+
+
+def perform(task: Task, store: Path) -> list[Run]:
+    """Compute a task and store its runs at once, so that an interrupted study loses only what was under way."""
+    runs = compute(task)
+    for run, scene in zip(runs, task.scenes, strict=True):
+        save(store, scene, run)
+    return runs
+
+
+def ensure(tasks: Sequence[Task], store: Path, engine: Engine, step: Step, stores: Sequence[Path] = ()) -> int:
+    """Compute what neither ``store`` nor ``stores`` hold; returns how many tasks that were."""
+    from compare import parallel
+
+    left = [replace(task, cache=engine.cache) for task in missing(tasks, (store, *stores))]
+    if not left:
+        return 0
+    start, done, total = perf_counter(), 0.0, sum(task.weight for task in left)
+    step(f"3D reference: {len(left)} set-ups to compute, stored in {store}")
+    jobs = [(perform, (task, store)) for task in left]
+    finished = 0
+
+    def reached(index: int, runs: list[Run]) -> None:
+        nonlocal done, finished
+        task = left[index]
+        for run, scene in zip(runs, task.scenes, strict=True):
+            if not path_in(store, scene, task.level, task.variant).exists():
+                save(store, scene, run)  # computed on a machine that does not share this folder
+        done += task.weight
+        finished += 1
+        spent = perf_counter() - start
+        rest = spent * (total - done) / done
+        bad = sorted({run.status for run in runs} - {"converged"})
+        tail = f" ({'; '.join(bad)})" if bad else ""
+        ahead = f", about {rest:.0f} s left" if finished < len(left) else ""
+        step(f"[{finished}/{len(left)}] {task.label}{tail}: {spent:.0f} s{ahead}")
+
+    for number, runs in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+        reached(number, runs)
+    return len(left)
+
+
+def all_variants() -> tuple[str, ...]:
+    """Names of all modelling variants."""
+    return tuple(VARIANTS)

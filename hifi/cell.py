@@ -1,0 +1,83 @@
+"""Section of a grooved shaft, homogenised: stiffnesses of the beam that stretches, bends and twists like the 3D shaft.
+
+Two shafts of one and two whole numbers of leads are clamped at one flat end and loaded at the other, a rigid section; the
+difference of their flexibilities is that of the leads between, free of what happens at the ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from hifi.elasticity import rigid_modes, stiffness
+from hifi.response import compliance
+from hifi.shaft import ShaftSection, round_section
+from meshes.groove_map import GrooveMap
+from meshes.grooved_body import BodySpec, SocketSize, build_body
+from meshes.parts import Material
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Homogenised:
+    """Section, and the radii [m] of plain shafts of equal axial, bending and torsional stiffness; axial-torsional
+    coupling (twist by an axial force over the geometric mean of both flexibilities)."""
+
+    section: ShaftSection
+    radii: tuple[float, float, float]
+    coupling: float
+
+
+def homogenise(m: GrooveMap, outer: float, hole: float, material: Material, size: float) -> Homogenised:
+    """Homogenised section of a shaft of ``outer`` radius [m] with a ``hole`` of that radius, by elements of ``size`` [m].
+
+    The hole belongs to the mesh alone: its share is given back as if the shaft were solid there, unless ``hole`` is the
+    scene's bore (pass it through ``plain`` first). A shaft without lead is plain beyond its groove.
+    """
+    young, poisson = material.youngs_modulus, material.poissons_ratio
+    lead = 2.0 * np.pi * abs(m.rg)
+    leads = int(np.ceil(2.4 * m.R / lead))
+    short, long = (_flexibility(m, outer, hole, material, size, k * leads * lead) for k in (1, 2))
+    per_length = (long - short) / (leads * lead)
+    EA = 1.0 / per_length[2, 2]
+    EI = 2.0 / (per_length[3, 3] + per_length[4, 4])
+    GJ = 1.0 / per_length[5, 5]
+    shear = young / (2.0 * (1.0 + poisson))
+    radii = (
+        float(np.sqrt(EA / (young * np.pi))), float((4.0 * EI / (young * np.pi)) ** 0.25),
+        float((2.0 * GJ / (shear * np.pi)) ** 0.25),
+    )  # fmt: skip
+    kGA = round_section(radii[1], young, poisson).kGA
+    coupling = float(per_length[2, 5] / np.sqrt(per_length[2, 2] * per_length[5, 5]))
+    return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling)
+
+
+def _flexibility(m: GrooveMap, outer: float, hole: float, material: Material, size: float, length: float) -> Array:
+    """Motion (6, 6) of the rigid end section by loads on it, the other end clamped."""
+    spec = BodySpec(
+        hole, outer, m.z0 - length / 2.0, m.z0 + length / 2.0, True, (), SocketSize(0.3, 1e-3, 0.05), size, size
+    )
+    mesh = build_body(m, spec)
+    K = stiffness(mesh.points, mesh.cells, "P2", material.youngs_modulus, material.poissons_ratio)
+    rigid = rigid_modes(mesh.points[mesh.high_end], np.array([0.0, 0.0, spec.z_high]))
+    count = 3 * len(mesh.points)
+    ends = (3 * np.concatenate([mesh.low_end, mesh.high_end])[:, None] + np.arange(3)).ravel()
+    free = np.setdiff1d(np.arange(count), ends)
+    upper = (3 * mesh.high_end[:, None] + np.arange(3)).ravel()
+    T = sp.lil_matrix((count, free.size + 6))
+    T[free, np.arange(free.size)] = 1.0
+    T = T.tocsr() + sp.coo_matrix(
+        (rigid.ravel(), (np.repeat(upper, 6), np.tile(free.size + np.arange(6), upper.size))), T.shape
+    ).tocsr()
+    rows = sp.csr_matrix((np.ones(6), (np.arange(6), free.size + np.arange(6))), (6, free.size + 6))
+    return compliance((T.T @ K @ T).tocsc(), rows)
+
+
+def with_core(section: ShaftSection, hole: float, material: Material) -> ShaftSection:
+    """Section with the core back that only the mesh leaves out."""
+    core = round_section(hole, material.youngs_modulus, material.poissons_ratio)
+    return ShaftSection(section.EA + core.EA, section.EI + core.EI, section.GJ + core.GJ, section.kGA)

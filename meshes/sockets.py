@@ -1,0 +1,402 @@
+"""Sockets, the boxes left free around contacts for fine patches: their shape, their faces, and how large they may be.
+
+A socket is bounded by surfaces of constant angle gamma, depth and azimuth. Its local coordinates xi are gamma and azimuth
+in [-1, 1] and depth in [0, 1]; all sockets of a side are congruent, so that one patch fits them all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise, product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from meshes.groove_map import GrooveMap
+from meshes.helix import BallLayout
+from meshes.parts import SIDES
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Socket where nothing is near: half width in gamma [rad]; depth and half length along the track over the ball's radius
+#: (1.2 mm and 1.24 mm with the balls of 2.778 mm of Lin's case 1).
+GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
+#: Smallest share of that size at which a contact zone still finds room.
+LEAST = 0.4
+#: Land kept free beside a socket on its flank, over its half width; track kept free between two, over their half length.
+BESIDE, BETWEEN = 0.25, 0.6
+#: Material kept under a socket, over its depth; and beside it to an end or to the next turn, over the ball's radius.
+UNDER, AWAY = 0.5, 0.12
+#: How far a ball may lie off its groove, over its radius.
+ON_GROOVE = 1e-3
+#: Shares tried by which a socket's corners move out while a body is filled, see `socket_mesh`.
+RAISED = (0.04, 0.06, 0.08)
+#: Angle kept free between the sockets of a ball, over that which one of them takes.
+APART = 0.15
+
+
+@dataclass(frozen=True)
+class SocketSize:
+    """Half width in gamma [rad], depth below the groove [m], half width in azimuth [rad], edges' subdivisions (3,)."""
+
+    gamma: float
+    depth: float
+    phi: float
+    cuts: tuple[int, int, int] = (2, 2, 2)
+
+
+@dataclass(frozen=True)
+class SocketMesh:
+    """Inner faces of a socket: local coordinates xi ``(k, 3)`` of the nodes (gamma and azimuth in [-1, 1], depth in
+    [0, 1]), second-order triangles ``(t, 6)``, the face each lies on, and the midpoint of every edge of corners."""
+
+    xi: Array
+    triangles: Index
+    face: Index
+    edges: dict[tuple[int, int], int]
+
+
+def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> tuple[SocketMesh, Array]:
+    """Inner faces of a socket, each edge cut into equal parts, and raised local coordinates of their corners.
+
+    place: points ``(n, 3)`` of local coordinates ``(n, 3)``. Every diagonal is the one that stands out into the body, so
+    that no flat tetrahedron fits over it. Where rectangles are plane, neither does: while a body is filled, its socket's
+    corners lie at the raised coordinates, at which every other one is moved out a little; the rim stays.
+    """
+    lines = (np.linspace(-1.0, 1.0, cuts[0] + 1), np.linspace(0.0, 1.0, cuts[1] + 1), np.linspace(-1.0, 1.0, cuts[2] + 1))
+    number: dict[tuple[int, ...], int] = {}
+    squares, owner = [], []
+    for face, (axis, end) in enumerate(((0, 0), (0, cuts[0]), (1, cuts[1]), (2, 0), (2, cuts[2]))):
+        a, b = (k for k in range(3) if k != axis)
+        for i, j in product(range(cuts[a]), range(cuts[b])):
+            keys = [[end] * 3 for _ in range(4)]
+            for key, (di, dj) in zip(keys, ((0, 0), (1, 0), (1, 1), (0, 1)), strict=True):
+                key[a], key[b] = i + di, j + dj
+            squares.append([number.setdefault(tuple(key), len(number)) for key in keys])
+            owner.append(face)
+    step = np.array(list(number))
+    xi = np.stack([lines[k][step[:, k]] for k in range(3)], axis=1)
+    square = np.array(squares)
+    moved = (step.sum(axis=1) % 2 == 0) & (xi[:, 1] > 0.0)
+    best = (-1.0, np.zeros(0), xi)
+    for share in RAISED:
+        raised = np.where(moved[:, None], xi + share * (xi - [0.0, 0.5, 0.0]), xi)
+        height = _ridges(place(raised), square, place(np.array([[0.0, 0.5, 0.0]]))[0])
+        best = max(best, (float(np.abs(height).min()), height, raised), key=lambda x: x[0])
+    turned = np.where((best[1] > 0.0)[:, None], square, np.roll(square, 1, axis=1))
+    return _second_order(xi, turned[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3), np.repeat(owner, 2)), best[2]
+
+
+def _ridges(points: Array, square: Index, inside: Array) -> Array:
+    """How far the first diagonal of quadrilaterals ``(s, 4)`` lies outside the second, over their lengths ``(s,)``."""
+    a, b, c, d = (points[square[:, k]] for k in range(4))
+    out = np.cross(c - a, d - b)
+    out = out * np.sign(np.einsum("sx,sx->s", out, 0.25 * (a + b + c + d) - inside))[:, None]
+    area = np.linalg.norm(out, axis=1)
+    return np.asarray(np.einsum("sx,sx->s", 0.5 * (a + c - b - d), out) / area**1.5)
+
+
+def _second_order(xi: Array, corners: Index, owner: Index) -> SocketMesh:
+    """Second-order triangles from those of corners ``(t, 3)``."""
+    edges: dict[tuple[int, int], int] = {}
+    rows = []
+    for a, b, c in corners.tolist():
+        pairs = [(min(pair), max(pair)) for pair in ((a, b), (b, c), (c, a))]
+        rows.append([a, b, c, *(edges.setdefault(pair, len(xi) + len(edges)) for pair in pairs)])
+    middle = np.array([0.5 * (xi[i] + xi[j]) for i, j in edges])
+    return SocketMesh(np.concatenate([xi, middle]), np.array(rows, dtype=np.int64), owner, edges)
+
+
+def rim(socket: SocketMesh) -> Index:
+    """Corners around the open top of a socket, in order."""
+    around: dict[int, list[int]] = {}
+    for i, j in socket.edges:
+        if socket.xi[i, 1] == 0.0 and socket.xi[j, 1] == 0.0:
+            around.setdefault(i, []).append(j)
+            around.setdefault(j, []).append(i)
+    loop = [min(around)]
+    loop.append(min(around[loop[0]]))
+    while (following := next(k for k in around[loop[-1]] if k != loop[-2])) != loop[0]:
+        loop.append(following)
+    return np.array(loop, dtype=np.int64)
+
+
+def socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
+    """(r, zeta, psi) of the nominal contact point of a side."""
+    x3, z3 = m.section(side, np.array(m.beta), np.array(m.radius[side]))
+    r, zeta, psi = m.unroll(x3, z3)
+    return float(r), float(zeta), float(psi)
+
+
+def local_points(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
+    """Points ``(n, 3)`` [m] of local socket coordinates for a ball at azimuth 0, z = 0."""
+    gamma = m.beta + size.gamma * xi[:, 0]
+    rho = m.radius[side] + size.depth * xi[:, 1]
+    r, zeta, _ = m.unroll(*m.section(side, gamma, rho))
+    return m.space(r, zeta, socket_centre(m, side)[2] + size.phi * xi[:, 2])
+
+
+def socket_points(m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], xi: Array) -> Array:
+    """Points ``(n, 3)`` [m] of local coordinates in the socket (azimuth [rad] and z [m] of the ball, side)."""
+    phi, z, side = socket
+    c, s = np.cos(phi), np.sin(phi)
+    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return np.asarray(local_points(m, size, side, xi) @ turn + np.array([0.0, 0.0, z]))
+
+
+def socket_coordinates(
+    m: GrooveMap, size: SocketSize, socket: tuple[float, float, int], phi: Array, z: Array, r: Array
+) -> Array:
+    """Local coordinates xi ``(n, 3)`` of points in cylindrical coordinates; inverse of ``socket_points``."""
+    ball_phi, ball_z, side = socket
+    centre = ball_phi + socket_centre(m, side)[2]
+    total = phi + 2.0 * np.pi * np.round((centre - phi) / (2.0 * np.pi))
+    zeta = z - (ball_z - m.rg * ball_phi) - m.rg * total
+    gamma, rho = m.polar(side, *m.roll(r, zeta))
+    depth = (rho - m.radius[side]) / size.depth
+    return np.stack([(gamma - m.beta) / size.gamma, depth, (total - centre) / size.phi], axis=1)
+
+
+def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
+    """Angles gamma [rad] of the apex and of the edge of a flank at the land radius [m].
+
+    Raises ValueError where the contact does not lie between the two.
+    """
+    apex = float(np.arcsin((m.radius[side] - m.ball) * np.sin(m.beta) / m.radius[side]))
+
+    def excess(gamma: float) -> float:
+        return float(m.unroll(*m.section(side, np.array(gamma), np.array(m.radius[side])))[0]) - land
+
+    if excess(m.beta) * excess(np.pi) < 0.0:
+        edge = float(brentq(excess, m.beta, np.pi, xtol=1e-14))
+        if apex < m.beta < edge:
+            return apex, edge
+    raise ValueError(
+        f"the {SIDES[side]} flank ends before its contact at {np.degrees(m.beta):.3g} deg: a land radius of "
+        f"{1e3 * land:.4g} mm leaves no groove there; move the land towards the pitch radius {1e3 * m.R:.4g} mm"
+    )
+
+
+def whole_turns(m: GrooveMap, phi: float, z: float, line: float) -> tuple[int, float]:
+    """Whole turns to add to a ball's azimuth [rad] so that z - rg phi becomes ``line`` [m], and the distance left [m]."""
+    off = z - m.rg * phi - line
+    pitch = 2.0 * np.pi * m.rg
+    turns = round(off / pitch) if pitch else 0
+    return turns, abs(off - turns * pitch)
+
+
+def groove_lines(m: GrooveMap) -> list[float]:
+    """z - rg phi [m] of every start's groove; one line for a ring."""
+    return [m.z0 - m.rg * (m.phase + 2.0 * np.pi * k / m.starts) for k in range(m.starts if m.rg else 1)]
+
+
+def track_gaps(m: GrooveMap, azimuth: Array, z: Array) -> tuple[Array, Index]:
+    """Distances along each groove line from ball to ball [rad] and the balls' numbers ``(n, 2)``; rings count around."""
+    line = z - m.rg * azimuth
+    pitch = 2.0 * np.pi * abs(m.rg)
+    if pitch:  # one line for all turns of a start: unwrap whole turns
+        turns = np.round((line - line[0]) / pitch * m.starts) // m.starts
+        azimuth = azimuth + np.sign(m.rg) * 2.0 * np.pi * turns
+        line = line - pitch * turns
+    else:
+        azimuth = np.mod(azimuth, 2.0 * np.pi)
+    gaps: list[float] = []
+    pairs: list[tuple[int, int]] = []
+    keys = np.round((line - line[0]) / (0.01 * m.ball)).astype(int)
+    for key in np.unique(keys):
+        own = np.flatnonzero(keys == key)
+        own = own[np.argsort(azimuth[own], kind="stable")]
+        where = azimuth[own]
+        if not pitch:
+            own, where = np.append(own, own[0]), np.append(where, where[0] + 2.0 * np.pi)
+        gaps += [float(g) for g in np.diff(where)]
+        pairs += [(int(a), int(b)) for a, b in pairwise(own)]
+    return np.array(gaps), np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+
+def _largest(fits: Callable[[float], bool]) -> float:
+    """Largest share in [0, 1] that fits, by bisection; 0 where none does."""
+    if fits(1.0):
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if fits(middle) else (low, middle)
+    return low if low > 1e-6 else 0.0
+
+
+def _hull(m: GrooveMap, size: SocketSize, side: int) -> Array:
+    """Points all over a socket of the ball at azimuth 0, z = 0, ``(n, 3)`` [m]."""
+    axes = (np.linspace(-1.0, 1.0, 7), np.linspace(0.0, 1.0, 3), np.linspace(-1.0, 1.0, 3))
+    return local_points(m, size, side, np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3))
+
+
+def wall_left(m: GrooveMap, size: SocketSize, side: int, beyond: float) -> float:
+    """Material [m] between a socket and the surface of radius ``beyond`` [m] behind it (bore, or outside of a nut)."""
+    r = np.hypot(*_hull(m, size, side)[:, :2].T)
+    return float(r.min() - beyond if side < 2 else beyond - r.max())
+
+
+def reach(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> tuple[float, float]:
+    """How far below and above the ball's centre sockets reach along z [m]."""
+    z = np.concatenate([_hull(m, size, s)[:, 2] for s in sides])
+    return float(-z.min()), float(z.max())
+
+
+def turn_left(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
+    """Smallest distance [m] of sockets from the next turn of the groove, or from half-way to it where both flanks carry."""
+    if m.rg == 0.0:
+        return np.inf
+    pitch = 2.0 * np.pi * abs(m.rg) / m.starts
+    found = []
+    for side in sides:
+        x = _hull(m, size, side)
+        r, zeta = np.hypot(x[:, 0], x[:, 1]), x[:, 2] - m.rg * np.arctan2(x[:, 1], x[:, 0])
+        other = side ^ 1
+        x3, z3 = m.roll(r, zeta - m.signs[side, 1] * pitch)
+        away = [m.polar(s, x3, z3)[1] - m.radius[s] for s in (side, other)]
+        found.append(float(np.max(away, axis=0).min()))
+        if other in sides:
+            found.append(float((0.5 * pitch - np.abs(zeta)).min()))
+    return min(found)
+
+
+def ball_angle(m: GrooveMap, gamma: float, side: int) -> float:
+    """Angle [rad] that half of a socket takes at the ball's centre."""
+    x3, z3 = m.section(side, m.beta + gamma * np.array([-1.0, 0.0, 1.0]), np.full(3, m.radius[side]))
+    angle = np.arctan2(m.signs[side, 1] * z3, m.signs[side, 0] * x3)
+    return float(np.diff(angle).max())
+
+
+def fitted_socket(
+    m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], land_screw: float, bore_screw: float, land_nut: float,
+    outer_nut: float, ends: tuple[float, float],
+) -> SocketSize:  # fmt: skip
+    """Largest socket, up to the usual one, that fits every ball on all of ``sides`` (0 to 3: SL, SR, NL, NR).
+
+    land_screw, bore_screw, land_nut, outer_nut: radii [m]; ends: z [m] of the flat ends nearest the balls (the nut's).
+    The usual socket is 0.30 rad wide to each side, 0.43 ball radii deep and 0.45 ball radii long to each side. It is
+    made narrower beside the groove's edge, its apex and the ball's other sockets; shallower over a thin wall; shorter
+    between close balls; smaller altogether beside an end or the next turn of the groove.
+    Raises ValueError, with the cause and a remedy, where less than 0.4 of any of the three would be left.
+    """
+    whole = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
+    bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
+    gamma, why_gamma = _narrowed(m, sides, land_screw, land_nut)
+    size = replace(whole, gamma=gamma)
+    cause = {"gamma": why_gamma, "depth": "", "phi": ""}
+
+    def mm(x: float) -> str:
+        return f"{1e3 * x:.4g} mm"
+
+    for side in sides:
+        behind, name = (bore_screw, "screw's bore") if side < 2 else (outer_nut, "nut's outside")
+
+        def thick(share: float, side: int = side, behind: float = behind, size: SocketSize = size) -> bool:
+            depth = share * whole.depth
+            return wall_left(m, replace(size, depth=depth), side, behind) >= UNDER * depth
+
+        depth = whole.depth * _largest(thick)
+        if depth < size.depth:
+            size = replace(size, depth=depth)
+            wall = wall_left(m, replace(size, gamma=1e-3, depth=0.0), side, behind)
+            cause["depth"] = f"the wall behind its contact, to the {name}, is {mm(wall)} thick; thicken it"
+
+    if layout.z.size > 1 or m.rg == 0.0:
+        gaps, pairs = track_gaps(m, layout.azimuth, layout.z)
+        if gaps.size and gaps.min() < (2.0 + BETWEEN) * whole.phi:
+            size = replace(size, phi=float(gaps.min()) / (2.0 + BETWEEN))
+            first, second = pairs[gaps.round(9).argmin()] + 1
+            cause["phi"] = f"balls {first} and {second} are {mm(gaps.min() * m.R)} apart along the track; spread them"
+
+    low, high = layout.z.min() - ends[0], ends[1] - layout.z.max()
+
+    def inside(share: float) -> bool:
+        below, above = reach(m, _scaled(size, share), sides)
+        return bool(below + AWAY * m.ball <= low and above + AWAY * m.ball <= high)
+
+    def clear(share: float) -> bool:
+        return min(turn_left(m, _scaled(size, share), own) for own in bodies if own) >= AWAY * m.ball
+
+    for fits, why in (
+        (inside, f"the outermost balls are {mm(low)} and {mm(high)} from the flat ends; lengthen the nut or move balls"),
+        (clear, f"the next turn of the groove is {mm(2.0 * np.pi * abs(m.rg) / m.starts)} on; raise the lead"),
+    ):  # fmt: skip
+        share = _largest(fits)
+        if share < 1.0:
+            size = _scaled(size, share)
+            cause = dict.fromkeys(cause, why)
+    for name, word in (("gamma", "narrow"), ("depth", "shallow"), ("phi", "short")):
+        left = getattr(size, name) / getattr(whole, name)
+        if left < LEAST:
+            raise ValueError(
+                f"no room for the sockets of the contact patches: only {100.0 * left:.0f} % of the usual one is left, less "
+                f"than {100.0 * LEAST:.0f} % (too {word}), because {cause[name]}"
+            )
+    return size
+
+
+def _scaled(size: SocketSize, share: float) -> SocketSize:
+    return replace(size, gamma=share * size.gamma, depth=share * size.depth, phi=share * size.phi)
+
+
+def _narrowed(m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float) -> tuple[float, str]:
+    """Half width in gamma [rad] that edges, apexes and the ball's other sockets allow, and what set it."""
+    gamma, why = GAMMA, ""
+    for side in sides:
+        land = land_screw if side < 2 else land_nut
+        apex, edge = flank_limits(m, side, land)
+        for room, name, remedy in (
+            (m.beta - apex, "apex between the two arcs", "bring the groove radius closer to the ball's"),
+            (edge - m.beta, f"edge of the groove, at the land radius of {1e3 * land:.4g} mm,", "deepen the groove"),
+        ):
+            if room / (1.0 + BESIDE) < gamma:
+                gamma = room / (1.0 + BESIDE)
+                why = f"the {name} is {np.degrees(room):.3g} deg from the contact of side {SIDES[side]}; {remedy}"
+    for a, b, half in ((0, 1, m.beta), (2, 3, m.beta), (0, 2, np.pi / 2 - m.beta), (1, 3, np.pi / 2 - m.beta)):
+        if a in sides and b in sides:
+            share = _largest(lambda x, a=a, h=half: (1.0 + APART) * ball_angle(m, x * GAMMA, a) <= h)  # type: ignore[misc]
+            if share * GAMMA < gamma:
+                gamma = share * GAMMA
+                why = (
+                    f"the contacts {SIDES[a]} and {SIDES[b]} are {np.degrees(2.0 * half):.3g} deg apart on the ball; "
+                    "choose a contact angle nearer 45 deg"
+                )
+    return gamma, why
+
+
+def refuse_misfit(
+    m: GrooveMap, size: SocketSize, sockets: tuple[tuple[float, float, int], ...], land: float, behind: float,
+    ends: tuple[float, float],
+) -> None:  # fmt: skip
+    """Raise ValueError where sockets (azimuth, z, side) of one body leave it or one another; radii and ends [m]."""
+    remedy = "make the sockets smaller (meshes.sockets.fitted_socket finds a size that fits)"
+    sides = tuple(sorted({s for _, _, s in sockets}))
+    for phi, z, _ in sockets:
+        if min(whole_turns(m, phi, z, line)[1] for line in groove_lines(m)) > ON_GROOVE * m.ball:
+            raise ValueError(
+                f"the socket at azimuth {np.degrees(phi):.4g} deg, z = {1e3 * z:.4g} mm lies on no groove: place balls by "
+                "meshes.helix.ball_layout"
+            )
+    for side in sides:
+        apex, edge = flank_limits(m, side, land)
+        if not (apex < m.beta - size.gamma and m.beta + size.gamma < edge):
+            raise ValueError(
+                f"a socket of side {SIDES[side]} from {m.beta - size.gamma:.3g} to {m.beta + size.gamma:.3g} rad reaches "
+                f"over its flank, from {apex:.3g} to {edge:.3g} rad: {remedy}"
+            )
+        if wall_left(m, size, side, behind) <= 0.0:
+            raise ValueError(f"a socket of side {SIDES[side]} reaches through the wall behind it: {remedy}")
+        own = np.array([(a, z) for a, z, s in sockets if s == side])
+        gaps, pairs = track_gaps(m, own[:, 0], own[:, 1])
+        if gaps.size and gaps.min() <= 2.0 * size.phi:
+            first, second = pairs[gaps.round(9).argmin()] + 1
+            raise ValueError(f"the sockets of balls {first} and {second} overlap along the track: {remedy}")
+        below, above = reach(m, size, (side,))
+        if own[:, 1].min() - below <= ends[0] or own[:, 1].max() + above >= ends[1]:
+            raise ValueError(f"a socket of side {SIDES[side]} reaches a flat end of the body: {remedy}")
+    if sides and turn_left(m, size, sides) <= 0.0:
+        raise ValueError(f"a socket reaches the next turn of the groove: {remedy}")

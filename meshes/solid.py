@@ -1,0 +1,87 @@
+"""Dimensions of the parts that only a 3D model needs: as the scene gives them, or assumed, with the assumption in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from meshes.helix import groove_radii
+from meshes.parts import Scene
+
+#: Hole assumed along the axis of a solid screw, over the pitch radius: the mesh needs one; its effect is part of the
+#: modelling spread.
+HOLE = 1.0 / 11.0
+#: 3D stretch of shaft assumed beyond each face of the nut, over the pitch radius.
+SHAFT = 1.2
+
+
+@dataclass(frozen=True)
+class Dimensions:
+    """Radii of the nut's lands and of the screw's hole [m], 3D length of shaft beyond each nut face [m], radius of the
+    shaft beyond it (None: homogenised), where nut and screw are held, and the assumptions in words."""
+
+    land: float
+    hole: float
+    shaft: float
+    shaft_radius: float | None
+    nut_held: str
+    screw_held: str
+    assumed: tuple[str, ...]
+
+    def ends(self, scene: Scene) -> tuple[float, float]:
+        """Stations [m] of the flat ends of the 3D stretch of the screw."""
+        half = scene.nut.length / 2.0 + self.shaft
+        return max(scene.nut.position - half, 0.0), min(scene.nut.position + half, scene.screw.length)
+
+
+def dimensions(scene: Scene) -> Dimensions:
+    """Dimensions of a scene's solid parts. Raises ValueError where the land or hole leaves no groove or no wall."""
+    solid, assumed = scene.solid, []
+    R, outer = scene.track.pitch_radius, scene.screw.outer_diameter / 2.0
+    if solid.nut_inner_diameter is None:
+        land = 2.0 * R - outer
+        assumed.append(
+            f"Nut lands of {2e3 * land:.4g} mm diameter: the screw's lands mirrored about the pitch cylinder."
+        )
+    else:
+        land = solid.nut_inner_diameter / 2.0
+    if solid.hole_diameter is not None:
+        hole = solid.hole_diameter / 2.0
+    elif scene.screw.bore > 0.0:
+        hole = scene.screw.bore / 2.0
+    else:
+        hole = HOLE * R
+        assumed.append(f"A hole of {2e3 * hole:.3g} mm diameter along the axis of the meshed screw; the scene has none.")
+    held = solid.nut_held
+    if held is None:
+        held = "outer surface" if scene.track.lead == 0.0 else "left face"
+        assumed.append(f"The nut is held at its {held}.")
+    screw_held = solid.screw_held
+    if screw_held is None:
+        screw_held = "bore" if scene.ingredients.screw == "rigid" and scene.screw.bore > 0.0 else "ends"
+        if screw_held == "bore":
+            assumed.append("The bore of the inner ring moves as a rigid shaft.")
+    shaft = solid.shaft
+    if screw_held == "bore":
+        shaft = 0.0 if shaft is None else shaft
+    elif shaft is None:
+        shaft = SHAFT * R
+        assumed.append(f"The screw is three-dimensional up to {1e3 * shaft:.3g} mm beyond each face of the nut.")
+    if scene.track.lead == 0.0:
+        assumed.append("Flat ends of the rings, without chamfers.")
+    else:
+        assumed.append("The groove runs through the whole nut and the whole 3D stretch of the screw; flat nut faces.")
+    reach = float(groove_radii(scene).max())
+    if not R < land < R + reach or land >= scene.nut.outer_diameter / 2.0:
+        raise ValueError(
+            f"solid.nut_inner_diameter of {2e3 * land:.4g} mm leaves no groove: it must lie between the pitch diameter "
+            f"{2e3 * R:.4g} mm and {2e3 * (R + reach):.4g} mm, and below the nut's outer diameter"
+        )
+    if not 0.0 < hole < R - reach:
+        raise ValueError(
+            f"the hole of {2e3 * hole:.4g} mm diameter along the screw leaves no wall under the groove, which needs it "
+            f"below {2e3 * (R - reach):.4g} mm: set solid.hole_diameter"
+        )
+    return Dimensions(
+        land, hole, shaft, None if solid.shaft_diameter is None else solid.shaft_diameter / 2.0, held, screw_held,
+        tuple(assumed),
+    )  # fmt: skip

@@ -1,0 +1,251 @@
+"""Boxes of first-order tetrahedra: filled, sized, matching at the contact; splitting of second-order tetrahedra."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from hifi.elasticity import load_vector
+from hifi.elements import ELEMENTS
+from meshes.grooved_body import SocketMesh
+from meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, source_box, split_second_order
+from tests.fe_meshes import boundary_faces, cube, distorted
+
+BOX = TetBox((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15), (0.6e-3, 0.35e-3, 0.15e-3), 0.08e-3, 0.5e-3)
+SCALE = np.array([1.0e-3, 0.9e-3, 1.2e-3])
+INFLUENCE = np.array([0.6e-3, 0.15e-3, 0.35e-3])  # across, depth, along, as SCALE
+
+
+def second_order(corners, quads, turn):
+    """Socket of two second-order triangles for each quadrangle, along one diagonal or the other."""
+    nodes = [tuple(c) for c in corners]
+    triangles = []
+    for a, b, c, d in quads:
+        for tri in ((a, b, c), (a, c, d)) if not turn else ((b, c, d), (b, d, a)):
+            row = list(tri)
+            for i, j in ((0, 1), (1, 2), (2, 0)):
+                middle = tuple(0.5 * (np.array(nodes[tri[i]]) + np.array(nodes[tri[j]])))
+                if middle not in nodes:
+                    nodes.append(middle)
+                row.append(nodes.index(middle))
+            triangles.append(row)
+    return SocketMesh(np.array(nodes), np.array(triangles), np.zeros(len(triangles), dtype=np.int64), {})
+
+
+@cache
+def socket(turn=False):
+    """Five faces in two by two quadrangles."""
+    axes = np.array([-1.0, 0.0, 1.0]), np.array([0.0, 0.5, 1.0]), np.array([-1.0, 0.0, 1.0])
+    corners = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    number = np.arange(27).reshape(3, 3, 3)
+    quads = []
+    for face in (number[0], number[2], number[:, 2], number[:, :, 0], number[:, :, 2]):
+        for i in range(2):
+            quads += [(face[i, j], face[i + 1, j], face[i + 1, j + 1], face[i, j + 1]) for j in range(2)]
+    return second_order(corners, quads, turn)
+
+
+@cache
+def mesh(own="plain"):
+    return build_tets(BOX, None if own == "plain" else socket(own == "turned"))
+
+
+OWN = ["plain", "straight", "turned"]
+
+
+def edges_of(cells):
+    """Every edge once."""
+    pairs = np.concatenate([cells[:, pair] for pair in combinations(range(4), 2)])
+    return np.unique(np.sort(pairs, axis=1), axis=0)
+
+
+def area(points, triangles):
+    corner = points[triangles]
+    return 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+
+
+@pytest.mark.parametrize("own", OWN)
+def test_box_is_filled(own):
+    m = mesh(own)
+    volumes = signed_volumes(m.xi, m.tets)
+    assert (volumes > 0.0).all() or (volumes < 0.0).all()
+    assert abs(volumes.sum()) == pytest.approx(4.0, rel=1e-12)
+    assert np.array_equal(np.unique(m.tets), np.arange(len(m.xi)))
+    faces = boundary_faces(m.tets, "P1")
+    top = faces[(np.abs(m.xi[faces, 1]) < 1e-12).all(axis=1)]
+    assert {frozenset(t) for t in top} == {frozenset(t) for t in m.top}
+    assert len(top) == len(m.top)
+    assert area(m.xi, m.top).sum() == pytest.approx(4.0, rel=1e-12)
+    planes = ((0, -1), (0, 1), (1, 0), (1, 1), (2, -1), (2, 1))
+    outside = np.any([np.abs(m.xi[:, k] - v) < 1e-12 for k, v in planes], axis=0)
+    assert np.array_equal(np.unique(faces), np.flatnonzero(outside))
+
+
+def test_edges_grow_out_of_the_body_of_influence():
+    m = mesh()
+    x = m.xi * SCALE
+    edges = edges_of(m.tets)
+    length = np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1)
+    middle = np.abs(x[edges].mean(axis=1)) - INFLUENCE
+    away = np.linalg.norm(np.maximum(middle, 0.0), axis=1)
+    wanted = np.minimum(0.5e-3, 0.08e-3 + 0.2 * away)
+    assert (away == 0.0).sum() > 1500
+    assert length[away == 0.0].mean() == pytest.approx(1.1 * 0.08e-3, rel=0.05)  # regular tetrahedra do not fill space
+    deep = (np.abs(x[m.tets].mean(axis=1)) < INFLUENCE).all(axis=1)
+    mean = np.abs(signed_volumes(x, m.tets[deep])).mean()
+    assert (6.0 * np.sqrt(2.0) * mean) ** (1 / 3) == pytest.approx(0.08e-3, rel=0.07)
+    assert away.max() > 0.3e-3
+    assert np.percentile(length / wanted, [1, 99]) == pytest.approx([0.6, 1.6], abs=0.2)
+    beyond = away > 0.2e-3
+    assert (length / wanted)[beyond].mean() == pytest.approx(1.05, abs=0.15)
+
+
+def test_edges_do_not_grow_beyond_the_far_one():
+    m = build_tets(replace(BOX, far=0.11e-3, growth=1.0))
+    edges = edges_of(m.tets)
+    length = np.linalg.norm((m.xi[edges[:, 0]] - m.xi[edges[:, 1]]) * SCALE, axis=1)
+    assert length.mean() == pytest.approx(1.1 * 0.11e-3, rel=0.05)
+
+
+def test_contact_nodes_are_those_of_the_zone():
+    m = mesh()
+    top = np.abs(m.xi[:, 1]) < 1e-12
+    zone = (np.abs(m.xi[:, 0]) < 0.5 + 1e-9) & (np.abs(m.xi[:, 2]) < 0.15 + 1e-9)
+    assert np.array_equal(np.sort(m.contact), np.flatnonzero(top & zone))
+    within = np.isin(m.top, m.contact).all(axis=1)
+    assert area(m.xi, m.top[within]).sum() == pytest.approx(4 * 0.5 * 0.15, rel=1e-12)
+    place = m.xi[m.contact]
+    assert np.all((np.diff(place[:, 0]) > 1e-10) | (np.diff(place[:, 2]) > 0.0))  # across, then along
+
+
+def test_contact_nodes_do_not_depend_on_the_diagonals_of_the_socket():
+    one, other = mesh("straight"), mesh("turned")
+    assert {frozenset(map(tuple, one.xi[t])) for t in boundary_faces(one.tets, "P1")} != {
+        frozenset(map(tuple, other.xi[t])) for t in boundary_faces(other.tets, "P1")
+    }
+    np.testing.assert_allclose(one.xi[one.contact], other.xi[other.contact], atol=1e-12)
+    # nor on the order in which the socket's nodes and triangles come
+    order = np.random.default_rng(0).permutation(len(socket().xi))
+    back = np.argsort(order)
+    shuffled = replace(socket(), xi=socket().xi[order], triangles=back[socket().triangles[::-1]][:, [1, 2, 0, 4, 5, 3]])
+    third = build_tets(BOX, shuffled)
+    np.testing.assert_allclose(one.xi[one.contact], third.xi[third.contact], atol=1e-12)
+
+
+@pytest.mark.parametrize("own", ["straight", "turned"])
+def test_faces_divide_the_socket_s_triangles(own):
+    m, s = mesh(own), socket(own == "turned")
+    faces = boundary_faces(m.tets, "P1")
+    faces = faces[(m.xi[faces, 1] > 1e-12).any(axis=1)]
+    sub = s.xi[s.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)]
+    found = np.zeros(len(faces))
+    for corner in sub:
+        basis = np.column_stack([corner[1] - corner[0], corner[2] - corner[0], np.cross(*(corner[1:] - corner[0]))])
+        t = (m.xi[faces] - corner[0]) @ np.linalg.inv(basis).T
+        flat = np.abs(t[..., 2]) < 1e-9
+        inside = flat & (t[..., :2] > -1e-9).all(axis=2) & (t[..., 0] + t[..., 1] < 1.0 + 1e-9)
+        own_faces = inside.all(axis=1)
+        assert area(m.xi, faces[own_faces]).sum() == pytest.approx(0.5 * np.linalg.norm(basis[:, 2]), rel=1e-9)
+        found += own_faces
+    assert (found == 1.0).all()
+
+
+def test_mesh_repeats_itself():
+    again = build_tets(BOX)
+    assert np.array_equal(again.xi, mesh().xi)
+    assert np.array_equal(again.tets, mesh().tets)
+    assert np.array_equal(again.contact, mesh().contact)
+
+
+def test_box_of_the_source():
+    box = source_box((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15))
+    assert box.influence == pytest.approx((0.5e-3, 0.18e-3, 0.18e-3))
+    assert box.fine == 0.08e-3
+    assert box.zone == (0.5, 0.15)
+    one = build_tets(box)
+    other = build_tets(source_box((np.float64(1.0e-3), np.float64(1.2e-3)), np.float64(0.9e-3), (np.float64(0.5), 0.15)))
+    assert np.array_equal(one.xi, other.xi)
+    assert len(one.tets) > 3000
+
+
+def test_boxes_that_cannot_be_meshed_are_refused():
+    for zone in ((1.0, 0.2), (0.2, 0.0), (0.5, 1.2)):
+        with pytest.raises(ValueError, match="contact zone of half widths"):
+            build_tets(replace(BOX, zone=zone))
+    for k in range(len(socket().triangles)):
+        torn = replace(socket(), triangles=np.delete(socket().triangles, k, axis=0))
+        with pytest.raises(ValueError, match="one open rim"):
+            build_tets(BOX, torn)
+
+
+def volume(points, cells, kind):
+    return load_vector(points, cells, kind, np.array([1.0, 0.0, 0.0])).sum()
+
+
+def test_split_cells_fill_the_same_volume():
+    points, cells = cube("P2", 2)
+    parts = split_second_order(points, cells)
+    assert parts.shape == (8 * len(cells), 4)
+    volumes = signed_volumes(points, parts)
+    np.testing.assert_allclose(volumes, np.repeat(signed_volumes(points, cells[:, :4]) / 8.0, 8), rtol=1e-12)
+    bent = distorted(points, 0.05)
+    parts = split_second_order(bent, cells)
+    assert (signed_volumes(bent, parts) > 0.0).all()
+    assert signed_volumes(bent, parts).sum() == pytest.approx(volume(bent, cells, "P2"), rel=0.01)
+    assert signed_volumes(bent, parts).sum() == pytest.approx(volume(bent, parts, "P1"), rel=1e-12)
+
+
+def test_split_cells_conform():
+    """Their faces on the surface are the four triangles of every second-order face; inside, each is shared by two."""
+    points, cells = cube("P2", 2)
+    parts = split_second_order(points, cells)
+    assert np.array_equal(np.unique(parts), np.unique(cells))
+    outside = boundary_faces(cells, "P2")[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
+    assert {frozenset(t) for t in boundary_faces(parts, "P1")} == {frozenset(t) for t in outside}
+    _, count = np.unique(np.sort(parts[:, ELEMENTS["P1"].face_nodes()].reshape(-1, 3), axis=1), axis=0, return_counts=True)
+    assert set(count) == {1, 2}
+
+
+REGULAR = ELEMENTS["P1"].shape(ELEMENTS["P2"].local) @ np.array([[1.0, 1, 1], [-1, 1, -1], [1, -1, -1], [-1, -1, 1]])
+DIAGONALS = ((4, 8), (5, 7), (6, 9))  # middles of opposite edges
+
+
+def shortest(points):
+    return min(DIAGONALS, key=lambda d: np.linalg.norm(points[d[0]] - points[d[1]]))
+
+
+def common(parts):
+    """The diagonal that all four cells of the octahedron share."""
+    return tuple(sorted(set.intersection(*map(set, parts[4:].tolist()))))
+
+
+@pytest.mark.parametrize("diagonal", DIAGONALS)
+def test_split_along_the_shortest_diagonal(diagonal):
+    axis = REGULAR[diagonal[1]] - REGULAR[diagonal[0]]
+    squeezed = REGULAR - 0.5 * np.outer(REGULAR @ axis, axis) / (axis @ axis)
+    assert shortest(squeezed) == diagonal
+    parts = split_second_order(squeezed, np.arange(10)[None])
+    assert common(parts) == diagonal
+    np.testing.assert_allclose(signed_volumes(squeezed, parts), 0.5 * 8 / 3 / 8, rtol=1e-12)
+
+
+def test_curved_cells_are_split_the_way_that_works_or_refused():
+    rng = np.random.default_rng(3)
+    refused = other = 0
+    for _ in range(400):
+        points = REGULAR.copy()
+        points[4:] += rng.normal(0.0, 0.35, (6, 3))
+        try:
+            parts = split_second_order(points, np.arange(10)[None])
+        except ValueError as error:
+            assert "1 of 1 second-order cells are too curved" in str(error)  # noqa: PT017
+            refused += 1
+            continue
+        assert (signed_volumes(points, parts) > 0.0).all()
+        other += common(parts) != shortest(points)
+    assert refused > 5
+    assert other > 5
