@@ -51,7 +51,9 @@ CONTENDERS = {
     c.name: c
     for c in (
         Contender("lin", "low-order model", "lin"),
-        Contender("lin-source-partition", "low-order model, the source's 15 mm partition", "lin", (("partition", "source"),)),
+        Contender(
+            "lin-source-partition", "low-order model, the source's 15 mm partition", "lin", (("partition", "source"),)
+        ),
         Contender("lin-printed-hertz", "low-order model, Hertz constants as printed", "lin", (("hertz", "as printed"),)),
         Contender("mei", "Mei: axial bars, rigid nut", "mei"),
         Contender("mei-nut", "Mei: axial bars, nut as a bar", "mei-nut"),

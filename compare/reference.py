@@ -20,7 +20,7 @@ from compare.convergence import Convergence, observe
 from compare.errors import InputError
 from compare.writing import replace_file
 from meshes.errors import specimen
-from meshes.helix import ball_layout, groove_radii
+from meshes.helix import ball_layout, groove_radii, nominal_groove_centres
 from meshes.parts import Scene
 from meshes.solid import Dimensions, dimensions
 
@@ -31,10 +31,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Step = Callable[[str], None]
 
-#: Mesh levels, coarse to fine; each refines patches, coarse bodies and balls by about 1.35. b_over_h counts second-order cells, so
-#: that there are twice as many nodes; it is 1.5 times that at the finest. Lengths in m for the ball of
-#: ``BALL`` radius, other scenes in proportion. Level 0 is the source's mesh: first-order tetrahedra, 0.08 mm around every
-#: contact, 5 mm elsewhere (second-order ones of twice the size, split); it is no part of a convergence study.
+#: Mesh levels, coarse to fine; each refines patches, coarse bodies and balls by about 1.35. b_over_h counts second-order
+#: cells, so there are twice as many nodes. Lengths in m for the ball of ``BALL`` radius, other scenes in proportion.
+#: Level 0 is the source's mesh: first-order tetrahedra, 0.08 mm around every contact, 5 mm elsewhere (second-order ones of twice the size, split); it is no part of a convergence study.
 LEVELS: dict[int, dict[str, float]] = {
     1: {"b_over_h": 1.6, "fine": 1.6e-3, "coarse": 8.0e-3, "ball_fine": 0.55e-3, "ball_coarse": 1.2e-3, "cell": 6.0e-3},
     2: {"b_over_h": 2.2, "fine": 1.2e-3, "coarse": 6.0e-3, "ball_fine": 0.42e-3, "ball_coarse": 0.95e-3, "cell": 5.0e-3},
@@ -84,7 +83,9 @@ VARIANTS: dict[str, Variant] = {
         "3D shaft 20 mm longer on each side", _scaled("shaft", lambda d: d.shaft, 1.0, 20e-3)
     ),
     "junction-short": Variant("3D shaft of half the length", _scaled("shaft", lambda d: d.shaft, 0.5)),
-    "land": Variant("nut lands 0.6 mm narrower in diameter", _scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3)),
+    "land": Variant(
+        "nut lands 0.6 mm narrower in diameter", _scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3)
+    ),
     "hole": Variant("hole along the screw of half the diameter", _scaled("hole_diameter", lambda d: 2.0 * d.hole, 0.5)),
     "shaft-plain": Variant(
         "shaft beyond the 3D stretch plain, of the lands' diameter",
@@ -143,7 +144,9 @@ def needed_sides(scene: Scene) -> tuple[int, ...]:
     force = sum(x.force[2] for x in scene.loads)
     lateral = sum(abs(x.force[0]) + abs(x.force[1]) for x in scene.loads)
     bent = any(v != 0.0 for s in scene.supports for _, v in s.fixed)
-    tight = float((drawn.ball_radius - scene.balls.radius).max()) > 2e-6 or bool(np.any(drawn.radius < groove_radii(scene)))
+    closing = np.abs(drawn.profile).sum() + np.abs(drawn.radius - groove_radii(scene)).max()
+    closing += np.abs(drawn.centre - nominal_groove_centres(scene)).max()
+    tight = float((drawn.ball_radius - scene.balls.radius).max() + closing) > 2e-6
     if force == 0.0 or lateral > 0.2 * abs(force) or bent or tight:
         return (0, 1, 2, 3)
     return (0, 3) if force > 0.0 else (1, 2)

@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 class Settings:
     """Mesh choices of the 3D reference; lengths in m.
 
-    b_over_h: cells across the short semi-axis; semi, reach: smallest and largest expected semi-axes (a, b); fine, coarse: element
-    sizes of the coarse bodies near and away from sockets; ball_fine, ball_coarse; cell: element size of the homogenised
-    shaft; modes: smooth modes kept per patch; element: ``"Q2"`` patches on second-order bodies, or ``"P1"``: first-order
+    b_over_h: cells across the short semi-axis; semi, reach: smallest and largest expected semi-axes (a, b); fine, coarse:
+    element sizes of the coarse bodies near and away from sockets; ball_fine, ball_coarse: those of balls; cell: that of
+    the homogenised shaft; modes: smooth modes kept per patch; element: ``"Q2"`` patches on second-order bodies, or ``"P1"``: first-order
     tetrahedra of ``tet`` size around each contact, on first-order bodies, as the source's mesh.
     """
 
@@ -77,12 +77,13 @@ def expected_semi_axes(scene: Scene) -> tuple[float, float]:
 def patch_lines(
     settings: Settings, width: tuple[float, float], deep: float
 ) -> tuple[Lines, tuple[float, float]]:
-    """Element boundaries of a patch and its contact zone in local units; half widths ``width`` and depth of the socket [m]."""
+    """Element boundaries of a patch and its contact zone in local units; half widths and depth of the socket [m]."""
     a, b = settings.semi
     wide, long = settings.reach  # the long axis lies across the groove, where ball and groove conform
     cell_a, cell_b = a / settings.b_over_h, b / settings.b_over_h
-    zone_a = cell_a * np.ceil(MARGIN[0] * wide / cell_a)
-    zone_b = cell_b * np.ceil(MARGIN[1] * long / cell_b)
+    zone_a, zone_b = MARGIN[0] * wide, MARGIN[1] * long
+    if settings.element == "Q2":
+        zone_a, zone_b = cell_a * np.ceil(zone_a / cell_a), cell_b * np.ceil(zone_b / cell_b)
     zone = (float(min(zone_a / width[0], 0.85)), float(min(zone_b / width[1], 0.85)))
     across = graded(zone[0], cell_a / width[0])
     along = graded(zone[1], cell_b / width[1])

@@ -141,7 +141,8 @@ def _ball_block(setup: Setup, sides: tuple[int, ...], rigid: bool) -> Array:
     if rigid:
         return np.asarray(block_diag(*[setup.patches[s].ball.A for s in sides]))
     everything = _zones(setup, setup.sides)
-    pick = np.concatenate([np.arange(p.start, p.stop) for p, s in zip(everything.parts, setup.sides, strict=True) if s in sides])
+    parts = zip(everything.parts, setup.sides, strict=True)
+    pick = np.concatenate([np.arange(p.start, p.stop) for p, s in parts if s in sides])
     return np.asarray(setup.ball[np.ix_(pick, pick)])
 
 
@@ -173,7 +174,6 @@ def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozen
     return mount(replace(beam, F=F), scene, setup.section)
 
 
-@threadpool_limits.wrap(limits=1)  # many small factors: threads of two BLAS libraries only wait for one another
 def solve_reference(
     setup: Setup, scene: Scene, *, updates: int = 6, member: int = 0, sides: tuple[int, ...] | None = None,
     leave_out: frozenset[str] = frozenset(),
@@ -185,8 +185,15 @@ def solve_reference(
     """
     if leave_out - set(INGREDIENTS):
         raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
+    with threadpool_limits(1):  # many small factors: the threads of two BLAS libraries only wait for one another
+        return _solve(setup, scene, updates, member, setup.sides if sides is None else sides, leave_out)
+
+
+def _solve(
+    setup: Setup, scene: Scene, updates: int, member: int, sides: tuple[int, ...], leave_out: frozenset[str]
+) -> ReferenceResult:
     begin = perf_counter()
-    sides = setup.sides if sides is None else tuple(s for s in setup.sides if s in sides)
+    sides = tuple(s for s in setup.sides if s in sides)
     updates = 0 if "moving normals" in leave_out else updates
     drawn = specimen(scene, setup.layout, member)
     count, m, zones = setup.layout.z.size, setup.map, _zones(setup, sides)

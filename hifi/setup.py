@@ -24,8 +24,8 @@ from hifi.mounting import Stretch
 from hifi.patch import CondensedPatch, PatchMesh, build_patch, build_tet_patch, condense_patch
 from hifi.response import compliance, transport
 from hifi.shaft import ShaftSection, round_section
-from meshes.cache import Cache
 from meshes.ball_body import BallBody, build_ball
+from meshes.cache import Cache
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec, GroovedBody, SocketMesh, SocketSize, build_body, local_points
 from meshes.helix import BallLayout, ball_layout
@@ -36,6 +36,8 @@ from meshes.tet_patch import build_tets, source_box
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Step = Callable[[str], None]
+#: Edges [m] of first-order tetrahedra tried at a patch's rim; long ones may be turned inside out by the map to space.
+FAR = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 #: Contact as a socket of a body: (azimuth [rad], z [m], side).
 Place = tuple[float, float, int]
 
@@ -183,7 +185,7 @@ def prepare(
     timed("ball", start)
     start = perf_counter()
     low, high = dims.ends(scene)
-    stations = tuple(sorted({x.at for c in (scene, *scenes) for x in (*c.supports, *c.loads)}))
+    stations = tuple(sorted({z for c in (scene, *scenes) for z in (*(x.at for x in c.supports), *(x.at for x in c.loads))}))
     shaft = cache.get(
         "shaft", (m, dims, scene.screw, low, high, stations, settings.cell),
         lambda: shaft_section(scene, m, dims, settings.cell, stations), Shaft,
@@ -192,9 +194,9 @@ def prepare(
     start = perf_counter()
     own = {s: p.groove for s, p in patches.items() if s < 2}
     inside = tuple(z for z in stations if low < z < high)
-    recipe = (meshes.screw.points, meshes.screw.cells, own, layout, sides, settings, dims, scene.screw, scene.nut, inside)
+    made_of = (meshes.screw.points, meshes.screw.cells, own, layout, sides, settings, dims, scene.screw, scene.nut, inside)
     screw = cache.get(
-        "screw-response", recipe,
+        "screw-response", made_of,
         lambda: screw_response(scene, inside, meshes.screw, layout, sides, own, settings, dims), ScrewResponse,
     )  # fmt: skip
     timed("screw", start)
@@ -202,9 +204,9 @@ def prepare(
     nut = None
     if scene.solid.nut == "elastic":
         facing = {s: p.groove for s, p in patches.items() if s >= 2}
-        recipe = (meshes.nut.points, meshes.nut.cells, facing, layout, sides, settings, dims, scene.nut)
+        nut_of = (meshes.nut.points, meshes.nut.cells, facing, layout, sides, settings, dims, scene.nut)
         nut = cache.get(
-            "nut-response", recipe,
+            "nut-response", nut_of,
             lambda: nut_response(scene, meshes.nut, layout, sides, facing, settings, dims), NutResponse,
         )  # fmt: skip
         timed("nut", start)
@@ -251,8 +253,14 @@ def patch_mesh(
     lines, zone = patch_lines(settings, meshes.widths, meshes.size.depth)
     if settings.element == "Q2":
         return build_patch(lines, zone, place, socket)
-    box = source_box(meshes.widths, meshes.size.depth, zone, settings.tet)
-    return build_tet_patch(build_tets(box, socket), place, socket, linear=True)
+    for far in FAR:
+        box = source_box(meshes.widths, meshes.size.depth, zone, settings.tet, far)
+        try:
+            return build_tet_patch(build_tets(box, socket), place, socket, linear=True)
+        except ValueError:
+            if far == FAR[-1]:
+                raise
+    raise AssertionError("unreachable")
 
 
 def patch_normals(mesh: PatchMesh, centre: Array) -> Array:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BEND, STRAIGHTENED, Shell, best_of, fill, graded
+from meshes.grooved_body import BEND, POOREST, STRAIGHTENED, Shell, best_of, fill, graded
 from meshes.parts import SIDES
 from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
 from meshes.sockets import SocketMesh, rim, socket_mesh
@@ -109,7 +109,7 @@ def build_ball(m: GrooveMap, sockets: tuple[BallSocket, ...], fine: float, coars
         nodes = {socket.side: n for socket, n in zip(sockets, own, strict=True)}
         meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
         body = BallBody(points, filled.cells, nodes, meshes, perf_counter() - begin, quality)
-        return body, float(moved)
+        return body, moved + max(0.0, POOREST - quality.smallest)
 
     return best_of("ball", attempt)
 

@@ -71,6 +71,8 @@ STRAIGHTENED = 0.01
 ATTEMPTS = ((6, 1, 1.0), (5, 1, 1.0), (6, 1, 0.85), (5, 1, 0.75), (6, 1, 0.6), (5, 4, 0.6))
 #: Flanks as near as this [m] to where they should be are without fault; else the nearest of all attempts is taken.
 EXACT = 1e-9
+#: So are meshes without a cell of a smaller scaled Jacobian.
+POOREST = 0.005
 
 
 @dataclass(frozen=True)
@@ -657,7 +659,7 @@ class Surface:
         r = self.groove.behind
         loops = [[bound] for bound in bounds]
         if r > 0.0:
-            limit = min(self.bend * r, WALL * self.groove.wall)
+            limit = min(self.bend * r, max(WALL * self.groove.wall, self.shell.fine))
             circles = [self._circle(r, z, limit) for z in self.z]
             self._tube("behind", r, circles[0], circles[1], self.z, limit)
             for loop, ring in zip(loops, circles, strict=True):
@@ -798,7 +800,8 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
         shell = Shell(gmsh, graded(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
         surface = Surface(shell, m, spec, share)
         body = _collected(surface, fill(shell, volume), begin)
-        return body, body.deviation if body.deviation > EXACT else 0.0
+        off = body.deviation / m.ball if body.deviation > EXACT else 0.0
+        return body, off + max(0.0, POOREST - body.quality.smallest)
 
     return best_of("screw" if spec.outer else "nut", attempt)
 

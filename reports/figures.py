@@ -17,7 +17,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
 
-from reports.records import Figure, Panel, Series
+from reports.records import Figure, Panel, PressureMap, PressurePanel, Series
 
 #: Okabe and Ito's palette without its yellow, dark tones first; safe for colour blindness.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#7B4EA3", "#E69F00", "#333333", "#56B4E9", "#CC79A7")
@@ -103,6 +103,57 @@ def draw(figure: Figure) -> str:
         stream = io.StringIO()
         canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Title": figure.title})
     return _own_names(stream.getvalue(), figure.name)
+
+
+def draw_map(item: PressureMap) -> str:
+    """Draw filled contours of one to four contacts, with the ellipse on each, to one scale.
+
+    Returns an SVG document as `draw`; the contours are an image in it. Raises ValueError for no panel or more than four,
+    or nodes and values that differ in number.
+    """
+    if not 1 <= len(item.panels) <= 4:
+        raise ValueError(f"map {item.name!r}: {len(item.panels)} panels; it must be 1 to 4")
+    for panel in item.panels:
+        if not len(panel.x) == len(panel.y) == len(panel.values) >= 3:
+            raise ValueError(f"map {item.name!r}, panel {panel.title!r}: x, y and values must be as many, at least 3")
+    columns = max(1, min(item.columns, len(item.panels)))
+    rows = math.ceil(len(item.panels) / columns)
+    top = max(float(np.max(panel.values)) for panel in item.panels)
+    levels = MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, top)
+    with matplotlib.rc_context({**_RC, "svg.hashsalt": f"rollbench-{item.name}"}):
+        canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
+        FigureCanvasSVG(canvas)
+        filled: Any = None
+        for number, panel in enumerate(item.panels, start=1):
+            axes = canvas.add_subplot(rows, columns, number)
+            filled = _draw_contours(axes, panel, levels, item.ellipse_label)
+            axes.set_xlabel(item.xlabel)
+            axes.set_ylabel(item.ylabel)
+        canvas.colorbar(filled, ax=canvas.axes, label=item.label, shrink=0.9, aspect=26, pad=0.02)
+        handles, labels = canvas.axes[0].get_legend_handles_labels()
+        canvas.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        canvas.set_size_inches(_WIDTH[columns], rows * 3.3 + 0.3)
+        stream = io.StringIO()
+        metadata = {"Date": None, "Creator": None, "Title": item.title}
+        canvas.savefig(stream, format="svg", metadata=metadata, dpi=200)
+    return _own_names(stream.getvalue(), item.name)
+
+
+def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, label: str) -> Any:
+    """Contours of one contact, its nodes as dots, the ellipse and the note; returns the filled contours."""
+    x, y = np.asarray(panel.x, float), np.asarray(panel.y, float)
+    filled = axes.tricontourf(x, y, np.asarray(panel.values, float), levels=levels, cmap="viridis")
+    filled.set_rasterized(True)
+    axes.plot(x, y, ".", markersize=1.6, color="#ffffff", alpha=0.7, rasterized=True)
+    x0, y0, a, b = panel.ellipse
+    around = np.linspace(0.0, 2.0 * np.pi, 181)
+    axes.plot(x0 + a * np.cos(around), y0 + b * np.sin(around), color="#ff5a36", linewidth=1.6, label=label)
+    axes.set_aspect("equal")
+    axes.grid(visible=False)
+    axes.set_title(panel.title, pad=7)
+    if panel.note:
+        axes.text(0.02, 0.97, panel.note, transform=axes.transAxes, va="top", color="white", fontsize=8.0)
+    return filled
 
 
 def _check(name: str, panel: Panel) -> None:

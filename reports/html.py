@@ -16,14 +16,14 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from reports import figures, scene3d
-from reports.records import Cell, Column, Figure, LoadedScrew, Report, Table, Text
+from reports import field3d, figures, scene3d
+from reports.records import Cell, Column, FieldPicture, Figure, LoadedScrew, PressureMap, Report, Table, Text
 
 #: What marks a directory's ``index.html`` as written by :func:`write`, and the directory as its to replace.
 MARKER = '<meta name="generator" content="rollbench">'
 
 Progress = Callable[[str], None]
-Item = Text | Table | Figure | LoadedScrew
+Item = Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap
 
 _KNOWN = {"index.html": (), "tables": (".csv",), "figures": (".svg", ".png")}
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
@@ -220,13 +220,16 @@ def _item(item: Item, folder: Path, counter: _Counter, say: Progress) -> dict[st
     counter.figures += 1
     view: dict[str, Any] = {"kind": "figure", "figure": item, "number": counter.figures}
     view |= {"file": None, "svg": None, "png": None, "missing": None}
-    if isinstance(item, Figure):
-        svg = figures.draw(item)
+    if isinstance(item, Figure | PressureMap):
+        svg = figures.draw(item) if isinstance(item, Figure) else figures.draw_map(item)
         (folder / "figures" / f"{item.name}.svg").write_text(svg, encoding="utf-8", newline="\n")
         return {**view, "file": f"figures/{item.name}.svg", "svg": _inline(svg)}
     path = folder / "figures" / f"{item.name}.png"
     try:
-        scene3d.draw_loaded_screw(item, path)
+        if isinstance(item, LoadedScrew):
+            scene3d.draw_loaded_screw(item, path)
+        else:
+            field3d.draw_field(item, path)
     except RuntimeError as error:
         path.unlink(missing_ok=True)
         say(f"report: picture left out. {error}")

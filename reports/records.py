@@ -102,6 +102,74 @@ class LoadedScrew:
 
 
 @dataclass(frozen=True)
+class MeshPart:
+    """A piece of a mesh in a picture: points (n, 3) [m], cells of ``kind`` ``"P1"``, ``"P2"`` (4, 10-node tetrahedra) or
+    ``"Q2"`` (27-node hexahedra), nodes in gmsh's order; ``values`` (n) colour it, else ``colour`` does; ``edges``: draw
+    the cells' edges; ``outline``: draw the rim of a section through it."""
+
+    points: Sequence[Sequence[float]]
+    cells: Sequence[Sequence[int]]
+    kind: str
+    values: Sequence[float] | None = None
+    colour: str = "#c3c8ce"
+    edges: bool = True
+    outline: bool = False
+
+
+@dataclass(frozen=True)
+class FieldPicture:
+    """A 3D picture of meshes, of fields on them, or of a plane section.
+
+    ``sight``: direction from the picture to the viewer; ``up``; ``focus`` (3) [m] in the middle; ``height`` [m] that is
+    seen. ``cuts``: planes (point, normal); cells whose middle lies in front of all of them are left away. ``section``:
+    show the plane section by the only cut instead. ``label``: of the values, with unit; ``limits``: ends of their
+    scale (None: from the data); ``words``: (point, text) written into the picture; ``scale_bar`` [m], 0 for none.
+    """
+
+    name: str
+    title: str
+    parts: Sequence[MeshPart]
+    sight: Sequence[float]
+    up: Sequence[float]
+    focus: Sequence[float]
+    height: float
+    cuts: Sequence[tuple[Sequence[float], Sequence[float]]] = ()
+    section: bool = False
+    label: str = ""
+    limits: tuple[float, float] | None = None
+    words: Sequence[tuple[Sequence[float], str]] = ()
+    scale_bar: float = 0.0
+    caption: str = ""
+
+
+@dataclass(frozen=True)
+class PressurePanel:
+    """One contact: nodes x, y, their values, the ellipse (centre x, y, semi-axes along x, y) drawn on it, a note."""
+
+    title: str
+    x: Sequence[float]
+    y: Sequence[float]
+    values: Sequence[float]
+    ellipse: tuple[float, float, float, float]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class PressureMap:
+    """Filled contours of one to four contacts to one scale; labels with units; ``name`` is its SVG file's stem."""
+
+    name: str
+    title: str
+    panels: Sequence[PressurePanel]
+    xlabel: str
+    ylabel: str
+    label: str
+    ellipse_label: str = "Hertz"
+    caption: str = ""
+    columns: int = 2
+
+
+@dataclass(frozen=True)
 class Text:
     """Paragraphs of plain text, or a list of statements when ``bullets``."""
 
@@ -115,7 +183,7 @@ class Section:
 
     name: str
     title: str
-    items: Sequence[Text | Table | Figure | LoadedScrew]
+    items: Sequence[Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap]
 
 
 @dataclass(frozen=True)

@@ -345,7 +345,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 (
                     "The printed errors against ANSYS compare with loads that are only drawn in a figure; they stay "
                     "open, with the errors against this project's own 3D reference in section reference. The printed "
-                    f"ratio of case 1 stands beside the spread of the choices that the source leaves open: {spread_of_choices(study)}.",
+                    "ratio of case 1 stands beside the spread of the choices that the source leaves open: "
+                    f"{spread_of_choices(study)}.",
                 )
             ),
         ),

@@ -46,8 +46,8 @@ def level_table(study: Study, found: References, stores: Sequence[Any] | None) -
         Column("deviation", "coarse bodies off the exact groove", "um", "g2"),
     )  # fmt: skip
     note = (
-        "Elements across the short axis 2b of the contact ellipse expected at the lightest scene of the geometry; balances are over the "
-        "largest contact load; the modes left out are a bound on the change of one contact's compliance."
+        "Elements across the short axis 2b of the contact ellipse expected at the lightest scene of the geometry; balances "
+        "are over the largest contact load; the modes left out are a bound on the change of one contact's compliance."
     )
     return Table("reference-levels", "Mesh levels of the 3D reference", columns, rows, note)
 
@@ -56,7 +56,8 @@ def stage_table(found: References) -> Table:
     """Where the time of the finest run goes."""
     rows: list[dict[str, Cell]] = []
     for name, ref in found.items():
-        rows.append({"scene": name} | dict(ref.best.stages) | {"contact": ref.best.solve_seconds})
+        cells: dict[str, Cell] = {"scene": name, "contact": ref.best.solve_seconds}
+        rows.append(cells | dict(ref.best.stages))
     names = list(dict.fromkeys(k for row in rows for k in row if k not in ("scene", "contact")))
     columns = [Column("scene", "scene", "", "s"), *(Column(k, k, "s", ".1f") for k in names)]
     columns.append(Column("contact", "load case", "s", ".1f"))
@@ -153,14 +154,16 @@ def ablation_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
                  "model": model.max_percent}
             )  # fmt: skip
     columns = (
-        Column("scene", "scene", "", "s"), Column("without", "left out", "", "s"), Column("meaning", "what stands in", "", "s"),
+        Column("scene", "scene", "", "s"), Column("without", "left out", "", "s"),
+        Column("meaning", "what stands in", "", "s"),
         Column("max", "largest change of a load", "% of mean", ".2f"), Column("rms", "RMS change", "% of mean", ".2f"),
         Column("at", "at ball", "", "s"), Column("seconds", "seconds it takes", "s", "+.1f"),
         Column("before", "low-order error against the full reference", "% of mean", ".2f"),
         Column("model", "against this one", "% of mean", ".2f"),
     )  # fmt: skip
     note = "On the coarsest level. A scene may leave out what changes less than it needs to know."
-    return Table("reference-ablation", "What each ingredient of the reference changes", columns, rows, note) if rows else None
+    title = "What each ingredient of the reference changes"
+    return Table("reference-ablation", title, columns, rows, note) if rows else None
 
 
 def ablation_text(study: Study, stores: Sequence[Any] | None) -> str:
@@ -176,8 +179,10 @@ def ablation_text(study: Study, stores: Sequence[Any] | None) -> str:
         parts.append(f"{name} from {before.max_percent:.2f} % to {after.max_percent:.2f} %")
     if not parts:
         return ""
-    return "With the nut made rigid in the reference too, the largest error of the low-order model (of the mean load) goes: " \
-        f"{'; '.join(parts)}. What is left is beam, section and contact law together."  # fmt: skip
+    return (
+        "With the nut made rigid in the reference too, the largest error of the low-order model (of the mean load) goes: "
+        f"{'; '.join(parts)}. What is left is beam, section and contact law together."
+    )
 
 
 def section(study: Study, step: Callable[[str], None], stores: Sequence[Any] | None = None) -> Section:

@@ -12,6 +12,8 @@ from reports.records import Cell, Column, Figure, Panel, Section, Series, Table,
 #: Cells across the short semi-axis, by element. Sized for 25 s on two cores: tetrahedra are not stretched like the
 #: ellipse, so that P2 at 6 would take as long as all the rest.
 LEVELS: dict[str, tuple[float, ...]] = {"P1": (2, 4, 6, 8), "P2": (2, 4, 5), "Q1": (2, 4, 6, 8), "Q2": (2, 4, 6)}
+#: Meshes of a quick report.
+QUICK: dict[str, tuple[float, ...]] = {"P1": (2,), "P2": (2,), "Q1": (2,), "Q2": (4,)}
 #: The production mesh, and the largest error allowed on it in per cent.
 PRODUCTION = ("Q2", 4.0)
 TARGETS = {"approach": 0.3, "semi-axes": 0.5, "pole pressure": 1.0}

@@ -1,4 +1,4 @@
-"""Coarse meshes of grooved screws, nuts, rings and balls: volumes, exact closed surfaces, congruent sockets, any scene."""
+"""Coarse meshes of screws, nuts, rings and balls: volumes, exact closed surfaces, congruent sockets, any scene."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def test_volume_without_sockets(outer):
     """Over a whole pitch every azimuth meets the channel once: V = pi (r_out^2 - r_in^2) L - 2 pi int r dr dzeta."""
     case = small_screw(2, phase=0.3)
     m = GrooveMap.of(case)
-    spec = replace(spec_of(case, (), outer, half=10e-3), coarse=1.6e-3)
+    spec = replace(spec_of(case, (), outer, half=10e-3), coarse=2.2e-3)
     sides = (0, 1) if outer else (2, 3)
     channel = 2.0 * np.pi * channel_section(m, spec.r_in, spec.r_out, sides)
     expected = np.pi * (spec.r_out**2 - spec.r_in**2) * 20e-3 - channel
@@ -213,7 +213,7 @@ def test_socket_that_does_not_fit_is_refused():
 @pytest.mark.parametrize(
     ("change", "match"),
     [
-        ({"r_in": 13.4e-3, "sockets": ()}, "deeper than its wall.*change the bore"),
+        ({"r_in": 13.9e-3, "sockets": ()}, "deeper than its wall.*change the bore"),
         ({"r_out": 13.5e-3, "sockets": ()}, "leaves no groove.*move the land"),
         ({"z_low": 0.0995, "sockets": ()}, "only 20.5 mm: widen the ring"),
     ],
@@ -225,8 +225,8 @@ def test_grooves_that_do_not_fit_are_refused(change, match):
 
 
 def test_turns_without_land_between_are_refused():
-    case = small_screw(6, lead=6e-3)
-    with pytest.raises(ValueError, match="next turn 6 mm on: no land is left; raise the lead"):
+    case = small_screw(6, lead=5e-3)
+    with pytest.raises(ValueError, match="next turn 5 mm on: no land is left; raise the lead"):
         build_body(GrooveMap.of(case), replace(spec_of(case, (0,), True), sockets=()))
 
 
@@ -238,8 +238,9 @@ def screw_of(azimuths, *, lead=10e-3, hand="right", starts=1, bore=0.0, length=4
     """Pitch radius 20 mm, balls of 3 mm radius."""
     case = small_screw(2)
     return replace(
-        case, track=Track(20e-3, lead, np.pi / 4, hand=hand, starts=starts), screw=Screw(0.6, 38.6e-3, 3.18e-3, STEEL, bore),
-        nut=Nut(0.3, length, 64e-3, 3.18e-3, STEEL), balls=Balls(3e-3, STEEL, tuple(float(a) for a in azimuths)),
+        case, track=Track(20e-3, lead, np.pi / 4, hand=hand, starts=starts),
+        screw=Screw(0.6, 38.6e-3, 3.18e-3, STEEL, bore), nut=Nut(0.3, length, 64e-3, 3.18e-3, STEEL),
+        balls=Balls(3e-3, STEEL, tuple(float(a) for a in azimuths)),
     )  # fmt: skip
 
 
@@ -314,7 +315,7 @@ def test_finer_sizes_give_more_cells_and_shorter_edges():
         near = np.isin(mesh.cells, mesh.socket_nodes).any(axis=1)
         a, b = mesh.points[mesh.cells[near, 0]], mesh.points[mesh.cells[near, 1]]
         counts.append((len(mesh.cells), float(np.linalg.norm(a - b, axis=1).mean())))
-    assert counts[1][0] > 1.5 * counts[0][0]
+    assert counts[1][0] > 1.3 * counts[0][0]
     assert counts[1][1] < 0.9 * counts[0][1]
 
 
@@ -344,8 +345,8 @@ def test_turning_an_edge_keeps_the_face():
     face = Face("land", np.arange(10, 14), square, np.array([[0, 1, 2], [0, 2, 3]]), None)
     assert face.turn(0, 1)
     assert {frozenset(t) for t in face.tris.tolist()} == {frozenset((11, 12, 13)), frozenset((10, 11, 13))}
-    arrow = Face("land", np.arange(4), square * [[1, 1], [0.4, 1], [1, 1], [1, 1]], np.array([[0, 1, 2], [0, 2, 3]]), None)
-    arrow.plane[1] = [0.6, 0.62]  # beyond the diagonal: the quadrangle is not convex
+    square[1] = [-0.5, -0.6]  # the quadrangle is not convex
+    arrow = Face("land", np.arange(4), square, np.array([[0, 1, 2], [0, 2, 3]]), None)
     assert not arrow.turn(0, 1)
     assert arrow.local.tolist() == [[0, 1, 2], [0, 2, 3]]
 
@@ -388,9 +389,10 @@ def test_ball(beta, sides):
         nodes, standard = mesh.socket_nodes[socket.side], mesh.sockets[socket.side]
         np.testing.assert_allclose(mesh.points[nodes], ball_points(m, socket, standard.xi), atol=1e-15)
         assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= rows
-        s, t = np.meshgrid(*[0.005 * (np.arange(200) + 0.5)] * 2)  # a quarter; depth along a ray from the sphere to the plane
-        shell = 1.0 / (1.0 + (socket.across * s) ** 2 + (socket.along * t) ** 2) ** 1.5 - (1.0 - socket.depth / m.ball) ** 3
-        lost += float(shell.mean()) * 4.0 * socket.across * socket.along * m.ball**3 / 3.0
+        s, t = np.meshgrid(*[0.005 * (np.arange(200) + 0.5)] * 2)  # a quarter of the pyramid's base
+        outer = 1.0 / (1.0 + (socket.across * s) ** 2 + (socket.along * t) ** 2) ** 1.5
+        core = (1.0 - socket.depth / m.ball) ** 3
+        lost += float((outer - core).mean()) * 4.0 * socket.across * socket.along * m.ball**3 / 3.0
     assert volume(mesh) == pytest.approx(4.0 / 3.0 * np.pi * m.ball**3 - lost, rel=3e-3)
 
 
@@ -410,7 +412,7 @@ def test_edges_of_a_ball_are_as_long_as_asked():
     ("sockets", "match"),
     [
         ((), "at least one socket"),
-        (ball_sockets((0,), along=1.0)[:1] + (BallSocket(3, 0.3, 0.3, 2.5e-3),), "2.5 mm deep"),
+        ((*ball_sockets((0,)), BallSocket(3, 0.3, 0.3, 2.5e-3)), "2.5 mm deep"),
         (ball_sockets((0, 1), across=0.99), "overlap"),
         (ball_sockets((0, 0)), "overlap"),
         (ball_sockets((0,), across=1.2), "over the ball's middle"),

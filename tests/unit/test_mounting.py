@@ -1,6 +1,7 @@
 """A stretch of screw between beams: against one beam model of the whole screw, and against statics."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ def whole_beam(scene, stations):
     nodes = sorted({LOW, HIGH, 0.4, *own, *stations})
     place = {z: 6 * k for k, z in enumerate(nodes)}
     K, P = np.zeros((6 * len(nodes),) * 2), np.zeros(6 * len(nodes))
-    for a, b in zip(nodes[:-1], nodes[1:], strict=True):
+    for a, b in pairwise(nodes):
         dof = np.r_[place[a] : place[a] + 6, place[b] : place[b] + 6]
         K[np.ix_(dof, dof)] += beam_stiffness(b - a, SECTION)
     for load in scene.loads:

@@ -1,0 +1,302 @@
+"""Displacements and stresses of the 3D reference, recovered from the contact forces that it found.
+
+What was condensed is solved once more, with one right-hand side: the coarse body q under the modal forces of all its
+contacts, K q = H^T f, then each patch under its own contact forces and the trace of its socket. All stresses are linear
+elastic, of nominal geometry; rigid motions, which strain nothing, are left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, patch_modes
+from hifi.elasticity import strain_stress
+from hifi.elements import element_of
+from hifi.fit import ball_place
+from hifi.hertz import HertzSolution, hertz
+from hifi.patch import PatchMesh, field
+from hifi.reference import ReferenceResult
+from hifi.setup import (
+    Meshes,
+    Setup,
+    _end_transform,
+    _held_transform,
+    _sockets_of,
+    body_kind,
+    nut_held,
+    patch_mesh,
+    patch_normals,
+    placed,
+    rotation,
+)
+from hifi.solvers import factor
+from meshes.ball_body import directions
+from meshes.grooved_body import GroovedBody, local_points
+from meshes.parts import SIDE_SIGNS, Material, Scene
+from meshes.tet_patch import split_second_order
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class SolidField:
+    """A piece of a body: points ``(n, 3)`` [m], cells of element ``kind``, displacements ``(n, 3)`` [m] and stresses
+    ``(n, 6)`` [Pa] (xx, yy, zz, yz, xz, xy) of the nodes."""
+
+    points: Array
+    cells: Index
+    kind: str
+    displacement: Array
+    stress: Array
+
+    @property
+    def von_mises(self) -> Array:
+        """Equivalent stress ``(n,)`` [Pa]."""
+        return von_mises(self.stress)
+
+
+def von_mises(stress: Array) -> Array:
+    """Equivalent stress of stresses ``(..., 6)`` [Pa] in the order xx, yy, zz, yz, xz, xy.
+
+    >>> float(von_mises(np.array([3.0, 0.0, 0.0, 0.0, 0.0, 0.0])))
+    3.0
+    """
+    direct = stress[..., :3]
+    spread = direct - np.roll(direct, 1, axis=-1)
+    return np.asarray(np.sqrt(0.5 * (spread**2).sum(axis=-1) + 3.0 * (stress[..., 3:] ** 2).sum(axis=-1)))
+
+
+def nodal_stress(points: Array, cells: Index, kind: str, u: Array, material: Material) -> Array:
+    """Stresses ``(n, 6)`` [Pa] of the nodes by displacements u ``(n, 3)`` [m]; not a number at nodes of no cell.
+
+    Each cell's own stress at its nodes, averaged over the cells of a node. (Continuing the values of the reduced Gauss
+    points to the nodes overshoots by a fifth below a contact with three cells across it; this by a twentieth.)
+    """
+    element = element_of(kind)
+    e, nu = material.youngs_modulus, material.poissons_ratio
+    _, own = strain_stress(points, cells, element, u.ravel(), e, nu, at=element.local)
+    total, count = np.zeros((len(points), 6)), np.zeros(len(points))
+    np.add.at(total, cells, own)
+    np.add.at(count, cells, 1.0)
+    out = np.full((len(points), 6), np.nan)
+    used = count > 0.0
+    out[used] = total[used] / count[used, None]
+    return out
+
+
+def contact_forces(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
+    """Normal forces ``(balls, c)`` [N] at the contact nodes of each side."""
+    ends = np.cumsum([0] + [len(setup.patches[s].groove.A) for s in result.sides])
+    rows = result.contact.forces.reshape(setup.layout.z.size, -1)
+    return {s: rows[:, a:b] for s, (a, b) in zip(result.sides, pairwise(ends), strict=True)}
+
+
+def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], scene: Scene | None = None) -> Array:
+    """Displacements ``(n, 3)`` [m] of the coarse 3D stretch of the screw under all contact forces, held at its low end.
+
+    Raises ValueError where ``scene`` (the set-up's own if left out) supports or loads the screw beyond the low end:
+    then the high end carries a reaction that is not known here.
+    """
+    scene = scene or setup.scene
+    low, high = setup.dims.ends(setup.scene)
+    size = 3 * len(mesh.points)
+    if setup.dims.screw_held == "bore":
+        hole = np.flatnonzero(np.abs(np.hypot(mesh.points[:, 0], mesh.points[:, 1]) - setup.dims.hole) < 1e-7)
+        T = _held_transform(size, hole)
+    else:
+        beyond = sorted({x.at for x in (*scene.supports, *scene.loads) if x.at > low})
+        if beyond:
+            raise ValueError(
+                f"{scene.name}: the screw is held or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
+                f"stretch at {1e3 * low:.4g} mm; its field is recovered only where all supports and loads lie below that"
+            )
+        T = _end_transform(size, mesh, high)
+    return _answer(setup, mesh, forces, T, screw=True)
+
+
+def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) -> Array:
+    """Displacements ``(n, 3)`` [m] of the coarse nut under all contact forces, held where the scene says."""
+    outer = setup.scene.nut.outer_diameter / 2.0
+    T = _held_transform(3 * len(mesh.points), nut_held(mesh, setup.dims, outer))
+    return _answer(setup, mesh, forces, T, screw=False)
+
+
+def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_matrix, *, screw: bool) -> Array:
+    """K q = Q^T V^T f on what the transform T leaves free."""
+    material = (setup.scene.screw if screw else setup.scene.nut).material
+    own = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
+    sockets = placed(mesh, _sockets_of(setup.layout, setup.sides, screw))
+    e, nu = material.youngs_modulus, material.poissons_ratio
+    K = assemble(mesh.points, mesh.cells, sockets, own, e, nu, kind=body_kind(setup.settings))
+    kept = {s: patch_modes(p, setup.settings.modes) for s, p in own.items()}
+    Q = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0])
+    none = np.zeros(setup.layout.z.size)
+    amplitude = [
+        kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(own[s].A)))
+        for i in range(none.size) for s in own
+    ]  # fmt: skip
+    q = factor((T.T @ K @ T).tocsc(), columns=1).solve(T.T @ (Q.T @ np.concatenate(amplitude)))
+    return np.asarray(T @ q).reshape(-1, 3)
+
+
+def groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
+    """Mesh of the groove's patch at a side, for a ball at azimuth 0, z = 0."""
+    body = meshes.screw if side < 2 else meshes.nut
+    return patch_mesh(meshes, body.sockets[side], partial(local_points, setup.map, meshes.size, side), setup.settings)
+
+
+def ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
+    """Mesh of the ball's patch at a side, about the ball's centre."""
+    place = ball_place(setup.map, meshes.size, side, meshes.zone)[1]
+    return patch_mesh(meshes, meshes.ball.sockets[side], place, setup.settings)
+
+
+def groove_patch_field(
+    setup: Setup, meshes: Meshes, u: Array, ball: int, side: int, forces: dict[int, Array]
+) -> SolidField:  # fmt: skip
+    """Field of one groove patch in the ball's frame: azimuth 0, origin on the axis; u: its coarse body's displacements."""
+    mesh = groove_patch(setup, meshes, side)
+    body, part = (meshes.screw, setup.scene.screw) if side < 2 else (meshes.nut, setup.scene.nut)
+    own = [s for s in setup.sides if (s < 2) == (side < 2)]
+    nodes = body.socket_nodes[ball * len(own) + own.index(side)]
+    R = rotation(float(setup.layout.azimuth[ball]))
+    normals = patch_normals(mesh, np.array([setup.map.R, 0.0, 0.0]))
+    return _patch_field(mesh, normals, part.material, forces[side][ball], (u[nodes] @ R).ravel())
+
+
+def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Array, trace: Array) -> SolidField:
+    u = field(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
+    return SolidField(mesh.points, mesh.cells, mesh.kind, u, nodal_stress(mesh.points, mesh.cells, mesh.kind, u, material))
+
+
+def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material: Material, reach: float) -> SolidField:
+    """Field of the coarse body within ``reach`` [m] of a ball, in the ball's frame: azimuth 0, origin on the axis."""
+    R = rotation(float(setup.layout.azimuth[ball]))
+    points = (mesh.points - np.array([0.0, 0.0, setup.layout.z[ball]])) @ R
+    near = np.linalg.norm(points - np.array([setup.map.R, 0.0, 0.0]), axis=1) < reach
+    cells = mesh.cells[near[mesh.cells].any(axis=1)]
+    used, cells = np.unique(cells, return_inverse=True)
+    return _solid(points[used], cells.reshape(-1, mesh.cells.shape[1]), u[used] @ R, setup, material)
+
+
+def _solid(points: Array, cells: Index, u: Array, setup: Setup, material: Material) -> SolidField:
+    """Field of a coarse mesh of second-order cells, or of the first-order ones they were split into."""
+    kind = body_kind(setup.settings)
+    if kind == "P1":
+        cells = split_second_order(points, cells)
+    return SolidField(points, cells, kind, u, nodal_stress(points, cells, kind, u, material))
+
+
+def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array]) -> dict[int | None, SolidField]:
+    """Fields of one ball about its centre, in its frame: the coarse ball (key None) and its patches by side."""
+    material, mesh = setup.scene.balls.material, meshes.ball
+    e, nu = material.youngs_modulus, material.poissons_ratio
+    own = {s: p.ball for s, p in setup.patches.items()}
+    sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
+    K = assemble(mesh.points, mesh.cells, sockets, own, e, nu, kind=body_kind(setup.settings))
+    held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
+    free = np.setdiff1d(np.arange(K.shape[0]), held)
+    load = np.zeros(K.shape[0])
+    for s, patch in own.items():
+        if s in forces:
+            np.add.at(load, freedoms(mesh.socket_nodes[s]), patch.H.T @ forces[s][ball])
+    u = np.zeros(K.shape[0])
+    u[free] = factor(K[free][:, free].tocsc(), columns=1).solve(load[free])
+    u = u.reshape(-1, 3)
+    fields: dict[int | None, SolidField] = {None: _solid(mesh.points, mesh.cells, u, setup, material)}
+    for s in forces:
+        piece = ball_patch(setup, meshes, s)
+        normals = -patch_normals(piece, np.zeros(3))
+        fields[s] = _patch_field(piece, normals, material, forces[s][ball], u[mesh.socket_nodes[s]].ravel())
+    return fields
+
+
+@dataclass(frozen=True)
+class ContactPressure:
+    """Pressures ``(c,)`` [Pa] at the contact nodes of one ball and side; across, along ``(c,)`` [m]: the nodes in the
+    ball's tangent plane at the nominal contact, across the groove (growing contact angle) and along it; centre ``(2,)``
+    [m] of the forces there; load [N]; Hertz's closed form for that load; shape of the nodes' grid (None: no grid)."""
+
+    across: Array
+    along: Array
+    pressure: Array
+    centre: Array
+    load: float
+    hertz: HertzSolution
+    shape: tuple[int, int] | None
+
+
+def contact_radii(scene: Scene, side: int, angle: float) -> tuple[float, float]:
+    """Relative radii of curvature [m] across and along the groove at a contact of ``angle`` [rad]; as
+    `hifi.fit.expected_semi_axes`, for any side: along the groove the screw is convex, the nut hollow.
+
+    Source: normal curvature of the tube around a helix, cos(angle) cos^2(lead angle) / r at radius r.
+    """
+    track, ball = scene.track, scene.balls.radius
+    groove = (scene.screw if side < 2 else scene.nut).groove_radius
+    sense = SIDE_SIGNS[side][0]  # -1 on the screw
+    alpha = np.arctan2(track.lead / (2.0 * np.pi), track.pitch_radius)
+    reach = track.pitch_radius + sense * ball * np.cos(angle)
+    across = 1.0 / ball - 1.0 / groove
+    along = 1.0 / ball - sense * np.cos(angle) * np.cos(alpha) ** 2 / reach
+    return float(1.0 / across), float(1.0 / along)
+
+
+def contact_pressure(setup: Setup, side: int, forces: Array) -> ContactPressure:
+    """Pressure of one contact from its nodal forces ``(c,)`` [N]: force over tributary area.
+
+    Raises ValueError for a contact without load.
+    """
+    patch = setup.patches[side].groove
+    if not forces.sum() > 0.0:
+        raise ValueError("a contact without load has no pressure")
+    arms = patch.points - np.array([setup.map.R, 0.0, 0.0])
+    n, t1, t2 = directions(setup.map, side)
+    across, along = arms @ t1, arms @ t2
+    resultant = forces @ (arms / np.linalg.norm(arms, axis=1)[:, None])
+    load = float(np.linalg.norm(resultant))
+    angle = setup.map.beta + float(np.arctan2(resultant @ t1, resultant @ n))
+    centre = np.array([forces @ across, forces @ along]) / forces.sum()
+    material = setup.scene.balls.material
+    radii = contact_radii(setup.scene, side, angle)
+    closed = hertz(load, *radii, material.youngs_modulus, material.poissons_ratio)
+    return ContactPressure(across, along, forces / patch.areas, centre, load, closed, patch.shape)
+
+
+def hertz_von_mises(contact: HertzSolution, depth: Array, poisson: float) -> Array:
+    """Equivalent stress [Pa] below the centre of Hertz's ellipse, at depths ``(d,)`` [m] of at least 0.2 b.
+
+    Boussinesq's point loads (Johnson, Contact Mechanics (1985), 3.19) integrated over p0 sqrt(1 - x^2/a^2 - y^2/b^2).
+
+    >>> ball = hertz(100.0, 5e-3, 5e-3, 210e9, 0.3)
+    >>> f"{hertz_von_mises(ball, np.array([0.481 * ball.semi_x]), 0.3)[0] / ball.pole_pressure:.3f}"
+    '0.620'
+    """
+    g, w = np.polynomial.legendre.leggauss(80)
+    phi = 0.25 * np.pi * (1.0 + g)
+    theta = (np.arange(160) + 0.5) * np.pi / 160.0
+    s = np.sin(phi)
+    x = contact.semi_x * s[:, None] * np.cos(theta)
+    y = contact.semi_y * s[:, None] * np.sin(theta)
+    weight = 0.25 * np.pi * w * np.cos(phi) ** 2 * s * (2.0 * np.pi / 160.0)
+    P = contact.pole_pressure * contact.semi_x * contact.semi_y * np.broadcast_to(weight[:, None], x.shape)
+    r2 = x * x + y * y
+    out = np.empty(np.shape(depth))
+    for k, z in enumerate(depth):
+        R = np.sqrt(r2 + z * z)
+        share = r2 / (R * (R + z)) / r2**2  # (1 - z/R) / r^4 without cancellation
+
+        def direct(u: Array, v: Array, z: float = z, R: Array = R, share: Array = share) -> float:
+            soft = (1.0 - 2.0 * poisson) * (share * (u * u - v * v) + z * v * v / (r2 * R**3))
+            return float((P * (soft - 3.0 * z * u * u / R**5)).sum() / (2.0 * np.pi))
+
+        axial = -float((P * 3.0 * z**3 / R**5).sum() / (2.0 * np.pi))
+        out[k] = von_mises(np.array([direct(x, y), direct(y, x), axial, 0.0, 0.0, 0.0]))
+    return out

@@ -1,0 +1,211 @@
+"""The 3D reference on two balls: condensation against the whole mesh, statics, symmetry."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.linalg import block_diag
+
+from compare import catalogue
+from hifi import reference, setup
+from hifi.balls import solve_balls
+from hifi.bodies import freedoms, isostatic
+from hifi.compliance import uncoupled
+from hifi.elasticity import stiffness
+from hifi.fit import Settings, ball_place
+from hifi.response import compliance
+from hifi.setup import placed
+from meshes.grooved_body import local_points
+from meshes.parts import Load, Support
+
+SMALL = Settings(
+    b_over_h=0.8, semi=(0.5e-3, 0.14e-3), reach=(0.5e-3, 0.14e-3), fine=3e-3, coarse=12e-3, ball_fine=1e-3,
+    ball_coarse=2e-3, cell=9e-3, modes=10**6,
+)  # fmt: skip
+
+
+def two_balls(**changes):
+    """Two balls side by side in a short nut, the screw held on both sides close to it."""
+    s = catalogue.scene("lin-case1")
+    scene = replace(
+        s, nut=replace(s.nut, position=30e-3, length=16e-3), screw=replace(s.screw, length=60e-3),
+        supports=(s.supports[0], Support(60e-3, (("ux", 0.0), ("uy", 0.0)))),
+        balls=replace(s.balls, azimuths=(-0.35, 0.3)), loads=(Load(0.0, (0.0, 0.0, 400.0)),),
+        solid=replace(s.solid, shaft=6e-3, shaft_diameter=30e-3),
+    )  # fmt: skip
+    return replace(scene, **changes)
+
+
+@pytest.fixture(scope="module")
+def small():
+    return setup.prepare(two_balls(), (0, 3), SMALL)
+
+
+@pytest.fixture(scope="module")
+def meshes(small):
+    return setup.mesh_parts(small.scene, small.map, small.layout, small.dims, small.sides, SMALL)
+
+
+def whole(points, cells, patches, material, reduce):
+    """Compliance at the contact nodes' normals from one mesh of the body and all its patches, tied node by node.
+
+    patches: (mesh, normals, socket's nodes, rotation); reduce: (freedoms of the body) -> what holds it.
+    """
+    E, nu = material.youngs_modulus, material.poissons_ratio
+    blocks, columns, loads = [stiffness(points, cells, "P2", E, nu)], [], []
+    size = 3 * len(points)
+    inner_of = [np.setdiff1d(np.arange(len(p.points)), p.interface) for p, *_ in patches]
+    total = size + 3 * sum(len(i) for i in inner_of)
+    columns.append(sp.hstack([sp.identity(size), sp.csr_matrix((size, total - size))]))
+    start = size
+    for (mesh, normals, nodes, R), inner in zip(patches, inner_of, strict=True):
+        blocks.append(stiffness(mesh.points, mesh.cells, "Q2", E, nu))
+        C = sp.lil_matrix((3 * len(mesh.points), total))
+        C[freedoms(inner), start + np.arange(3 * len(inner))] = 1.0
+        turn = sp.kron(sp.identity(len(nodes)), R.T)  # the body moves in space, the patch in its own frame
+        C[np.ix_(freedoms(mesh.interface), freedoms(nodes))] = (sp.kron(mesh.tie, sp.identity(3)) @ turn).toarray()
+        columns.append(C.tocsr())
+        own = start + 3 * np.searchsorted(inner, mesh.contact)[:, None] + np.arange(3)
+        rows = np.repeat(np.arange(len(mesh.contact)), 3)
+        loads.append(sp.csr_matrix((normals.ravel(), (rows, own.ravel())), (len(mesh.contact), total)))
+        start += 3 * len(inner)
+    C = sp.vstack(columns).tocsr()
+    K = (C.T @ sp.block_diag(blocks) @ C).tocsc()
+    T = sp.block_diag([reduce(size), sp.identity(total - size)]).tocsc()
+    return compliance((T.T @ K @ T).tocsc(), sp.vstack(loads) @ T)
+
+
+def patch(small, meshes, side, *, ball=False):
+    body = meshes.ball if ball else meshes.screw if side < 2 else meshes.nut
+    place = ball_place(small.map, meshes.size, side, meshes.zone)[1] if ball else (
+        lambda xi: local_points(small.map, meshes.size, side, xi)
+    )
+    mesh = setup.patch_mesh(meshes, body.sockets[side], place, SMALL)
+    centre = np.zeros(3) if ball else np.array([small.map.R, 0.0, 0.0])
+    return mesh, (-1.0 if ball else 1.0) * setup.patch_normals(mesh, centre)
+
+
+def bodies(small, meshes):
+    """Compliance of screw, nut and ball at their contact nodes, each from one whole mesh."""
+    places = {s: [(float(a), float(z), s) for a, z in zip(small.layout.azimuth, small.layout.z, strict=True)]
+              for s in (0, 3)}  # fmt: skip
+    out = {}
+    for name, side, mesh, material in (
+        ("screw", 0, meshes.screw, small.scene.screw.material), ("nut", 3, meshes.nut, small.scene.nut.material),
+    ):  # fmt: skip
+        own, normals = patch(small, meshes, side)
+        parts = [(own, normals, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
+        if name == "screw":
+            reduce = lambda size, m=mesh: setup._end_transform(size, m, small.dims.ends(small.scene)[1])  # noqa: E731
+        else:
+            reduce = lambda size, m=mesh: setup._held_transform(size, m.low_end)  # noqa: E731
+        out[name] = whole(mesh.points, mesh.cells, parts, material, reduce)
+    parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
+    held = isostatic(meshes.ball.points, np.concatenate([p[2] for p in parts]))
+    out["ball"] = whole(
+        meshes.ball.points, meshes.ball.cells, parts, small.scene.balls.material,
+        lambda size: sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)],
+    )  # fmt: skip
+    return out
+
+
+def test_condensed_bodies_are_those_of_the_whole_mesh(small, meshes):
+    found = bodies(small, meshes)
+    A = {s: p.groove.A for s, p in small.patches.items()}
+    V = {0: small.screw.modes[0], 3: small.nut.modes[3]}
+    m = small.screw.stretch.modes
+    for name, side, G in (("screw", 0, small.screw.stretch.F[:m, :m]), ("nut", 3, small.nut.G)):
+        U = block_diag(V[side], V[side])
+        wanted = block_diag(A[side], A[side]) + U @ G @ U.T
+        np.testing.assert_allclose(found[name], wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
+    np.testing.assert_allclose(found["ball"], small.ball, rtol=0, atol=1e-10 * np.abs(small.ball).max())
+
+
+def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
+    """Two balls, both bodies, same mesh: loads with nothing condensed agree to 1e-10."""
+    found = bodies(small, meshes)
+    sides = (0, 3)
+    mounted = reference.mounted_screw(small, small.scene)
+    m = small.screw.stretch.modes
+    C = reference.compliance_of(small, mounted, sides)
+    # the beam to the support is not meshed: its share of the screw's compliance comes on top
+    beam = np.zeros((C.coupling.shape[0],) * 2)
+    pick = reference._screw_columns(small, sides)
+    beam[np.ix_(pick, pick)] = (mounted.G - small.screw.stretch.F[:m, :m])[
+        np.ix_(reference._modal_rows(small, sides), reference._modal_rows(small, sides))
+    ]
+    n = [len(small.patches[s].groove.A) for s in sides]
+    U = np.zeros((2 * sum(n), len(beam)))
+    for i, (V, c) in enumerate(zip(C.modes, C.columns, strict=True)):
+        U[i * sum(n) : (i + 1) * sum(n), c] = V
+    dense = U @ beam @ U.T + block_diag(found["ball"], found["ball"])
+    for name, part in (("screw", slice(0, n[0])), ("nut", slice(n[0], sum(n)))):
+        own = np.concatenate([i * sum(n) + np.arange(sum(n))[part] for i in range(2)])
+        dense[np.ix_(own, own)] += found[name]
+    normals = np.concatenate([small.patches[s].groove.points - [small.map.R, 0, 0] for s in sides])
+    length = np.linalg.norm(normals, axis=1)
+    gap = np.tile(length - small.map.ball, 2)
+    directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
+    zones = reference._zones(small, sides)
+    rows = reference._screw_rows(small, directions, zones, mounted.origin)
+    N = reference._directions_matrix(directions, rows, mounted.motions)
+    f = np.concatenate([np.zeros(6), mounted.work])
+    frozen = reference.solve_reference(small, small.scene, updates=0)
+    start = (np.zeros(0), frozen.contact.motions * 1.01)
+    at_rest = reference._modal_motion(C, reference._spread(small, C, sides, mounted.loads[reference._modal_rows(small, sides)]))
+    other, _ = solve_balls(uncoupled(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
+    assert other.converged
+    assert frozen.status == "converged"
+    largest = frozen.contact.forces.max()
+    np.testing.assert_allclose(other.forces, frozen.contact.forces, rtol=0, atol=1e-10 * largest)
+
+
+def test_balance_and_no_force_along_the_groove(small):
+    result = reference.solve_reference(small, small.scene)
+    assert result.status == "converged"
+    assert result.balance < 1e-8
+    assert abs(result.along_groove) < 1e-3
+    assert result.screw_balance < 1e-8
+    m = small.map
+    axial = result.load[:, 0] @ np.sin(result.contact_angle[:, 0]) * np.cos(m.alpha)
+    assert axial == pytest.approx(400.0, rel=2e-3)  # the contact's own width tilts its resultant a little
+    assert (result.load[:, [1, 2]] == 0.0).all()
+
+
+def test_two_opposite_balls_without_lead_carry_the_same():
+    """A ring free to tilt on two opposite balls: statics alone divides the load."""
+    s = catalogue.scene("bearing-9")
+    scene = replace(
+        s, balls=replace(s.balls, azimuths=(0.0, np.pi)), loads=(Load(8e-3, (0.0, 0.0, 600.0)),),
+        supports=(Support(8e-3, (("uy", 0.0), ("rx", 0.0), ("rz", 0.0))),),
+    )  # fmt: skip
+    ratio = s.balls.radius / 2.778e-3
+    settings = replace(
+        SMALL, semi=(1.0e-3, 0.3e-3), reach=(1.0e-3, 0.3e-3), fine=3e-3 * ratio, coarse=12e-3 * ratio,
+        ball_fine=1e-3 * ratio, ball_coarse=2e-3 * ratio, modes=16,
+    )  # fmt: skip
+    made = setup.prepare(scene, (0, 3), settings)
+    result = reference.solve_reference(made, scene)
+    assert result.status == "converged"
+    load = result.load[:, [0, 3]]
+    assert np.ptp(load) < 1e-6 * load.mean()
+    assert load.mean() * 2.0 * np.sin(result.contact_angle[0, 0]) == pytest.approx(600.0, rel=5e-3)
+
+
+def test_what_is_left_out_changes_the_answer_and_a_wrong_name_is_refused(small):
+    full = reference.solve_reference(small, small.scene)
+    for name in reference.INGREDIENTS:
+        other = reference.solve_reference(small, small.scene, leave_out=frozenset([name]))
+        assert other.status == "converged"
+        assert np.abs(other.load - full.load).max() > 1e-6 * full.load.max(), name
+    with pytest.raises(ValueError, match="unknown"):
+        reference.solve_reference(small, small.scene, leave_out=frozenset(["elastic ball"]))
+
+
+def test_ball_errors_and_lost_contact(small):
+    errors = replace(small.scene.errors, balls=replace(small.scene.errors.balls, listed=((1, -60e-6),)))
+    lost = reference.solve_reference(small, replace(small.scene, errors=errors))
+    assert lost.load[0, 0] == 0.0
+    assert lost.load[1, 0] > 400.0
+    assert np.isnan(lost.contact_angle[0, 0])
