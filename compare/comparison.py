@@ -115,7 +115,7 @@ def timed(contender: Contender, scene: Scene) -> tuple[StaticResult, float]:
     """Result of a contender and the seconds of the whole call."""
     own = contender.scene(scene)
     start = perf_counter()
-    result = run_model(own, contender.model, Options(discretisation=False))
+    result = run_model(own, contender.model, Options(discretisation=False, engine="interpreted"))
     return result, perf_counter() - start
 
 

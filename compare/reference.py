@@ -33,7 +33,8 @@ Step = Callable[[str], None]
 
 #: Mesh levels, coarse to fine; each refines patches, coarse bodies and balls by about 1.35. b_over_h counts second-order
 #: cells, so there are twice as many nodes. Lengths in m for the ball of ``BALL`` radius, other scenes in proportion.
-#: Level 0 is the source's mesh: first-order tetrahedra, 0.08 mm around every contact, 5 mm elsewhere (second-order ones of twice the size, split); it is no part of a convergence study.
+#: Level 0 is the source's mesh: first-order tetrahedra, 0.08 mm around every contact, 5 mm elsewhere (second-order ones
+#: of twice the size, split); it is no part of a convergence study.
 LEVELS: dict[int, dict[str, float]] = {
     1: {"b_over_h": 1.6, "fine": 1.6e-3, "coarse": 8.0e-3, "ball_fine": 0.55e-3, "ball_coarse": 1.2e-3, "cell": 6.0e-3},
     2: {"b_over_h": 2.2, "fine": 1.2e-3, "coarse": 6.0e-3, "ball_fine": 0.42e-3, "ball_coarse": 0.95e-3, "cell": 5.0e-3},

@@ -7,7 +7,7 @@ elastic, of nominal geometry; rigid motions, which strain nothing, are left out.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from itertools import pairwise
 
@@ -18,9 +18,11 @@ from numpy.typing import NDArray
 from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, patch_modes
 from hifi.elasticity import strain_stress
 from hifi.elements import element_of
-from hifi.fit import ball_place
+from hifi.compliance import uncoupled
+from hifi.contact import solve_contact
+from hifi.fit import Settings, ball_place
 from hifi.hertz import HertzSolution, hertz
-from hifi.patch import PatchMesh, field
+from hifi.patch import CondensedPatch, PatchMesh, field
 from hifi.reference import ReferenceResult
 from hifi.setup import (
     Meshes,
@@ -28,7 +30,10 @@ from hifi.setup import (
     _end_transform,
     _held_transform,
     _sockets_of,
+    ball_compliance,
     body_kind,
+    condense_side,
+    mesh_parts,
     nut_held,
     patch_mesh,
     patch_normals,
@@ -37,8 +42,11 @@ from hifi.setup import (
 )
 from hifi.solvers import factor
 from meshes.ball_body import directions
+from meshes.groove_map import GrooveMap
 from meshes.grooved_body import GroovedBody, local_points
+from meshes.helix import BallLayout, ball_layout
 from meshes.parts import SIDE_SIGNS, Material, Scene
+from meshes.solid import dimensions
 from meshes.tet_patch import split_second_order
 
 Array = NDArray[np.float64]
@@ -210,19 +218,20 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
     u = np.zeros(K.shape[0])
     u[free] = factor(K[free][:, free].tocsc(), columns=1).solve(load[free])
     u = u.reshape(-1, 3)
-    fields: dict[int | None, SolidField] = {None: _solid(mesh.points, mesh.cells, u, setup, material)}
+    found: dict[int | None, SolidField] = {None: _solid(mesh.points, mesh.cells, u, setup, material)}
     for s in forces:
         piece = ball_patch(setup, meshes, s)
         normals = -patch_normals(piece, np.zeros(3))
-        fields[s] = _patch_field(piece, normals, material, forces[s][ball], u[mesh.socket_nodes[s]].ravel())
-    return fields
+        found[s] = _patch_field(piece, normals, material, forces[s][ball], u[mesh.socket_nodes[s]].ravel())
+    return found
 
 
 @dataclass(frozen=True)
 class ContactPressure:
     """Pressures ``(c,)`` [Pa] at the contact nodes of one ball and side; across, along ``(c,)`` [m]: the nodes in the
     ball's tangent plane at the nominal contact, across the groove (growing contact angle) and along it; centre ``(2,)``
-    [m] of the forces there; load [N]; Hertz's closed form for that load; shape of the nodes' grid (None: no grid)."""
+    [m] of the forces there; load [N]; Hertz's closed form for that load; tributary areas ``(c,)`` [m2]; shape of the
+    nodes' grid (None: no grid)."""
 
     across: Array
     along: Array
@@ -230,6 +239,7 @@ class ContactPressure:
     centre: Array
     load: float
     hertz: HertzSolution
+    areas: Array
     shape: tuple[int, int] | None
 
 
@@ -249,25 +259,62 @@ def contact_radii(scene: Scene, side: int, angle: float) -> tuple[float, float]:
     return float(1.0 / across), float(1.0 / along)
 
 
-def contact_pressure(setup: Setup, side: int, forces: Array) -> ContactPressure:
-    """Pressure of one contact from its nodal forces ``(c,)`` [N]: force over tributary area.
+def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatch, forces: Array) -> ContactPressure:
+    """Pressure of one contact from its nodal forces ``(c,)`` [N] on the groove's patch: force over tributary area.
 
     Raises ValueError for a contact without load.
     """
-    patch = setup.patches[side].groove
     if not forces.sum() > 0.0:
         raise ValueError("a contact without load has no pressure")
-    arms = patch.points - np.array([setup.map.R, 0.0, 0.0])
-    n, t1, t2 = directions(setup.map, side)
+    arms = patch.points - np.array([m.R, 0.0, 0.0])
+    n, t1, t2 = directions(m, side)
     across, along = arms @ t1, arms @ t2
     resultant = forces @ (arms / np.linalg.norm(arms, axis=1)[:, None])
     load = float(np.linalg.norm(resultant))
-    angle = setup.map.beta + float(np.arctan2(resultant @ t1, resultant @ n))
+    angle = m.beta + float(np.arctan2(resultant @ t1, resultant @ n))
     centre = np.array([forces @ across, forces @ along]) / forces.sum()
-    material = setup.scene.balls.material
-    radii = contact_radii(setup.scene, side, angle)
-    closed = hertz(load, *radii, material.youngs_modulus, material.poissons_ratio)
-    return ContactPressure(across, along, forces / patch.areas, centre, load, closed, patch.shape)
+    material = scene.balls.material
+    closed = hertz(load, *contact_radii(scene, side, angle), material.youngs_modulus, material.poissons_ratio)
+    return ContactPressure(across, along, forces / patch.areas, centre, load, closed, patch.areas, patch.shape)
+
+
+def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angles: Array) -> dict[int, ContactPressure]:
+    """Pressures of one ball between its grooves under given loads ``(4,)`` [N] and contact angles ``(4,)`` [rad].
+
+    Elastic are the whole ball and the grooves' patches, held where they meet their bodies, whose own yielding hardly
+    bends a contact; every groove moves as it must to carry its load. Sides without load are left out.
+    Raises ValueError where no side is loaded or the contact does not converge.
+    """
+    sides = tuple(s for s in range(4) if loads[s] > 0.0)
+    if not sides:
+        raise ValueError(f"ball {ball + 1} carries no load")
+    m, whole, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
+    own = slice(ball, ball + 1)
+    layout = BallLayout(*(getattr(whole, x.name)[own] for x in fields(BallLayout)))
+    meshes = mesh_parts(scene, m, layout, dims, sides, settings)
+    patches = {s: condense_side(scene, m, meshes, s, settings) for s in sides}
+    C = ball_compliance(scene, meshes.ball, patches, settings).D
+    x3, z3 = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
+    gaps, N, f, start = [], np.zeros((len(C), 3 * len(sides))), np.zeros(3 * len(sides)), 0
+    for k, s in enumerate(sides):
+        groove = patches[s].groove
+        arms = groove.points - np.array([m.R, 0.0, 0.0])
+        length = np.linalg.norm(arms, axis=1)
+        part, columns = slice(start, start + length.size), slice(3 * k, 3 * k + 3)
+        C[part, part] += groove.A
+        N[part, columns] = arms / length[:, None]
+        sx, sz = m.signs[s]
+        f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
+        gaps.append(length - m.ball)
+        start = part.stop
+    found = solve_contact(uncoupled(C), np.concatenate(gaps), N, f)
+    if not found.converged:
+        raise ValueError(f"ball {ball + 1}: {found.status}")
+    ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])
+    return {
+        s: contact_pressure(scene, m, s, patches[s].groove, found.forces[a:b])
+        for s, (a, b) in zip(sides, pairwise(ends), strict=True)
+    }
 
 
 def hertz_von_mises(contact: HertzSolution, depth: Array, poisson: float) -> Array:

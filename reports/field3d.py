@@ -30,6 +30,7 @@ _HEX_EDGES = (
 )  # fmt: skip
 _HEX_CORNERS = ((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2))
 _TEN_SPLIT = ((0, 4, 6, 7), (4, 1, 5, 9), (6, 5, 2, 8), (7, 9, 8, 3), (4, 8, 5, 6), (4, 8, 6, 7), (4, 8, 7, 9), (4, 8, 9, 5))
+COLOURS = 18  # steps of the colour scale: their borders are lines of equal value
 KINDS = {"P1": 4, "P2": 10, "Q2": 27}
 _LINE = "#2b3138"
 
@@ -227,15 +228,21 @@ def _render(picture: FieldPicture, path: str) -> None:
         look: dict[str, Any] = {"color": part.colour}
         if part.values is not None:
             look = {"scalars": "values", "cmap": "turbo", "clim": limits, "show_scalar_bar": False}
+            look |= {"n_colors": COLOURS, "log_scale": picture.log}
         (_add_section if picture.section else _add_skin)(plotter, part, picture, look)
     if shown and limits:
         plotter.add_scalar_bar(
-            picture.label + "\n", mapper=_mapper(plotter), color="black", fmt="%.4g", n_labels=6, vertical=True,
+            picture.label + "\n", mapper=_mapper(plotter), color="black", fmt="%.4g", n_labels=_labels(limits, picture.log), vertical=True,
             position_x=0.865, position_y=0.16, width=0.07, height=0.68, title_font_size=24, label_font_size=24,
         )  # fmt: skip
     _set_view(plotter, picture)
     plotter.screenshot(path)
     plotter.close()
+
+
+def _labels(limits: tuple[float, float], log: bool) -> int:
+    """Number of labels: one for each ten of a scale by tens, else seven, every third step."""
+    return round(float(np.log10(limits[1] / limits[0]))) + 1 if log else COLOURS // 3 + 1
 
 
 def _mapper(plotter: Any) -> Any:

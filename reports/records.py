@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 Cell = str | float | int | bool | None
+Numbers = Sequence[float] | NDArray[np.float64]
+Rows = Sequence[Sequence[float]] | NDArray[np.float64] | NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -107,10 +112,10 @@ class MeshPart:
     ``"Q2"`` (27-node hexahedra), nodes in gmsh's order; ``values`` (n) colour it, else ``colour`` does; ``edges``: draw
     the cells' edges; ``outline``: draw the rim of a section through it."""
 
-    points: Sequence[Sequence[float]]
-    cells: Sequence[Sequence[int]]
+    points: Rows
+    cells: Rows
     kind: str
-    values: Sequence[float] | None = None
+    values: Numbers | None = None
     colour: str = "#c3c8ce"
     edges: bool = True
     outline: bool = False
@@ -123,7 +128,7 @@ class FieldPicture:
     ``sight``: direction from the picture to the viewer; ``up``; ``focus`` (3) [m] in the middle; ``height`` [m] that is
     seen. ``cuts``: planes (point, normal); cells whose middle lies in front of all of them are left away. ``section``:
     show the plane section by the only cut instead. ``label``: of the values, with unit; ``limits``: ends of their
-    scale (None: from the data); ``words``: (point, text) written into the picture; ``scale_bar`` [m], 0 for none.
+    scale (None: from the data); ``log``: scale by tens; ``words``: (point, text) written into the picture; ``scale_bar`` [m], 0 for none.
     """
 
     name: str
@@ -137,6 +142,7 @@ class FieldPicture:
     section: bool = False
     label: str = ""
     limits: tuple[float, float] | None = None
+    log: bool = False
     words: Sequence[tuple[Sequence[float], str]] = ()
     scale_bar: float = 0.0
     caption: str = ""
@@ -147,9 +153,9 @@ class PressurePanel:
     """One contact: nodes x, y, their values, the ellipse (centre x, y, semi-axes along x, y) drawn on it, a note."""
 
     title: str
-    x: Sequence[float]
-    y: Sequence[float]
-    values: Sequence[float]
+    x: Numbers
+    y: Numbers
+    values: Numbers
     ellipse: tuple[float, float, float, float]
     note: str = ""
 

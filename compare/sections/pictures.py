@@ -1,0 +1,420 @@
+"""Pictures of the 3D reference: its mesh, contact pressures against Hertz, stresses around a ball, forces on all balls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.reference import settings_of
+from compare.study import Study
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import SIDES, Scene
+from reports.records import (
+    Column,
+    FieldPicture,
+    Figure,
+    LoadedScrew,
+    MeshPart,
+    Panel,
+    PressureMap,
+    PressurePanel,
+    Section,
+    Series,
+    Table,
+    Text,
+)
+
+if TYPE_CHECKING:
+    from hifi.fields import ContactPressure, SolidField
+    from hifi.reference import ReferenceResult
+    from hifi.setup import Meshes, Setup
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Step = Callable[[str], None]
+
+SCENE, FOUR = "lin-case1", "lin-case3-offset"
+LEVEL = 1
+#: Colours: screw, nut, ball, patches of the grooves and of the ball.
+STEEL, NUT, BALL, FINE, FINE_BALL = "#c9ced4", "#a9bccd", "#e4dcc8", "#f0a35e", "#7fb7a2"
+MM, MPA = 1e3, 1e-6
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The scene on the coarsest mesh: set-up, meshes, result; the ball that is drawn and the two sides that touch."""
+
+    scene: Scene
+    setup: Setup
+    meshes: Meshes
+    result: ReferenceResult
+    forces: dict[int, Array]
+    ball: int
+
+
+@dataclass(frozen=True)
+class Stresses:
+    """Fields around one ball in its frame: coarse screw and nut, coarse ball, groove patches and ball patches by side."""
+
+    bodies: tuple[SolidField, SolidField]
+    ball: SolidField
+    grooves: dict[int, SolidField]
+    patches: dict[int, SolidField]
+
+
+def solve(study: Study, step: Step, cache: Path | None) -> Solved:
+    """Solve the scene on the coarsest level, two-sided, and choose its most loaded ball."""
+    from hifi.fields import contact_forces
+    from hifi.reference import solve_reference
+    from hifi.setup import mesh_parts, prepare
+    from meshes.cache import Cache
+
+    scene = study.scene(SCENE)
+    sides = (0, 3)
+    settings, store = settings_of([scene], LEVEL), Cache(cache)
+    step(f"{SCENE} on mesh level {LEVEL}")
+    setup = prepare(scene, sides, settings, lambda _: None, cache=store)
+    result = solve_reference(setup, scene, sides=sides)
+    if not result.contact.converged:
+        raise RuntimeError(f"pictures: {SCENE} on level {LEVEL}: {result.status}")
+    meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, sides, settings, store)
+    return Solved(scene, setup, meshes, result, contact_forces(setup, result), int(result.load[:, 0].argmax()))
+
+
+def stresses(solved: Solved, step: Step) -> Stresses:
+    """Recover the fields around the chosen ball."""
+    from hifi.fields import ball_fields, coarse_field, groove_patch_field, nut_displacement, screw_displacement
+
+    step("displacements and stresses recovered")
+    setup, meshes, ball, forces = solved.setup, solved.meshes, solved.ball, solved.forces
+    scene, reach = solved.scene, 3.2 * setup.map.ball
+    u = screw_displacement(setup, meshes.screw, forces), nut_displacement(setup, meshes.nut, forces)
+    own = ball_fields(setup, meshes, ball, forces)
+    centre = np.array([setup.map.R, 0.0, 0.0])
+    return Stresses(
+        (
+            coarse_field(setup, meshes.screw, u[0], ball, scene.screw.material, reach),
+            coarse_field(setup, meshes.nut, u[1], ball, scene.nut.material, reach),
+        ),
+        replace(own[None], points=own[None].points + centre),
+        {s: groove_patch_field(setup, meshes, u[s >= 2], ball, s, forces) for s in setup.sides},
+        {s: replace(own[s], points=own[s].points + centre) for s in setup.sides},
+    )  # fmt: skip
+
+
+def frame(solved: Solved) -> tuple[Array, Array, Array]:
+    """Unit vectors x3, y3, z3 of the groove's section at azimuth 0: radial, along the track, across it."""
+    alpha = solved.setup.map.alpha
+    return (
+        np.array([1.0, 0.0, 0.0]), np.array([0.0, np.cos(alpha), np.sin(alpha)]),
+        np.array([0.0, -np.sin(alpha), np.cos(alpha)]),
+    )  # fmt: skip
+
+
+def contact_point(solved: Solved, side: int) -> Array:
+    """Nominal contact point of a side in the ball's frame."""
+    from meshes.ball_body import directions
+
+    m = solved.setup.map
+    return np.asarray(np.array([m.R, 0.0, 0.0]) + m.ball * directions(m, side)[0])
+
+
+def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
+    """Part of a mesh without the nodes that its cells do not use."""
+    nodes, local = np.unique(cells, return_inverse=True)
+    return MeshPart(points[nodes], local.reshape(cells.shape), kind, colour=colour)
+
+
+def mesh_overview(solved: Solved) -> FieldPicture:
+    """Coarse screw and half of the nut, with all fine patches in their sockets."""
+    from hifi.fields import groove_patch
+    from hifi.setup import body_kind, rotation
+
+    setup, meshes = solved.setup, solved.meshes
+    toward = np.array([0.55, -0.83, 0.0])
+    nut = meshes.nut
+    behind = nut.points[nut.cells[:, :4]].mean(axis=1) @ toward < 0.0
+    kind = body_kind(setup.settings)
+    parts = [
+        used(meshes.screw.points, meshes.screw.cells, kind, STEEL), used(nut.points, nut.cells[behind], kind, NUT),
+    ]  # fmt: skip
+    for s in setup.sides:
+        mesh = groove_patch(setup, meshes, s)
+        for phi, z in zip(setup.layout.azimuth, setup.layout.z, strict=True):
+            points = mesh.points @ rotation(float(phi)).T + np.array([0.0, 0.0, z])
+            if s < 2 or points.mean(axis=0) @ toward < 0.0:
+                parts.append(MeshPart(points, mesh.cells, mesh.kind, colour=FINE))
+    scene = solved.scene
+    return FieldPicture(
+        "mesh-screw", "Mesh of the 3D reference: screw, nut cut open, and the fine patches at all contacts", tuple(parts),
+        sight=(*(toward[:2] + 0.0), 0.25), up=(-toward[1], toward[0], 0.0), focus=(0.0, 0.0, scene.nut.position),
+        height=2.35 * scene.nut.outer_diameter / 2.0, scale_bar=10e-3,
+        caption=(
+            f"{SCENE}, level {LEVEL}: {len(meshes.screw.cells)} and {len(nut.cells)} second-order tetrahedra in screw and "
+            f"nut, and in every socket a patch of {len(groove_patch(setup, meshes, 0).cells)} second-order hexahedra "
+            f"(orange), condensed exactly. {setup.unknowns / 1e6:.2f} million unknowns as one mesh. Balls are not shown."
+        ),
+    )  # fmt: skip
+
+
+def _around(found: Stresses, *, edges: bool, values: bool) -> tuple[MeshPart, ...]:
+    """All pieces around the ball; with the mesh, or coloured by the equivalent stress in MPa."""
+
+    def part(piece: SolidField, colour: str) -> MeshPart:
+        stress = MPA * piece.von_mises if values else None
+        return MeshPart(piece.points, piece.cells, piece.kind, stress, colour, edges, outline=True)
+
+    return (
+        part(found.bodies[0], STEEL), part(found.bodies[1], NUT), part(found.ball, BALL),
+        *(part(x, FINE) for x in found.grooves.values()), *(part(x, FINE_BALL) for x in found.patches.values()),
+    )  # fmt: skip
+
+
+def section_picture(
+    solved: Solved, found: Stresses, name: str, title: str, caption: str, *, side: int | None, height: float,
+    values: bool, limits: tuple[float, float] | None = None, log: bool = False, bar: float = 1e-3,
+) -> FieldPicture:  # fmt: skip
+    """Plane of the groove's section through the ball, screw below, nut above; or one contact of it enlarged."""
+    x3, y3, z3 = frame(solved)
+    m = solved.setup.map
+    centre = np.array([m.R, 0.0, 0.0])
+    focus = centre if side is None else contact_point(solved, side)
+    words: list[tuple[tuple[float, ...], str]] = []
+    if side is None and not values:
+        b = m.ball
+        words = [
+            (tuple(centre), "ball"), (tuple(centre - 1.36 * b * x3), "screw"),
+            (tuple(centre + 1.40 * b * x3), "nut"),
+        ]  # fmt: skip
+    return FieldPicture(
+        name, title, _around(found, edges=not values, values=values), sight=tuple(y3), up=tuple(x3), focus=tuple(focus),
+        height=height, cuts=((tuple(focus), tuple(y3)),), section=True, label="von Mises stress [MPa]" if values else "",
+        limits=limits, log=log, words=tuple(words), scale_bar=bar, caption=caption,
+    )  # fmt: skip
+
+
+def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
+    """The ball with its patches, a quarter cut away."""
+    x3, y3, z3 = frame(solved)
+    m = solved.setup.map
+    centre = np.array([m.R, 0.0, 0.0])
+    whole = [replace(found.ball, stress=found.ball.stress), *found.patches.values()]
+    colours = [BALL, *[FINE_BALL] * len(found.patches)]
+    parts = tuple(MeshPart(x.points, x.cells, x.kind, colour=c) for x, c in zip(whole, colours, strict=True))
+    sight = y3 - 0.55 * x3 - 0.9 * z3
+    return FieldPicture(
+        "mesh-ball", "Mesh of a ball with its patches", parts, sight=tuple(sight), up=tuple(x3), focus=tuple(centre),
+        height=2.25 * m.ball, cuts=((tuple(centre), tuple(y3)), (tuple(centre), tuple(-z3))), scale_bar=1e-3,
+        caption=(
+            f"{len(found.ball.cells)} second-order tetrahedra and a patch of {len(found.patches[0].cells)} second-order "
+            "hexahedra at each contact, whose surface nodes match those of the groove one to one; a quarter is cut away "
+            "along the cells."
+        ),
+    )  # fmt: skip
+
+
+def panel_of(name: str, found: ContactPressure) -> PressurePanel:
+    """Map of one contact."""
+    h = found.hertz
+    return PressurePanel(
+        name, MM * found.across, MM * found.along, MPA * found.pressure,
+        (MM * found.centre[0], MM * found.centre[1], MM * h.semi_x, MM * h.semi_y),
+        f"{found.load:.1f} N\nlargest {MPA * found.pressure.max():.0f} MPa\nHertz {MPA * h.pole_pressure:.0f} MPa",
+    )  # fmt: skip
+
+
+def profiles(found: dict[str, ContactPressure]) -> Figure:
+    """Pressure along both lines of nodes through the most loaded node, with Hertz's."""
+    panels = []
+    for name, one in found.items():
+        assert one.shape is not None
+        grid = np.arange(one.pressure.size).reshape(one.shape)
+        i, k = np.unravel_index(int(one.pressure.argmax()), one.shape)
+        for title, line, own, axis in (
+            ("across the groove", grid[:, k], one.across, 0), ("along the groove", grid[i], one.along, 1),
+        ):  # fmt: skip
+            at = np.linspace(own[line].min(), own[line].max(), 161)
+            other = (one.along if axis == 0 else one.across)[line].mean() - one.centre[1 - axis]
+            across, along = (at - one.centre[0], other + 0.0 * at) if axis == 0 else (other + 0.0 * at, at - one.centre[1])
+            panels.append(
+                Panel(
+                    f"{name}, {title}", "distance from the nominal contact / mm", "pressure / MPa",
+                    (
+                        Series("3D reference, nodes", list(MM * own[line]), list(MPA * one.pressure[line]), "markers"),
+                        Series("Hertz", list(MM * at), list(MPA * one.hertz.pressure(across, along)), "line"),
+                    ),
+                    zero=True,
+                )
+            )  # fmt: skip
+    return Figure(
+        "pressure-profiles", "Contact pressure along lines of nodes", tuple(panels),
+        "Lines of nodes through the most loaded node of each contact; Hertz's closed form for the same load, centred on the "
+        "resultant force.",
+    )  # fmt: skip
+
+
+def pressures(solved: Solved) -> dict[str, ContactPressure]:
+    """Both contacts of the chosen ball."""
+    from hifi.fields import contact_pressure
+
+    setup = solved.setup
+    return {
+        f"ball {solved.ball + 1}, {SIDES[s]}": contact_pressure(
+            solved.scene, setup.map, s, setup.patches[s].groove, solved.forces[s][solved.ball]
+        )
+        for s in setup.sides
+    }
+
+
+def four_sided(study: Study) -> tuple[int, dict[str, ContactPressure]]:
+    """The most loaded ball of the preloaded scene, pressed by the low-order model's loads on all four sides."""
+    from hifi.fields import pressed_ball
+
+    scene, low = study.scene(FOUR), study.solve(FOUR)
+    full = np.where((low.load > 0.0).all(axis=1), low.load.max(axis=1), -1.0)
+    ball = int(full.argmax())
+    found = pressed_ball(scene, settings_of([scene], LEVEL), ball, low.load[ball], low.contact_angle[ball])
+    return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in found.items()}
+
+
+PRESSURE_COLUMNS = (
+    Column("contact", "Contact", format="s"), Column("load", "Load", "N", ".1f"),
+    Column("ours", "Largest pressure, 3D", "MPa", ".0f"), Column("hertz", "Pole pressure, Hertz", "MPa", ".0f"),
+    Column("ratio", "3D / Hertz", "", ".3f"), Column("a", "Semi-axis across", "mm", ".3f"),
+    Column("b", "Semi-axis along", "mm", ".3f"), Column("cells", "Nodes across 2b", "", ".1f"),
+)  # fmt: skip
+
+
+def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
+    """Largest pressures beside Hertz's."""
+    rows = [
+        {
+            "contact": f"{scene}, {name}", "load": x.load, "ours": MPA * float(x.pressure.max()),
+            "hertz": MPA * x.hertz.pole_pressure, "ratio": float(x.pressure.max() / x.hertz.pole_pressure),
+            "a": MM * x.hertz.semi_x, "b": MM * x.hertz.semi_y,
+            "cells": 2.0 * x.hertz.semi_y / float(np.diff(np.unique(np.round(x.along, 9))).max()),
+        }
+        for scene, found in groups.items() for name, x in found.items()
+    ]  # fmt: skip
+    return Table(
+        "pictures-pressure", "Largest nodal pressure and Hertz's pole pressure", PRESSURE_COLUMNS, rows,
+        "Nodal force over tributary area. The mesh is the coarsest of the study: single nodes scatter by a few per cent "
+        "about Hertz's ellipsoid, loads and approaches much less (section reference-mesh).",
+    )  # fmt: skip
+
+
+def loaded(solved: Solved) -> LoadedScrew:
+    """Contact forces of the 3D reference on all balls."""
+    scene, result = solved.scene, solved.result
+    layout, m = ball_layout(scene), solved.setup.map
+    radius, ball = scene.track.pitch_radius, float(specimen(scene, layout).ball_radius.max())
+    phi = np.linspace(layout.azimuth.min(), layout.azimuth.max(), 400)
+    rise = np.interp(phi, layout.azimuth, layout.z)
+    points, forces = [], []
+    for s in result.sides:
+        sx, sz = m.signs[s]
+        angle, load = result.contact_angle[:, s, None], result.load[:, s, None]
+        direction = sx * np.cos(angle) * layout.radial + sz * np.sin(angle) * layout.binormal
+        held = result.load[:, s] > 0.0
+        points.append((layout.centre + ball * direction)[held])
+        forces.append((-load * direction)[held])
+    return LoadedScrew(
+        name="loaded-screw-3d", title="Case 1: contact forces on the balls by the 3D reference",
+        screw_length=scene.screw.length, screw_radius=scene.screw.outer_diameter / 2.0,
+        nut_position=scene.nut.position, nut_length=scene.nut.length, nut_radius=scene.nut.outer_diameter / 2.0,
+        track_radius=radius, ball_radius=ball, ball_radii_centres=layout.centre.tolist(),
+        ball_loads=[float(x) for x in result.load.max(axis=1)],
+        helix=np.stack([radius * np.cos(phi), radius * np.sin(phi), rise], axis=1).tolist(),
+        contact_points=np.concatenate(points).tolist(), contact_forces=np.concatenate(forces).tolist(),
+        groove_radius=scene.screw.groove_radius, lead=scene.track.lead,
+        caption=f"Mesh level {LEVEL}. Balls are coloured by their contact load, {result.load[:, 0].min():.0f} to "
+        f"{result.load[:, 0].max():.0f} N.",
+    )  # fmt: skip
+
+
+def stress_caption(solved: Solved, found: Stresses, pressure: ContactPressure) -> tuple[str, tuple[float, float]]:
+    """Largest equivalent stresses below the contact beside Hertz's; and they themselves, ours over Hertz's."""
+    from hifi.fields import hertz_von_mises
+
+    h = pressure.hertz
+    short = min(h.semi_x, h.semi_y)
+    depth = np.linspace(0.2, 1.6, 141) * short
+    closed = hertz_von_mises(h, depth, solved.scene.balls.material.poissons_ratio)
+    top, at = float(closed.max()), float(depth[closed.argmax()])
+    own = float(found.grooves[0].von_mises.max()), float(found.patches[0].von_mises.max())
+    words = (
+        f"Largest nodal values {MPA * own[0]:.0f} MPa in the groove and {MPA * own[1]:.0f} MPa in the ball; Hertz's half "
+        f"space {MPA * top:.0f} MPa ({top / h.pole_pressure:.3f} of the pole pressure), {1e6 * at:.0f} µm below the surface."
+    )
+    return words, (own[0] / top, own[1] / top)
+
+
+def section(study: Study, step: Step, cache: Path | None = None) -> Section:
+    """Section of the report; ``cache``: folder of meshes and condensed parts (None: none)."""
+    solved = solve(study, step, cache)
+    found = stresses(solved, step)
+    two = pressures(solved)
+    step(f"pressures of a ball of {FOUR}")
+    ball4, four = four_sided(study)
+    n = solved.ball + 1
+    words, _ = stress_caption(solved, found, next(iter(two.values())))
+    honest = (
+        "Linear elastic, nominal geometry. Recovered by solving the bodies once more under the contact forces of all balls: "
+        "screw held at the low end of its 3D stretch, its unloaded high end free; nut held at its flange face. "
+    )
+    b = solved.setup.map.ball
+    return Section(
+        "pictures", "Pictures of the 3D reference",
+        (
+            Text(
+                (
+                    f"All pictures show {SCENE} on mesh level {LEVEL}, the coarsest of the mesh study, so that lines can be "
+                    "told apart; sections are taken in the plane of the groove's section, radius upwards and the screw's "
+                    "axis to the right.",
+                )
+            ),
+            mesh_overview(solved),
+            section_picture(
+                solved, found, "mesh-section", f"Mesh around ball {n}, plane section",
+                "Lines are the cells' edges in the plane. Grey: screw, blue: nut, sand: ball; orange and green: fine patches "
+                "of grooves and ball.", side=None, height=3.3 * b, values=False,
+            ),
+            section_picture(
+                solved, found, "mesh-contact", f"Mesh at the contact of ball {n} with the screw, plane section",
+                "Enlarged: ball patch above, groove patch below; nodes of both surfaces match in the contact zone.",
+                side=0, height=0.75 * b, values=False, bar=0.2e-3,
+            ),
+            ball_picture(solved, found),
+            PressureMap(
+                "pressure-two", f"Contact pressure of ball {n} of {SCENE}, screw and nut",
+                tuple(panel_of(name, x) for name, x in two.items()), "across the groove / mm", "along the groove / mm",
+                "pressure / MPa", "contact ellipse by Hertz",
+                "Nodal force over tributary area, dots are nodes. The ellipse is Hertz's closed form for the same load and "
+                "the curvatures at the contact, centred on the resultant force.",
+            ),
+            profiles(two),
+            PressureMap(
+                "pressure-four", f"Contact pressure of ball {ball4 + 1} of {FOUR}, all four sides",
+                tuple(panel_of(name, x) for name, x in four.items()), "across the groove / mm", "along the groove / mm",
+                "pressure / MPa", "contact ellipse by Hertz",
+                "The loads and contact angles of this preloaded ball are those of the low-order model; the pressures under "
+                "them are those of the 3D ball between its 3D groove patches, held where they meet screw and nut.",
+            ),
+            pressure_table({SCENE: two, FOUR: four}),
+            section_picture(
+                solved, found, "stress-section", f"Von Mises stress around ball {n}, plane section", honest
+                + "The scale goes by tens.", side=None, height=3.3 * b, values=True, limits=(2.0, 2000.0), log=True,
+            ),
+            section_picture(
+                solved, found, "stress-contact", f"Von Mises stress at the contact of ball {n} with the screw", words,
+                side=0, height=0.5 * b, values=True, limits=(0.0, 1800.0), bar=0.2e-3,
+            ),
+            loaded(solved),
+        ),
+    )  # fmt: skip
