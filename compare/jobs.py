@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,6 +12,8 @@ from compare.reference import LEVELS, SOURCE_LEVEL, VARIANTS, Run, Task, compute
 from meshes.parts import Scene
 
 Step = Callable[[str], None]
+#: Seconds between signs of life.
+HEARTBEAT = 20.0
 
 
 @dataclass(frozen=True)
@@ -88,8 +91,18 @@ def ensure(tasks: Sequence[Task], store: Path, engine: Engine, step: Step, store
         ahead = f", about {rest:.0f} s left" if finished < len(left) else ""
         step(f"[{finished}/{len(left)}] {task.label}{tail}: {spent:.0f} s{ahead}")
 
-    for number, runs in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
-        reached(number, runs)
+    over = threading.Event()
+
+    def pulse() -> None:
+        while not over.wait(HEARTBEAT):
+            step(f"... {perf_counter() - start:.0f} s, {finished} of {len(left)} done")
+
+    threading.Thread(target=pulse, daemon=True).start()
+    try:
+        for number, runs in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+            reached(number, runs)
+    finally:
+        over.set()
     return len(left)
 
 

@@ -62,8 +62,8 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
     runs = [r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None]
     if not runs:
         return []
-    base = load(scene, min(LEVELS), stores=stores)
-    changed = {v: r for v in VARIANTS if (r := load(scene, min(LEVELS), v, stores)) is not None}
+    base = load(scene, min(LEVELS), "base", stores) or load(scene, min(LEVELS), stores=stores)
+    changed = {v: r for v in VARIANTS if v != "base" and (r := load(scene, min(LEVELS), v, stores)) is not None}
     table = []
     for name, unit, take in quantities(runs[-1]):
         values = [take(r) for r in runs]

@@ -16,10 +16,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, patch_modes
-from hifi.elasticity import strain_stress
-from hifi.elements import element_of
 from hifi.compliance import uncoupled
 from hifi.contact import solve_contact
+from hifi.elasticity import strain_stress
+from hifi.elements import element_of
 from hifi.fit import Settings, ball_place
 from hifi.hertz import HertzSolution, hertz
 from hifi.patch import CondensedPatch, PatchMesh, field
@@ -119,7 +119,8 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
         hole = np.flatnonzero(np.abs(np.hypot(mesh.points[:, 0], mesh.points[:, 1]) - setup.dims.hole) < 1e-7)
         T = _held_transform(size, hole)
     else:
-        beyond = sorted({x.at for x in (*scene.supports, *scene.loads) if x.at > low})
+        stations = [x.at for x in scene.supports] + [x.at for x in scene.loads]
+        beyond = sorted({z for z in stations if z > low})
         if beyond:
             raise ValueError(
                 f"{scene.name}: the screw is held or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
@@ -206,7 +207,7 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
     """Fields of one ball about its centre, in its frame: the coarse ball (key None) and its patches by side."""
     material, mesh = setup.scene.balls.material, meshes.ball
     e, nu = material.youngs_modulus, material.poissons_ratio
-    own = {s: p.ball for s, p in setup.patches.items()}
+    own: dict[int, CondensedPatch] = {s: p.ball for s, p in setup.patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
     K = assemble(mesh.points, mesh.cells, sockets, own, e, nu, kind=body_kind(setup.settings))
     held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))

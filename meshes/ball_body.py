@@ -6,7 +6,6 @@ and no seam is needed. The projection keeps angles, and stretches lengths by a k
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from math import cos, sin
@@ -135,7 +134,7 @@ def _sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None
 
         closed = [np.append(r, r[0]) for r in rims if shell.points[r[0]] @ pole < 0.0]
         loops = [[(n, plane(shell.points[n]))] for n in (equator.nodes, *closed)]
-        shell.face("sphere", loops, space, limit, stretch, onto_sphere(m.ball))
+        shell.face("sphere", loops, space, limit, stretch)
 
 
 def parting(m: GrooveMap) -> Array:
@@ -144,11 +143,6 @@ def parting(m: GrooveMap) -> Array:
     n = directions(m, 3)[0]
     x3, z3 = cos(m.beta) * n - sin(m.beta) * t1, sin(m.beta) * n + cos(m.beta) * t1
     return np.asarray(x3 if m.beta <= np.pi / 4 else z3)
-
-
-def onto_sphere(radius: float) -> Callable[[Array], Array]:
-    """Points on the sphere about the origin, from points near it."""
-    return lambda x: radius * x / np.linalg.norm(x, axis=1)[:, None]
 
 
 def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:

@@ -94,15 +94,13 @@ class Curve:
 @dataclass
 class Face:
     """A triangulated face: its nodes' numbers ``(n,)`` and plane coordinates ``(n, 2)`` (a node on a seam has two), its
-    triangles ``(t, 3)`` of them, points of plane coordinates (None: a socket's faces, which stay as they are), points of
-    the face near points (None: midpoints of edges are taken in the plane)."""
+    triangles ``(t, 3)`` of them, points of plane coordinates (None: a socket's faces, which stay as they are)."""
 
     name: str
     number: Index
     plane: Array
     local: Index
     space: Placing | None
-    project: Placing | None = None
 
     @property
     def tris(self) -> Index:
@@ -113,14 +111,6 @@ class Face:
     def pairs(self) -> Index:
         """Edges ``(3 t, 2)`` of the triangles."""
         return np.concatenate([self.local[:, [0, 1]], self.local[:, [1, 2]], self.local[:, [2, 0]]])
-
-    def middles(self, points: Array) -> tuple[Index, Array]:
-        """Edges ``(k, 2)`` of nodes' numbers and their exact midpoints ``(k, 3)``, given all nodes' points."""
-        pairs = self.number[self.pairs]
-        if self.project is not None:
-            return pairs, self.project(points[pairs].mean(axis=1))
-        assert self.space is not None
-        return pairs, self.space(self.plane[self.pairs].mean(axis=1))
 
     def turn(self, first: int, second: int) -> bool:
         """Exchange the common edge of two triangles for the other diagonal, if both stay sound in the plane."""
@@ -179,13 +169,11 @@ class Shell:
         return Curve(number, t)
 
     def face(
-        self, name: str, loops: Sequence[Sequence[Side]], space: Placing, limit: float, stretch: Placing | None = None,
-        project: Placing | None = None,
-    ) -> None:  # fmt: skip
+        self, name: str, loops: Sequence[Sequence[Side]], space: Placing, limit: float, stretch: Placing | None = None
+    ) -> None:
         """Triangulate a face; loops: its boundary, then its holes, as sides in order; space: plane coordinates to points.
 
-        stretch: length in the plane over length in space, at plane coordinates (None: 1); project: points of the face near
-        points, where the plane is too distorted for midpoints.
+        limit: longest edge [m]; stretch: length in the plane over length in space, at plane coordinates (None: 1).
         """
         rings = [(np.concatenate([n[:-1] for n, _ in loop]), np.concatenate([x[:-1] for _, x in loop])) for loop in loops]
         own = np.concatenate([n for n, _ in rings])
@@ -199,7 +187,7 @@ class Shell:
         tris, inner = triangulate(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
         number = np.concatenate([own, self.nodes(space(inner))])
         plane = np.concatenate([plane, inner])
-        self.faces.append(Face(name, number, plane, tris, space, project))
+        self.faces.append(Face(name, number, plane, tris, space))
 
     def socket(self, mesh: SocketMesh, points: Array, raised: Array) -> Index:
         """Add the inner faces of a socket, its nodes at ``points``, its corners ``raised`` while the volume is filled;
@@ -218,7 +206,7 @@ class Shell:
 
     def exact(self) -> tuple[Index, Array]:
         """Edges ``(k, 2)`` of the surface and their exact midpoints ``(k, 3)`` [m]; first those of the curves."""
-        own = [f.middles(self.points) for f in self.faces if f.space is not None]
+        own = [(f.number[f.pairs], f.space(f.plane[f.pairs].mean(axis=1))) for f in self.faces if f.space is not None]
         edges, points = zip(*self.middles, *own, strict=True)
         return np.concatenate(edges), np.concatenate(points)
 
@@ -622,16 +610,16 @@ class Surface:
         def turn(gamma: Array) -> Array:
             return m.unroll(*m.section(side, gamma, np.full(gamma.shape, m.radius[side])))[2]
 
-        def flat(x: Array) -> Array:
+        def laid(x: Array) -> Array:
             return scale * np.stack([x[:, 0] - turn(x[:, 1]), x[:, 1]], axis=1)
 
         def space(plane: Array) -> Array:
-            phi, gamma = (plane / scale).T
-            phi = phi + turn(gamma)
+            along, gamma = (plane / scale).T
+            phi = along + turn(gamma)
             r, zeta = self.groove.profile(side, gamma)
             return cylindrical(r, phi, line + zeta + m.rg * phi)
 
-        loops = [[(n, flat(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]
+        loops = [[(n, laid(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]
         self.shell.face(f"flank {side}", loops, space, self.flank_limit)
 
     def _cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
@@ -702,12 +690,11 @@ class Surface:
                 begin, stop = (float(x(np.array([z]))[0, 0]) for x in (near, far))
                 ends = int(own.rails[2].nodes[end]), int(following.rails[0].nodes[end])
                 pair.append(self.shell.curve(circle(g.land, z), begin, stop, self.bend * g.land, ends))
-            low, high = (arc.on(level(z)) for arc, z in zip(pair, self.z, strict=True))
-            back = pair[1].back(level(self.z[1]))
-            boundary = [low, following.rails[0].on(far), back, own.rails[2].back(near)]
+            low, high = pair[0].on(level(self.z[0])), pair[1].back(level(self.z[1]))
+            boundary = [low, following.rails[0].on(far), high, own.rails[2].back(near)]
             self._cylinder("land", g.land, boundary, self.bend * g.land)
-            arcs.append((pair, low, high))
-        return [self._bound(threads, [a[0][end] for a in arcs], end) for end in (0, 1)]
+            arcs.append(pair)
+        return [self._bound(threads, [pair[end] for pair in arcs], end) for end in (0, 1)]
 
     def _bound(self, threads: list[Thread], arcs: list[Curve], end: int) -> list[Side]:
         """Loop around a flat end: out of a groove, along the land, into the next groove."""

@@ -34,8 +34,6 @@ UNDER, AWAY = 0.5, 0.12
 ON_GROOVE = 1e-3
 #: Shares tried by which a socket's corners move out while a body is filled, see `socket_mesh`.
 RAISED = (0.04, 0.06, 0.08)
-#: Angle kept free between the sockets of a ball, over that which one of them takes.
-APART = 0.15
 
 
 @dataclass(frozen=True)
@@ -171,9 +169,7 @@ def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
         return float(m.unroll(*m.section(side, np.array(gamma), np.array(m.radius[side])))[0]) - land
 
     if excess(m.beta) * excess(np.pi) < 0.0:
-        edge = float(brentq(excess, m.beta, np.pi, xtol=1e-14))
-        if apex < m.beta < edge:
-            return apex, edge
+        return apex, float(brentq(excess, m.beta, np.pi, xtol=1e-14))
     raise ValueError(
         f"the {SIDES[side]} flank ends before its contact at {np.degrees(m.beta):.3g} deg: a land radius of "
         f"{1e3 * land:.4g} mm leaves no groove there; move the land towards the pitch radius {1e3 * m.R:.4g} mm"
@@ -264,13 +260,6 @@ def turn_left(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
     return min(found)
 
 
-def ball_angle(m: GrooveMap, gamma: float, side: int) -> float:
-    """Angle [rad] that half of a socket takes at the ball's centre."""
-    x3, z3 = m.section(side, m.beta + gamma * np.array([-1.0, 0.0, 1.0]), np.full(3, m.radius[side]))
-    angle = np.arctan2(m.signs[side, 1] * z3, m.signs[side, 0] * x3)
-    return float(np.diff(angle).max())
-
-
 def fitted_socket(
     m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], land_screw: float, bore_screw: float, land_nut: float,
     outer_nut: float, ends: tuple[float, float],
@@ -279,8 +268,8 @@ def fitted_socket(
 
     land_screw, bore_screw, land_nut, outer_nut: radii [m]; ends: z [m] of the flat ends nearest the balls (the nut's).
     The usual socket is 0.30 rad wide to each side, 0.43 ball radii deep and 0.45 ball radii long to each side. It is
-    made narrower beside the groove's edge, its apex and the ball's other sockets; shallower over a thin wall; shorter
-    between close balls; smaller altogether beside an end or the next turn of the groove.
+    made narrower beside the groove's edge and its apex; shallower over a thin wall; shorter between close balls; smaller
+    altogether beside an end or the next turn of the groove.
     Raises ValueError, with the cause and a remedy, where less than 0.4 of any of the three would be left.
     """
     whole = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
@@ -344,7 +333,10 @@ def _scaled(size: SocketSize, share: float) -> SocketSize:
 
 
 def _narrowed(m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float) -> tuple[float, str]:
-    """Half width in gamma [rad] that edges, apexes and the ball's other sockets allow, and what set it."""
+    """Half width in gamma [rad] that edges and apexes allow, and what set it.
+
+    On the ball, sockets are then as far from the middle between two contacts as here from apex or pitch cylinder.
+    """
     gamma, why = GAMMA, ""
     for side in sides:
         land = land_screw if side < 2 else land_nut
@@ -356,15 +348,6 @@ def _narrowed(m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut:
             if room / (1.0 + BESIDE) < gamma:
                 gamma = room / (1.0 + BESIDE)
                 why = f"the {name} is {np.degrees(room):.3g} deg from the contact of side {SIDES[side]}; {remedy}"
-    for a, b, half in ((0, 1, m.beta), (2, 3, m.beta), (0, 2, np.pi / 2 - m.beta), (1, 3, np.pi / 2 - m.beta)):
-        if a in sides and b in sides:
-            share = _largest(lambda x, a=a, h=half: (1.0 + APART) * ball_angle(m, x * GAMMA, a) <= h)  # type: ignore[misc]
-            if share * GAMMA < gamma:
-                gamma = share * GAMMA
-                why = (
-                    f"the contacts {SIDES[a]} and {SIDES[b]} are {np.degrees(2.0 * half):.3g} deg apart on the ball; "
-                    "choose a contact angle nearer 45 deg"
-                )
     return gamma, why
 
 

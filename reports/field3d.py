@@ -9,8 +9,10 @@ import os
 import pickle
 import subprocess
 import sys
+from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -29,8 +31,13 @@ _HEX_EDGES = (
     (0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7),
 )  # fmt: skip
 _HEX_CORNERS = ((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2))
-_TEN_SPLIT = ((0, 4, 6, 7), (4, 1, 5, 9), (6, 5, 2, 8), (7, 9, 8, 3), (4, 8, 5, 6), (4, 8, 6, 7), (4, 8, 7, 9), (4, 8, 9, 5))
-COLOURS = 18  # steps of the colour scale: their borders are lines of equal value
+_TEN_SPLIT = (
+    (0, 4, 6, 7), (4, 1, 5, 9), (6, 5, 2, 8), (7, 9, 8, 3), (4, 8, 5, 6), (4, 8, 6, 7), (4, 8, 7, 9), (4, 8, 9, 5),
+)  # fmt: skip
+STEPS = 18  # of the colour scale: their borders are lines of equal value
+COLOURS = "turbo"
+PALETTE = 224  # colours of the file
+MM = 1e3
 KINDS = {"P1": 4, "P2": 10, "Q2": 27}
 _LINE = "#2b3138"
 
@@ -112,7 +119,7 @@ def faces(cells: Index, kind: str) -> Index:
         if kind != "P1":
             row += [edges[frozenset((a, face[(k + 1) % len(face)]))] for k, a in enumerate(face)]
         rows.append([*row, 20 + n] if hexa else row)
-    return cells[:, np.array(rows)].reshape(-1, len(rows[0]))
+    return np.asarray(cells[:, np.array(rows)].reshape(-1, len(rows[0])))
 
 
 def skin(cells: Index, kind: str) -> Index:
@@ -120,31 +127,63 @@ def skin(cells: Index, kind: str) -> Index:
     every = faces(cells, kind)
     corners = np.sort(every[:, : 4 if kind == "Q2" else 3], axis=1)
     _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
-    return every[np.sort(first[count == 1])]
+    return np.asarray(every[np.sort(first[count == 1])])
 
 
-def flat(face: Index, kind: str) -> Index:
-    """Triangles ``(t, 3)`` of second-order faces."""
-    local: tuple[tuple[int, ...], ...]
+def _shape(bary: Array, edges: Sequence[tuple[int, int]]) -> Array:
+    """Second-order shape functions ``(q, n)`` of a simplex at barycentric coordinates ``(q, corners)``."""
+    i, j = np.array(edges).T
+    return np.hstack([bary * (2.0 * bary - 1.0), 4.0 * bary[:, i] * bary[:, j]])
+
+
+def _lattice() -> tuple[Array, Index, Index]:
+    """Triangle cut into 16: shape functions ``(15, 6)`` of its points, small triangles, pieces of its edges."""
+    n = 4
+    place = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(n + 1) for j in range(n + 1 - i))}
+    x = np.array(list(place), dtype=float) / n
+    bary = np.column_stack([1.0 - x.sum(axis=1), x])
+    up = [(place[i, j], place[i + 1, j], place[i, j + 1]) for i, j in place if i + j < n]
+    down = [(place[i + 1, j], place[i + 1, j + 1], place[i, j + 1]) for i, j in place if i + j < n - 1]
+    walk = [(k, 0) for k in range(n)] + [(n - k, k) for k in range(n)] + [(0, n - k) for k in range(n)]
+    ring = [place[w] for w in walk]
+    return (
+        _shape(bary, ((0, 1), (1, 2), (2, 0))), np.array(up + down, dtype=np.int64),
+        np.stack([ring, np.roll(ring, -1)], axis=1).astype(np.int64),
+    )  # fmt: skip
+
+
+def drawn_faces(points: Array, face: Index, kind: str) -> tuple[Array, Array, Index, Index]:
+    """Faces as drawn, second-order ones curved: shape functions ``(q, m)`` and points ``(f q, 3)``, faces' nodes being
+    weighted by them; triangles ``(t, 3)`` and straight pieces of the edges ``(e, 2)`` of these points."""
     if kind == "P1":
-        return face
-    if kind == "P2":
-        local = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+        shape, small, ring = np.eye(3), np.array([[0, 1, 2]]), np.array([[0, 1], [1, 2], [2, 0]])
+    elif kind == "P2":
+        shape, small, ring = _lattice()
     else:
-        local = tuple(t for k in range(4) for t in ((k, 4 + k, 8), (k, 8, 4 + (k - 1) % 4)))
-    return face[:, np.array(local)].reshape(-1, 3)
+        shape = np.eye(9)
+        small = np.array([t for k in range(4) for t in ((k, 4 + k, 8), (k, 8, 4 + (k - 1) % 4))])
+        ring = np.array([e for k in range(4) for e in ((k, 4 + k), (4 + k, (k + 1) % 4))])
+    where = np.einsum("qm,fmx->fqx", shape, points[face]).reshape(-1, 3)
+    first = len(shape) * np.arange(len(face))[:, None, None]
+    return shape, where, (first + small).reshape(-1, 3), (first + ring).reshape(-1, 2)
 
 
-def rims(face: Index, kind: str) -> Index:
-    """Straight pieces ``(e, 2)`` of the faces' edges, each once."""
-    corners = 4 if kind == "Q2" else 3
-    pairs = []
-    for k in range(corners):
-        if kind == "P1":
-            pairs.append(face[:, [k, (k + 1) % corners]])
-        else:
-            pairs += [face[:, [k, corners + k]], face[:, [corners + k, (k + 1) % corners]]]
-    return np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
+def drawn_cells(part: MeshPart, cells: Index) -> tuple[Array, Index, Array | None]:
+    """Points, first-order cells and values as drawn in a section: second-order tetrahedra become 64 each."""
+    points = np.asarray(part.points, float)
+    values = None if part.values is None else np.asarray(part.values, float)
+    if part.kind != "P2":
+        return points, pieces(cells, part.kind), values
+    corner = np.eye(4)
+    ten = np.vstack([corner, *[0.5 * (corner[i] + corner[j]) for i, j in _TET_EDGES]])
+    small = []
+    for sub in _TEN_SPLIT:
+        own = ten[list(sub)]
+        small.append(np.vstack([own, *[0.5 * (own[i] + own[j]) for i, j in _TET_EDGES]]))
+    shape = _shape(np.concatenate(small), _TET_EDGES)
+    where = np.einsum("qm,cmx->cqx", shape, points[cells]).reshape(-1, 3)
+    new = pieces(np.arange(len(where)).reshape(-1, 10), "P2")
+    return where, new, None if values is None else (values[cells] @ shape.T).ravel()
 
 
 def _kept(part: MeshPart, picture: FieldPicture) -> Index:
@@ -154,63 +193,87 @@ def _kept(part: MeshPart, picture: FieldPicture) -> Index:
         return cells
     middle = points[cells[:, : 8 if part.kind == "Q2" else 4]].mean(axis=1)
     front = np.all([(middle - np.asarray(o)) @ np.asarray(n) > 0.0 for o, n in picture.cuts], axis=0)
-    return cells[~front]
+    return np.asarray(cells[~front])
 
 
-def _poly(points: Array, cells: Index, lines: bool = False) -> Any:
-    """Triangles or lines as a surface, unused points left away."""
+def _poly(points: Array, cells: Index, *, lines: bool = False) -> Any:
+    """Triangles or lines as a surface."""
     import pyvista
 
-    used, local = np.unique(cells, return_inverse=True)
-    rows = np.column_stack([np.full(len(cells), cells.shape[1]), local.reshape(cells.shape)]).ravel()
-    return pyvista.PolyData(points[used], **{"lines" if lines else "faces": rows}), used
+    rows = np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
+    return pyvista.PolyData(points, **{"lines" if lines else "faces": rows})
 
 
 def _add_skin(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
     """The surface of what the cuts leave, with the cells' edges."""
-    points = 1e3 * np.asarray(part.points, float)
     outside = skin(_kept(part, picture), part.kind)
     if not len(outside):
         return
-    surface, used = _poly(points, flat(outside, part.kind))
+    shape, points, triangles, edges = drawn_faces(MM * np.asarray(part.points, float), outside, part.kind)
+    surface = _poly(points, triangles)
     if part.values is not None:
-        surface["values"] = np.asarray(part.values, float)[used]
-    surface = surface.compute_normals(feature_angle=30.0, split_vertices=True, consistent_normals=False)
-    actor = plotter.add_mesh(surface, ambient=0.35, diffuse=0.65, smooth_shading=False, **look)
+        surface["values"] = (np.asarray(part.values, float)[outside] @ shape.T).ravel()
+    surface = surface.clean(tolerance=1e-7, absolute=True)
+    surface = surface.compute_normals(feature_angle=25.0, split_vertices=True, consistent_normals=False)
+    actor = plotter.add_mesh(surface, ambient=0.35, diffuse=0.65, smooth_shading=True, **look)
     actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
     if part.edges:
-        edges, _ = _poly(points, rims(outside, part.kind), lines=True)
-        plotter.add_mesh(edges, color=_LINE, line_width=1.1, lighting=False)
+        plotter.add_mesh(_poly(points, edges, lines=True), color=_LINE, line_width=part.line, lighting=False)
+
+
+def _crossing(points: Array, cells: Index, picture: FieldPicture) -> Index:
+    """Cells that the only cut passes through, and some beside it."""
+    origin, normal = (np.asarray(v, float) for v in picture.cuts[0])
+    away = (points[cells] - origin) @ normal
+    slack = 0.3 * np.ptp(away, axis=1)  # curved cells reach beyond their nodes
+    return np.asarray(cells[(away.min(axis=1) <= slack) & (away.max(axis=1) >= -slack)])
 
 
 def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict[str, Any]) -> None:
-    """The plane section of a part, with the cells' edges in it or its rim; drawn in the plane, lines a hair before it."""
+    """The plane section of a part, with the cells' edges in it or its rim; lines a hair before the plane."""
     import pyvista
 
-    points = 1e3 * np.asarray(part.points, float)
-    cells = np.asarray(part.cells, dtype=np.int64)
+    plain, every = np.asarray(part.points, float), np.asarray(part.cells, dtype=np.int64)
+    cells = _crossing(plain, every, picture)
+    if not len(cells):
+        return
     origin, normal = (np.asarray(v, float) for v in picture.cuts[0])
-    small = pieces(cells, part.kind)
-    kind = pyvista.CellType.TETRA if small.shape[1] == 4 else pyvista.CellType.HEXAHEDRON
-    grid = pyvista.UnstructuredGrid({kind: small}, points)
-    if part.values is not None:
-        grid["values"] = np.asarray(part.values, float)
-    plane = {"normal": normal, "origin": 1e3 * origin}
+    plane = {"normal": normal, "origin": MM * origin}
+    points, small, values = drawn_cells(part, cells)
+    grid = pyvista.UnstructuredGrid(
+        {pyvista.CellType.TETRA if small.shape[1] == 4 else pyvista.CellType.HEXAHEDRON: small}, MM * points
+    )
+    if values is not None:
+        grid["values"] = values
     cut = grid.slice(**plane)
     if cut.n_points == 0:
         return
     plotter.add_mesh(cut, lighting=False, **look)
-    ahead = 2e-3 * 1e3 * picture.height * np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
-    if part.edges:
-        walls, _ = _poly(points, np.unique(flat(faces(cells, part.kind), part.kind), axis=0))
-        lines = walls.slice(**plane)
-        if lines.n_points:
-            plotter.add_mesh(lines.translate(ahead), color=_LINE, line_width=1.2, lighting=False)
-    if part.outline:
-        rim, _ = _poly(points, flat(skin(cells, part.kind), part.kind))
-        lines = rim.slice(**plane)
-        if lines.n_points:
-            plotter.add_mesh(lines.translate(ahead), color="#101418", line_width=2.2, lighting=False)
+    ahead = 2e-3 * MM * picture.height * np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
+    for wanted, face, colour, width in (
+        (part.edges, faces(cells, part.kind), _LINE, 1.3), (part.outline, skin(every, part.kind), "#101418", 2.4),
+    ):  # fmt: skip
+        if wanted:
+            _, where, triangles, _ = drawn_faces(MM * plain, _crossing(plain, face, picture), part.kind)
+            lines = _poly(where, triangles).slice(**plane)
+            if lines.n_points:
+                plotter.add_mesh(lines.translate(ahead), color=colour, line_width=width, lighting=False)
+
+
+def _limits(picture: FieldPicture) -> tuple[float, float] | None:
+    """Ends of the scale of the values; None without values."""
+    shown = [np.asarray(p.values, float) for p in picture.parts if p.values is not None]
+    if picture.limits is not None or not shown:
+        return picture.limits if shown else None
+    return min(float(np.nanmin(v)) for v in shown), max(float(np.nanmax(v)) for v in shown)
+
+
+def _axes(picture: FieldPicture) -> tuple[Array, Array, Array]:
+    """Unit vectors to the right, upwards and to the viewer."""
+    sight = np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
+    right = np.cross(np.asarray(picture.up, float), sight)
+    right /= np.linalg.norm(right)
+    return right, np.cross(sight, right), sight
 
 
 def _render(picture: FieldPicture, path: str) -> None:
@@ -218,47 +281,20 @@ def _render(picture: FieldPicture, path: str) -> None:
     import pyvista
 
     pyvista.OFF_SCREEN = True
-    plotter = pyvista.Plotter(off_screen=True, window_size=SIZE, lighting="none")
+    limits = _limits(picture)
+    width = round(SIZE[0] * (0.86 if limits else 1.0))
+    plotter = pyvista.Plotter(off_screen=True, window_size=(width, SIZE[1]), lighting="none")
     plotter.set_background("white")
-    shown = [np.asarray(p.values, float) for p in picture.parts if p.values is not None]
-    limits = picture.limits
-    if limits is None and shown:
-        limits = (min(float(np.nanmin(v)) for v in shown), max(float(np.nanmax(v)) for v in shown))
     for part in picture.parts:
         look: dict[str, Any] = {"color": part.colour}
         if part.values is not None:
-            look = {"scalars": "values", "cmap": "turbo", "clim": limits, "show_scalar_bar": False}
-            look |= {"n_colors": COLOURS, "log_scale": picture.log}
+            look = {
+                "scalars": "values", "cmap": COLOURS, "clim": limits, "show_scalar_bar": False, "n_colors": STEPS,
+                "log_scale": picture.log,
+            }  # fmt: skip
         (_add_section if picture.section else _add_skin)(plotter, part, picture, look)
-    if shown and limits:
-        plotter.add_scalar_bar(
-            picture.label + "\n", mapper=_mapper(plotter), color="black", fmt="%.4g", n_labels=_labels(limits, picture.log), vertical=True,
-            position_x=0.865, position_y=0.16, width=0.07, height=0.68, title_font_size=24, label_font_size=24,
-        )  # fmt: skip
-    _set_view(plotter, picture)
-    plotter.screenshot(path)
-    plotter.close()
-
-
-def _labels(limits: tuple[float, float], log: bool) -> int:
-    """Number of labels: one for each ten of a scale by tens, else seven, every third step."""
-    return round(float(np.log10(limits[1] / limits[0]))) + 1 if log else COLOURS // 3 + 1
-
-
-def _mapper(plotter: Any) -> Any:
-    """Mapper of the first part that shows values."""
-    return next(a.mapper for a in plotter.actors.values() if getattr(a.mapper, "scalar_visibility", False))
-
-
-def _set_view(plotter: Any, picture: FieldPicture) -> None:
-    """Camera, lights, words and scale bar."""
-    import pyvista
-
-    sight = np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
-    right = np.cross(np.asarray(picture.up, float), sight)
-    right /= np.linalg.norm(right)
-    up = np.cross(sight, right)
-    focus, height = 1e3 * np.asarray(picture.focus, float), 1e3 * picture.height
+    right, up, sight = _axes(picture)
+    focus, height = MM * np.asarray(picture.focus, float), MM * picture.height
     plotter.camera.focal_point = focus
     plotter.camera.position = focus + 20.0 * height * sight
     plotter.camera.up = up
@@ -268,26 +304,61 @@ def _set_view(plotter: Any, picture: FieldPicture) -> None:
         light = pyvista.Light(position=focus + 50.0 * height * direction, focal_point=focus, intensity=strength)
         light.positional = False
         plotter.add_light(light)
-    near = 4.0 * height * sight
-    if picture.words:
-        places = np.array([1e3 * np.asarray(p, float) for p, _ in picture.words]) + near
-        plotter.add_point_labels(
-            places, [t for _, t in picture.words], font_size=26, text_color="black", shape_color="white",
-            shape_opacity=0.85, margin=5, show_points=False, always_visible=True, font_family="arial",
-            justification_horizontal="center", justification_vertical="center",
-        )  # fmt: skip
-    if picture.scale_bar:
-        half = 0.5 * height * SIZE[0] / SIZE[1]
-        start = focus + near - 0.93 * half * right - 0.455 * height * up
-        end = start + 1e3 * picture.scale_bar * right
-        plotter.add_mesh(pyvista.Line(start, end), color="black", line_width=5, lighting=False)
-        plotter.add_point_labels(
-            [0.5 * (start + end) + 0.03 * height * up], [f"{1e3 * picture.scale_bar:g} mm"], font_size=26,
-            text_color="black", shape_color="white", shape_opacity=0.7, margin=4, show_points=False, always_visible=True,
-            font_family="arial", justification_horizontal="center", justification_vertical="center",
-        )  # fmt: skip
     plotter.reset_camera_clipping_range()
     plotter.enable_anti_aliasing("ssaa")
+    image = plotter.screenshot(None, return_img=True)
+    plotter.close()
+    _compose(picture, np.asarray(image), limits, path)
+
+
+def _compose(picture: FieldPicture, image: Any, limits: tuple[float, float] | None, path: str) -> None:
+    """Words, scale bar and colour scale around the image; few colours keep the file small."""
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LogNorm, Normalize
+    from matplotlib.figure import Figure
+    from PIL import Image
+
+    rows, columns = image.shape[:2]
+    figure = Figure(figsize=(SIZE[0] / 100.0, SIZE[1] / 100.0), dpi=100)
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.0, 0.0, columns / SIZE[0], 1.0))
+    axes.imshow(image, interpolation="none", aspect="auto", extent=(0.0, columns, 0.0, rows))
+    axes.set_axis_off()
+    right, up, _ = _axes(picture)
+    scale = rows / picture.height
+    paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "boxstyle": "round,pad=0.25"}
+    for place, text in picture.words:
+        arm = np.asarray(place, float) - np.asarray(picture.focus, float)
+        at = 0.5 * columns + scale * (arm @ right), 0.5 * rows + scale * (arm @ up)
+        axes.text(*at, text, fontsize=19, ha="center", va="center", color="black", bbox=paper)
+    if picture.scale_bar:
+        length, low, left = scale * picture.scale_bar, 34.0, 44.0
+        box = matplotlib.patches.FancyBboxPatch(
+            (left - 10.0, low - 12.0), max(length, 80.0) + 20.0, 58.0, boxstyle="round,pad=6", facecolor="white",
+            edgecolor="none", alpha=0.85,
+        )  # fmt: skip
+        axes.add_patch(box)
+        start = left + 0.5 * (max(length, 80.0) - length)
+        axes.plot([start, start + length], [low, low], color="black", linewidth=4.0, solid_capstyle="butt")
+        axes.text(start + 0.5 * length, low + 8.0, f"{MM * picture.scale_bar:g} mm", fontsize=18, ha="center", va="bottom")
+    if limits:
+        norm = LogNorm(*limits) if picture.log else Normalize(*limits)
+        beside = figure.add_axes((columns / SIZE[0] + 0.022, 0.08, 0.02, 0.76))
+        colours = ScalarMappable(norm, matplotlib.colormaps[COLOURS].resampled(STEPS))
+        bar = figure.colorbar(colours, cax=beside)
+        bar.ax.tick_params(labelsize=18, length=5)
+        bar.ax.minorticks_off()
+        if picture.log:
+            ticks = [m * 10.0**k for k in range(-12, 13) for m in (1.0, 2.0, 5.0) if limits[0] <= m * 10.0**k <= limits[1]]
+        else:
+            ticks = list(np.linspace(*limits, STEPS // 3 + 1))
+        bar.set_ticks(ticks, labels=[f"{x:g}" for x in ticks])
+        figure.text(columns / SIZE[0] + 0.016, 0.875, fill(picture.label, 12), fontsize=18, va="bottom")
+    canvas.draw()
+    flat = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+    flat.quantize(PALETTE, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 if __name__ == "__main__":

@@ -118,6 +118,7 @@ def draw_map(item: PressureMap) -> str:
             raise ValueError(f"map {item.name!r}, panel {panel.title!r}: x, y and values must be as many, at least 3")
     columns = max(1, min(item.columns, len(item.panels)))
     rows = math.ceil(len(item.panels) / columns)
+    spans = [max(float(np.ptp(getattr(p, k))) for p in item.panels) for k in ("x", "y")]
     top = max(float(np.max(panel.values)) for panel in item.panels)
     levels = MaxNLocator(nbins=10, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, top)
     with matplotlib.rc_context({**_RC, "svg.hashsalt": f"rollbench-{item.name}"}):
@@ -125,14 +126,16 @@ def draw_map(item: PressureMap) -> str:
         FigureCanvasSVG(canvas)
         filled: Any = None
         for number, panel in enumerate(item.panels, start=1):
-            axes = canvas.add_subplot(rows, columns, number)
+            first = canvas.axes[0] if canvas.axes else None
+            axes = canvas.add_subplot(rows, columns, number, sharex=first, sharey=first)
             filled = _draw_contours(axes, panel, levels, item.ellipse_label)
             axes.set_xlabel(item.xlabel)
             axes.set_ylabel(item.ylabel)
-        canvas.colorbar(filled, ax=canvas.axes, label=item.label, shrink=0.9, aspect=26, pad=0.02)
+        canvas.colorbar(filled, ax=canvas.axes, label=item.label, aspect=14 * rows, pad=0.02)
         handles, labels = canvas.axes[0].get_legend_handles_labels()
         canvas.legend(handles, labels, loc="outside lower center", ncols=len(labels))
-        canvas.set_size_inches(_WIDTH[columns], rows * 3.3 + 0.3)
+        drawn = (_WIDTH[columns] - 1.1) / columns - 0.7
+        canvas.set_size_inches(_WIDTH[columns], rows * (drawn * spans[1] / spans[0] + 1.0) + 0.3)
         stream = io.StringIO()
         metadata = {"Date": None, "Creator": None, "Title": item.title}
         canvas.savefig(stream, format="svg", metadata=metadata, dpi=200)
@@ -150,9 +153,10 @@ def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, label: str) -> 
     axes.plot(x0 + a * np.cos(around), y0 + b * np.sin(around), color="#ff5a36", linewidth=1.6, label=label)
     axes.set_aspect("equal")
     axes.grid(visible=False)
-    axes.set_title(panel.title, pad=7)
+    axes.set_facecolor("#eceef1")
+    axes.set_title(panel.title, pad=20 if panel.note else 7)
     if panel.note:
-        axes.text(0.02, 0.97, panel.note, transform=axes.transAxes, va="top", color="white", fontsize=8.0)
+        axes.annotate(panel.note, (0.0, 1.0), (0.0, 6.0), xycoords="axes fraction", textcoords="offset points", va="bottom")
     return filled
 
 

@@ -110,7 +110,8 @@ class LoadedScrew:
 class MeshPart:
     """A piece of a mesh in a picture: points (n, 3) [m], cells of ``kind`` ``"P1"``, ``"P2"`` (4, 10-node tetrahedra) or
     ``"Q2"`` (27-node hexahedra), nodes in gmsh's order; ``values`` (n) colour it, else ``colour`` does; ``edges``: draw
-    the cells' edges; ``outline``: draw the rim of a section through it."""
+    the cells' edges; ``outline``: draw the rim of a section through it;
+    ``line``: width of the edges in pixels."""
 
     points: Rows
     cells: Rows
@@ -119,6 +120,7 @@ class MeshPart:
     colour: str = "#c3c8ce"
     edges: bool = True
     outline: bool = False
+    line: float = 1.2
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,8 @@ class FieldPicture:
     ``sight``: direction from the picture to the viewer; ``up``; ``focus`` (3) [m] in the middle; ``height`` [m] that is
     seen. ``cuts``: planes (point, normal); cells whose middle lies in front of all of them are left away. ``section``:
     show the plane section by the only cut instead. ``label``: of the values, with unit; ``limits``: ends of their
-    scale (None: from the data); ``log``: scale by tens; ``words``: (point, text) written into the picture; ``scale_bar`` [m], 0 for none.
+    scale (None: from the data); ``log``: scale by tens; ``words``: (point, text) written into the picture;
+    ``scale_bar`` [m], 0 for none.
     """
 
     name: str

@@ -95,8 +95,9 @@ def study_items(study: Study, found: References, stores: Sequence[Any] | None) -
 def spread_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
     """What moves the reference besides its mesh, on case 1 and the coarsest level."""
     scene = study.scene("lin-case1")
-    base = load(scene, min(LEVELS), stores=stores)
-    if base is None:
+    whole = load(scene, min(LEVELS), stores=stores)
+    base = load(scene, min(LEVELS), "base", stores) or whole
+    if base is None or whole is None:
         return None
     low = from_model(CONTENDERS["lin"], scene)
     rows: list[dict[str, Cell]] = []
@@ -104,7 +105,7 @@ def spread_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
         run = load(scene, min(LEVELS), name, stores)
         if run is None:
             continue
-        e, model = load_error(run.load, base.load), load_error(low.load, run.load)
+        e, model = load_error((whole if name == "base" else run).load, base.load), load_error(low.load, run.load)
         rows.append(
             {"choice": variant.label, "kind": "not printed or numerical" if variant.spread else "boundary condition",
              "max": e.max_percent, "rms": e.rms_percent, "at": f"{e.ball} {e.side}", "model": model.max_percent,

@@ -7,29 +7,45 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 
 
+def stored(name: str) -> list[dict[str, str]]:
+    path = ROOT / "reports" / "validation" / "tables" / f"{name}.csv"
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
 def test_table_is_the_report_s() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    lines = text.split("<!-- table: cases-choices -->")[1].strip().split("\n\n")[0].splitlines()[2:]
-    with open(ROOT / "reports" / "validation" / "tables" / "cases-choices.csv", encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(lines) == len(rows) >= 10
-    for line, row in zip(lines, rows, strict=True):
-        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
-        values = list(row.values())
-        assert cells[0] == values[0]
-        for cell, value in zip(cells[1:], values[1:6], strict=True):
-            decimals = len(cell.split(".")[1])
-            assert cell == f"{float(value):.{decimals}f}"
+    lines = text.split("<!-- table: reference-errors -->")[1].strip().split("\n\n")[0].splitlines()
+    heads = [cell.strip() for cell in lines[0].strip().strip("|").split("|")]
+    columns = {
+        "largest %": "largest error [% of mean]", "at": "at ball", "RMS %": "RMS error [% of mean]",
+        "own load, largest %": "largest [% of own load]", "printed %": "printed max / RMS [%]",
+        "uncertainty %": "reference's uncertainty [% of mean]",
+    }  # fmt: skip
+    rows = {(row["scene"], row["model"]): row for row in stored("reference-errors")}
+    assert len(lines) >= 10
+    for line in lines[2:]:
+        cells = dict(zip(heads, (cell.strip() for cell in line.strip().strip("|").split("|")), strict=True))
+        row = rows[cells["scene"], cells["model"]]
+        for head, key in columns.items():
+            shown = cells[head]
+            decimals = len(shown.split(".")[1]) if "." in shown and "/" not in shown else 0
+            assert shown == (f"{float(row[key]):.{decimals}f}" if decimals else row[key]), (line, head)
 
 
-def test_report_s_table_is_what_the_model_gives_now() -> None:
+def test_report_s_tables_are_what_the_models_give_now() -> None:
     from compare.sections.cases import choices
+    from compare.sections.reference import error_table, references
     from compare.study import Study
 
-    with open(ROOT / "reports" / "validation" / "tables" / "cases-choices.csv", encoding="utf-8", newline="") as file:
-        stored = list(csv.DictReader(file))
-    for row, old in zip(choices(Study()), stored, strict=True):
+    study = Study()
+    for row, old in zip(choices(study), stored("cases-choices"), strict=True):
         assert abs(float(row["max"]) - float(old["max [N]"])) < 1e-6 * float(old["max [N]"])
+    table = error_table(study, references(study), None)
+    for row, old in zip(table.rows, stored("reference-errors"), strict=True):
+        assert (row["scene"], row["model"]) == (old["scene"], old["model"])
+        if row.get("max") is not None:
+            assert abs(float(row["max"]) - float(old["largest error [% of mean]"])) < 1e-4
 
 
 def test_exactly_two_set_up_commands() -> None:
