@@ -27,18 +27,18 @@ from hifi.reference import ReferenceResult
 from hifi.setup import (
     Meshes,
     Setup,
-    _end_transform,
-    _held_transform,
-    _sockets_of,
     ball_compliance,
     body_kind,
     condense_side,
+    end_transform,
+    held_transform,
     mesh_parts,
     nut_held,
     patch_mesh,
     patch_normals,
     placed,
     rotation,
+    sockets_of,
 )
 from hifi.solvers import factor
 from meshes.ball_body import directions
@@ -117,7 +117,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     size = 3 * len(mesh.points)
     if setup.dims.screw_held == "bore":
         hole = np.flatnonzero(np.abs(np.hypot(mesh.points[:, 0], mesh.points[:, 1]) - setup.dims.hole) < 1e-7)
-        T = _held_transform(size, hole)
+        T = held_transform(size, hole)
     else:
         stations = [x.at for x in scene.supports] + [x.at for x in scene.loads]
         beyond = sorted({z for z in stations if z > low})
@@ -126,14 +126,14 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
                 f"{scene.name}: the screw is held or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
                 f"stretch at {1e3 * low:.4g} mm; its field is recovered only where all supports and loads lie below that"
             )
-        T = _end_transform(size, mesh, high)
+        T = end_transform(size, mesh, high)
     return _answer(setup, mesh, forces, T, screw=True)
 
 
 def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) -> Array:
     """Displacements ``(n, 3)`` [m] of the coarse nut under all contact forces, held where the scene says."""
     outer = setup.scene.nut.outer_diameter / 2.0
-    T = _held_transform(3 * len(mesh.points), nut_held(mesh, setup.dims, outer))
+    T = held_transform(3 * len(mesh.points), nut_held(mesh, setup.dims, outer))
     return _answer(setup, mesh, forces, T, screw=False)
 
 
@@ -141,7 +141,7 @@ def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc
     """K q = Q^T V^T f on what the transform T leaves free."""
     material = (setup.scene.screw if screw else setup.scene.nut).material
     own = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
-    sockets = placed(mesh, _sockets_of(setup.layout, setup.sides, screw))
+    sockets = placed(mesh, sockets_of(setup.layout, setup.sides, screw))
     e, nu = material.youngs_modulus, material.poissons_ratio
     K = assemble(mesh.points, mesh.cells, sockets, own, e, nu, kind=body_kind(setup.settings))
     kept = {s: patch_modes(p, setup.settings.modes) for s, p in own.items()}

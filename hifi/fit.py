@@ -27,8 +27,8 @@ class Settings:
 
     b_over_h: cells across the short semi-axis; semi, reach: smallest and largest expected semi-axes (a, b); fine, coarse:
     element sizes of the coarse bodies near and away from sockets; ball_fine, ball_coarse: those of balls; cell: that of
-    the homogenised shaft; modes: smooth modes kept per patch; element: ``"Q2"`` patches on second-order bodies, or ``"P1"``: first-order
-    tetrahedra of ``tet`` size around each contact, on first-order bodies, as the source's mesh.
+    the homogenised shaft; modes: smooth modes kept per patch; element: ``"Q2"`` patches on second-order bodies, or
+    ``"P1"``: first-order tetrahedra of ``tet`` size around each contact, on first-order bodies, as the source's mesh.
     """
 
     b_over_h: float = 4.0

@@ -133,12 +133,12 @@ def mesh_parts(
     low, high = dims.ends(scene)
     nut, position = scene.nut, scene.nut.position
     screw_spec = BodySpec(
-        dims.hole, scene.screw.outer_diameter / 2.0, low, high, True, _sockets_of(layout, sides, True), size,
+        dims.hole, scene.screw.outer_diameter / 2.0, low, high, True, sockets_of(layout, sides, True), size,
         settings.fine, settings.coarse,
     )  # fmt: skip
     nut_spec = BodySpec(
         dims.land, nut.outer_diameter / 2.0, position - nut.length / 2.0, position + nut.length / 2.0, False,
-        _sockets_of(layout, sides, False), size, settings.fine, settings.coarse,
+        sockets_of(layout, sides, False), size, settings.fine, settings.coarse,
     )  # fmt: skip
     sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
     fine, coarse = settings.ball_fine, settings.ball_coarse
@@ -274,7 +274,8 @@ def body_kind(settings: Settings) -> Literal["P1", "P2"]:
     return "P2" if settings.element == "Q2" else "P1"
 
 
-def _sockets_of(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
+def sockets_of(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
+    """Contacts of all balls on the screw's sides, or on the nut's."""
     own = [s for s in sides if (s < 2) == screw]
     return tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in own)
 
@@ -375,7 +376,7 @@ def screw_response(
 ) -> ScrewResponse:  # fmt: skip
     """The 3D stretch of the screw, held at its base; ``inside``: stations of supports and loads within it."""
     e = scene.screw.material
-    places = _sockets_of(layout, sides, True)
+    places = sockets_of(layout, sides, True)
     sockets = placed(mesh, places)
     K = assemble(mesh.points, mesh.cells, sockets, own, e.youngs_modulus, e.poissons_ratio, kind=body_kind(settings))
     size = K.shape[0]
@@ -388,13 +389,13 @@ def screw_response(
     if bore:
         ports: tuple[float, ...] = ()
         observers: tuple[float, ...] = ()
-        T = _held_transform(size, hole)
+        T = held_transform(size, hole)
         rows = modes @ T
     else:
         ports = (high, *inside)
         half = scene.nut.length / 2.0
         observers = tuple(float(scene.nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
-        T = _end_transform(size, mesh, high)
+        T = end_transform(size, mesh, high)
         end = sp.csr_matrix((np.ones(6), (np.arange(6), T.shape[1] - 6 + np.arange(6))), (6, T.shape[1]))
         follow = [section_motion(mesh.points, hole, z, size) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
@@ -421,12 +422,13 @@ def section_motion(points: Array, hole: Index, z: float, size: int, least: int =
     )
 
 
-def _held_transform(size: int, nodes: Index) -> sp.csc_matrix:
+def held_transform(size: int, nodes: Index) -> sp.csc_matrix:
+    """C of a body whose ``nodes`` are held."""
     free = np.setdiff1d(np.arange(size), freedoms(nodes))
     return sp.identity(size, format="csc")[:, free]
 
 
-def _end_transform(size: int, mesh: GroovedBody, high: float) -> sp.csc_matrix:
+def end_transform(size: int, mesh: GroovedBody, high: float) -> sp.csc_matrix:
     """C of the stretch held at its low end, its high end a rigid section whose six freedoms come last."""
     slaves = freedoms(mesh.high_end)
     free = np.setdiff1d(np.arange(size), np.concatenate([freedoms(mesh.low_end), slaves]))
@@ -452,9 +454,9 @@ def nut_response(
 ) -> NutResponse:  # fmt: skip
     """Response of the nut held where the scene says."""
     e = scene.nut.material
-    sockets = placed(mesh, _sockets_of(layout, sides, False))
+    sockets = placed(mesh, sockets_of(layout, sides, False))
     K = assemble(mesh.points, mesh.cells, sockets, own, e.youngs_modulus, e.poissons_ratio, kind=body_kind(settings))
-    T = _held_transform(K.shape[0], nut_held(mesh, dims, scene.nut.outer_diameter / 2.0))
+    T = held_transform(K.shape[0], nut_held(mesh, dims, scene.nut.outer_diameter / 2.0))
     kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
     rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]) @ T
     return NutResponse(compliance((T.T @ K @ T).tocsc(), rows), {s: k[0] for s, k in kept.items()}, T.shape[1])

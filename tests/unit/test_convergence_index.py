@@ -18,7 +18,7 @@ def test_known_order_and_limit(order: float, sizes: tuple[float, float, float]) 
 
 
 def test_published_example() -> None:
-    """Celik et al. 2008, Table 1, first column: r21 = 1.5, r32 = 1.333; 6.063, 5.972, 5.863 give p = 1.53, 6.1685, 2.2 %."""
+    """Celik et al. 2008, Table 1, first column: r21 = 1.5, r32 = 1.333, phi = 6.063, 5.972, 5.863 give p = 1.53."""
     found = observe([5.863, 5.972, 6.063], [1.5 * 1.333, 1.5, 1.0])
     assert found.order == pytest.approx(1.53, abs=0.01)
     assert found.extrapolated == pytest.approx(6.1685, abs=2e-3)

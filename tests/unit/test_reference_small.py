@@ -97,9 +97,9 @@ def bodies(small, meshes):
         own, normals = patch(small, meshes, side)
         parts = [(own, normals, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
         if name == "screw":
-            reduce = lambda size, m=mesh: setup._end_transform(size, m, small.dims.ends(small.scene)[1])  # noqa: E731
+            reduce = lambda size, m=mesh: setup.end_transform(size, m, small.dims.ends(small.scene)[1])  # noqa: E731
         else:
-            reduce = lambda size, m=mesh: setup._held_transform(size, m.low_end)  # noqa: E731
+            reduce = lambda size, m=mesh: setup.held_transform(size, m.low_end)  # noqa: E731
         out[name] = whole(mesh.points, mesh.cells, parts, material, reduce)
     parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
     held = isostatic(meshes.ball.points, np.concatenate([p[2] for p in parts]))
@@ -153,7 +153,8 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     f = np.concatenate([np.zeros(6), mounted.work])
     frozen = reference.solve_reference(small, small.scene, updates=0)
     start = (np.zeros(0), frozen.contact.motions * 1.01)
-    at_rest = reference._modal_motion(C, reference._spread(small, C, sides, mounted.loads[reference._modal_rows(small, sides)]))
+    by_loads = mounted.loads[reference._modal_rows(small, sides)]
+    at_rest = reference._modal_motion(C, reference._spread(small, C, sides, by_loads))
     other, _ = solve_balls(uncoupled(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
     assert other.converged
     assert frozen.status == "converged"

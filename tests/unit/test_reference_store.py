@@ -65,7 +65,8 @@ def test_sides_that_may_touch(name: str, sides: tuple[int, ...]) -> None:
 
 def test_scenes_of_the_same_parts_share_a_set_up() -> None:
     scenes = [catalogue.scene(n) for n in ("lin-case1", "bearing-9", "lin-case3-offset", "lin-profile")]
-    assert [[s.name for s in g] for g in groups(scenes)] == [["lin-case1", "lin-case3-offset", "lin-profile"], ["bearing-9"]]
+    found = [[s.name for s in g] for g in groups(scenes)]
+    assert found == [["lin-case1", "lin-case3-offset", "lin-profile"], ["bearing-9"]]
     assert geometry_of(scenes[0]) != geometry_of(replace(scenes[0], solid=replace(scenes[0].solid, nut="rigid")))
 
 
@@ -86,7 +87,7 @@ def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.
     scenes = [catalogue.scene("lin-case1")]
     said: list[str] = []
 
-    def fake(task: Task, step: object = None) -> list[Run]:
+    def fake(task: Task) -> list[Run]:
         if task.level == 2:
             raise KeyboardInterrupt
         return [run_of("lin-case1", task.level, np.ones((32, 4)))]
