@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from compare.errors import InputError
 from compare.reference import needed_sides, settings_of
+from compare.system import need_gmsh
 from meshes.bridge import FORMATS, MeshData, form_of, need, reduced, write_mesh
 from meshes.parts import SIDES, Scene
 
@@ -47,6 +48,7 @@ def run_export(
         raise InputError("command line", "part", part, ", ".join(parts_of(scene)), "choose one of these")
     if form and form not in FORMATS:
         raise InputError("command line", "--format", form, ", ".join(FORMATS), "leave it out to go by the file's name")
+    need_gmsh()
     if out is None:
         out = Path(f"{scene.name}-{part}.{form or 'vtu'}")
     elif out.suffix == "":

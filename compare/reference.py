@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from compare import __version__
 from compare.convergence import Convergence, observe
 from compare.errors import InputError
+from compare.system import need_gmsh
 from compare.writing import replace_file
 from meshes.errors import specimen
 from meshes.helix import ball_layout, groove_radii, nominal_groove_centres
@@ -218,6 +219,7 @@ class Task:
 
 def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
     """Run a task. Raises InputError where a mesh cannot be built."""
+    need_gmsh()
     from hifi.reference import AT_RIM
     from hifi.setup import prepare
     from meshes.cache import Cache

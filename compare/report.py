@@ -18,6 +18,7 @@ from compare.findings import Finding
 from compare.jobs import Engine
 from compare.scene_file import scene_hash
 from compare.study import Study
+from compare.system import need_gmsh
 from reports.records import Report, Section
 
 Step = Callable[[str], None]
@@ -178,6 +179,8 @@ def make_report(
         check_target(out)
     except (ValueError, OSError) as error:
         raise _bad_folder(out, error) from None
+    if any(not only or n in only for n in ("reference", "pictures", "verification")):
+        need_gmsh()
     total = len([n for n in SECTIONS if (not only or n in only) and n not in ("overview", "errors", "manufacturing")])
     total += 1 + any(not only or n in only for n in ("overview", "errors", "manufacturing", "notes"))
     total += any(not only or n in only for n in ("overview", "reference", "reference-mesh", "notes"))
