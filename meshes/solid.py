@@ -11,7 +11,7 @@ from meshes.parts import Scene
 #: modelling spread.
 HOLE = 1.0 / 11.0
 #: 3D stretch of shaft assumed beyond each face of the nut, over the pitch radius.
-SHAFT = 1.2
+SHAFT = 1.5
 
 
 @dataclass(frozen=True)
