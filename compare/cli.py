@@ -277,8 +277,9 @@ def export(
     out: Path | None = None,
     format: Annotated[str, Parameter(name="--format")] = "",
     level: int = 1,
+    ball: int | None = None,
 ) -> int:
-    """Write a mesh of the 3D reference as a file for other programs: VTU, MSH, MED or INP, lengths in m.
+    """Write a mesh or a result field of the 3D reference for other programs: VTU, MSH, MED or INP, lengths in m.
 
     Parameters
     ----------
@@ -292,11 +293,13 @@ def export(
         vtu, msh, med or inp; by the file's name unless given.
     level
         Mesh level, 1 (coarse) to 3; 0 is the source's mesh.
+    ball
+        Solve the scene and add displacement and stress: of this ball and its patches, or of the whole screw or nut.
     """
     from compare import catalogue
     from compare.export_command import run_export
 
-    return run_export(catalogue.scene(scene), part, format, out, level, cache=_cache(), show=_show)
+    return run_export(catalogue.scene(scene), part, format, out, level, cache=_cache(), show=_show, ball=ball)
 
 
 @app.command

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from hifi.patch import PatchMesh
     from hifi.setup import Meshes
 
+Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Show = Callable[..., None]
 
@@ -35,9 +36,12 @@ def parts_of(scene: Scene) -> tuple[str, ...]:
 
 def run_export(
     scene: Scene, part: str, form: str, out: Path | None, level: int, *, cache: Path | None = None, show: Show = print,
+    ball: int | None = None,
 ) -> int:  # fmt: skip
     """Write the mesh of a part, with the sockets, contact zones and end faces as named groups; lengths in m.
 
+    ball: solve the scene and add displacement [m], stress and von Mises stress [Pa] of that ball's parts (from 1), or of
+    the whole screw or nut; None: the mesh alone.
     form: vtu, msh, med or inp, by the suffix of ``out`` unless given, vtu without one; out: the file, which is replaced
     if it exists; None: ``<scene>-<part>.<form>``; level: mesh level of the reference (0: the source's mesh); cache: folder
     of the reference's meshes, None for none.
@@ -61,15 +65,21 @@ def run_export(
         raise InputError("command line", "--out", str(out), f"a name ending in {allowed}", "or give --format") from None
     except ImportError as error:
         raise InputError("command line", "--format", form, "a format whose packages are installed", str(error)) from None
+    if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
+        allowed = f"1 to {scene.ball_count}, for parts of the scene, in vtu, msh or med"
+        raise InputError("command line", "--ball", str(ball), allowed, "leave it out for the mesh alone")
+    fields: dict[str, Array] = {}
     try:
         data = part_mesh(scene, part, level, cache)
+        if ball is not None:
+            fields = result_fields(scene, part, level, ball - 1, cache)
     except ValueError as error:
         raise InputError(
             scene.name, part, str(error), "a scene that can be meshed", "see solid.* and the nut's length in the scene",
         ) from error  # fmt: skip
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        write_mesh(out, data, form=form)
+        write_mesh(out, data, fields, form=form)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
@@ -101,6 +111,50 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
         return _body(meshes, part, first_order=settings.element == "P1")
     kind, _, side = part.rpartition("-")
     return _patch(_patch_mesh(meshes, m, SIDES.index(side), settings, of_ball=kind == "ball-patch"))
+
+
+def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | None = None) -> dict[str, Array]:
+    """Displacement ``(n, 3)`` [m], stress ``(n, 6)`` [Pa] (xx, yy, zz, yz, xz, xy) and von Mises stress of a part's nodes.
+
+    ball: from 0. Raises ValueError where the scene is not solved, or its screw is held or loaded beyond the low end.
+    """
+    from hifi import fields
+    from hifi.reference import solve_reference
+    from hifi.setup import body_kind, mesh_parts, prepare
+    from meshes.cache import Cache
+
+    settings, sides, store = settings_of([scene], level), needed_sides(scene), Cache(cache)
+    made = prepare(scene, sides, settings, cache=store)
+    result = solve_reference(made, scene)
+    if result.status != "converged":
+        raise ValueError(result.status)
+    meshes = mesh_parts(scene, made.map, made.layout, made.dims, sides, settings, store)
+    forces = fields.contact_forces(made, result)
+    if part in ("screw", "nut"):
+        body, material = (meshes.screw, scene.screw.material) if part == "screw" else (meshes.nut, scene.nut.material)
+        if part == "screw":
+            u = fields.screw_displacement(made, body, forces, scene)
+        else:
+            u = fields.nut_displacement(made, body, forces)
+        kind, cells = body_kind(settings), body.cells
+        if kind == "P1":
+            from meshes.tet_patch import split_second_order
+
+            cells = split_second_order(body.points, cells)
+        stress = fields.nodal_stress(body.points, cells, kind, u, material)
+    else:
+        own, _, side = part.rpartition("-")
+        if own == "patch":
+            if side.startswith("S"):
+                u = fields.screw_displacement(made, meshes.screw, forces, scene)
+            else:
+                u = fields.nut_displacement(made, meshes.nut, forces)
+            found = fields.groove_patch_field(made, meshes, u, ball, SIDES.index(side), forces)
+        else:
+            found = fields.ball_fields(made, meshes, ball, forces)[SIDES.index(side) if own == "ball-patch" else None]
+        u, stress = found.displacement, found.stress
+    six = {f"stress_{name}": stress[:, k] for k, name in enumerate(("xx", "yy", "zz", "yz", "xz", "xy"))}
+    return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
 
 
 def _body(meshes: Meshes, part: str, *, first_order: bool) -> MeshData:

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import meshio
@@ -384,3 +385,43 @@ def test_meshes_and_files_that_fail_are_reported(tmp_path: Path, cache: Path, mo
     monkeypatch.setattr(export_command, "part_mesh", bad)
     with pytest.raises(InputError, match="lin-case1: screw: got a contact patch does not fit"):
         run_export(SCENE, "screw", "", tmp_path / "a.vtu", 1)
+
+
+class TestResults:
+    """Result fields of a small solved scene."""
+
+    def scene(self):
+        s = catalogue.scene("lin-case1")
+        at = (-2.9, -0.6, 0.4, 2.6)
+        return replace(
+            s, nut=replace(s.nut, position=22e-3, length=34e-3), screw=replace(s.screw, length=44e-3),
+            balls=replace(s.balls, azimuths=at), loads=(replace(s.loads[0], force=(0.0, 0.0, 300.0)),),
+            supports=(s.supports[0], replace(s.supports[0], at=44e-3, fixed=(("ux", 0.0), ("uy", 0.0)))),
+            solid=replace(s.solid, shaft=4e-3, shaft_diameter=30e-3),
+        )  # fmt: skip
+
+    def test_nut_and_ball_carry_displacement_and_stress(self, tmp_path):
+        scene, cache = self.scene(), tmp_path / "cache"
+        lines = []
+        for part in ("nut", "ball", "patch-NR"):
+            out = tmp_path / f"{part}.vtu"
+            run_export(scene, part, "", out, 1, cache=cache, show=lines.append, ball=2)
+            read = meshio.read(out)
+            u, stress = read.point_data["displacement"], read.point_data["von_mises"]
+            assert u.shape == (len(read.points), 3)
+            assert 1e-8 < np.abs(u).max() < 1e-4
+            assert (stress >= 0.0).all()
+            if part == "nut":
+                held = np.abs(read.points[:, 2] - 5e-3) < 1e-9
+                assert held.any()
+                assert (u[held] == 0.0).all()
+            if part == "patch-NR":
+                assert stress.max() > 5e8  # below a contact of some 100 N
+
+    def test_what_cannot_be_had_is_refused(self, tmp_path):
+        for part, ball, form in (("nut", 0, ""), ("nut", 5, ""), ("block-source", 1, ""), ("nut", 1, "inp")):
+            with pytest.raises(InputError, match="--ball"):
+                run_export(self.scene(), part, form, tmp_path / "a", 1, ball=ball)
+        with pytest.raises(InputError, match="low end"):
+            run_export(self.scene(), "screw", "", tmp_path / "a.vtu", 1, cache=tmp_path / "cache", ball=1)
+        assert not (tmp_path / "a.vtu").exists()
