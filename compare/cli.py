@@ -137,7 +137,7 @@ def report(
     out
         Folder to write to.
     quick
-        Coarsest mesh of the 3D reference only, and no long verification; the report says so.
+        Coarsest mesh of the 3D reference and cases 1 and 2 only, no pictures, stability or timing; the report says so.
     stored
         Use the runs of the 3D reference that come with the package instead of computing them.
     store

@@ -190,3 +190,20 @@ def test_mesh_study_has_orders_or_bands() -> None:
     assert {"level 1", "level 2", "level 3", "uncertainty", "kind", "modelling_spread", "nut_fixing"} <= set(largest)
     for row in table:
         assert (row["order"] is None) == row["kind"].startswith("band")
+
+
+def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from compare.report import Source, compute_references
+
+    asked: list[list[Task]] = []
+    monkeypatch.setattr(jobs, "ensure", lambda tasks, *_: asked.append(list(tasks)))
+    for source in (
+        Source((tmp_path,), jobs.Engine()), Source((tmp_path,), jobs.Engine(), quick=True),
+        Source(None, jobs.Engine(), compute=False),
+    ):  # fmt: skip
+        compute_references(Study(), source, print)
+    full, quick = asked
+    assert {t.level for t in full if not t.variant} == {0, 1, 2, 3}
+    assert {t.variant for t in full} == {"", *reference.VARIANTS}
+    assert [t.ablate for t in full if t.level == 1 and not t.variant] == [True]
+    assert [(t.level, [s.name for s in t.scenes]) for t in quick] == [(1, ["lin-case1", "lin-case2"])]
