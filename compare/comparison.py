@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 from importlib import resources
 from time import perf_counter
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.convergence import observe
 from compare.errors import InputError
 from compare.findings import entry
 from compare.measure import LoadError, error_percent, load_error
@@ -147,6 +148,17 @@ def rows(scene: Scene, answer: Loads, found: Reference) -> list[Row]:
     return [*_contact_rows(scene, answer, found), *_line_rows(scene, answer, found), *_summary_rows(scene, answer, found)]
 
 
+def uncertainty_of(found: Reference, take: Callable[[Run], float]) -> float | None:
+    """Uncertainty of one quantity of a reference by its three finest levels; None with fewer, or where it is missing."""
+    if len(found.runs) < 3:
+        return None
+    runs = found.runs[-3:]
+    values = [take(run) for run in runs]
+    if not np.isfinite(values).all():
+        return None
+    return observe(values, [1.0 / run.settings["b_over_h"] for run in runs]).uncertainty
+
+
 def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
     best = found.best
     for i, s in np.ndindex(answer.load.shape):
@@ -161,7 +173,8 @@ def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
         if value > 0.0 and ref > 0.0:
             angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
             yield Row(
-                scene.name, "contact angle", i + 1, SIDES[s], "deg", None, answer.model, angle, own, None,
+                scene.name, "contact angle", i + 1, SIDES[s], "deg", None, answer.model, angle, own,
+                uncertainty_of(found, lambda run, i=i, s=s: float(run.angle[i, s])),  # type: ignore[misc]
                 float(error_percent(angle, own)), answer.seconds,
             )  # fmt: skip
 
@@ -172,10 +185,11 @@ def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
     for k, axis in enumerate("xyz"):
         largest = float(np.abs(line[:, 1 + k]).max(initial=0.0))
         values = np.interp(line[:, 0], answer.stations, answer.line[:, k])
-        for z, value, ref in zip(line[:, 0], values, line[:, 1 + k], strict=True):
+        for n, (z, value, ref) in enumerate(zip(line[:, 0], values, line[:, 1 + k], strict=True)):
+            bar = uncertainty_of(found, lambda run, n=n, k=k: 1e6 * float(run.centreline[n, 1 + k]))  # type: ignore[misc]
             yield Row(
                 scene.name, f"centreline u{axis} at {1e3 * z:.4g} mm", None, None, "um", None, answer.model,
-                1e6 * float(value), 1e6 * float(ref), None, float(error_percent(value, ref, largest)), answer.seconds,
+                1e6 * float(value), 1e6 * float(ref), bar, float(error_percent(value, ref, largest)), answer.seconds,
             )  # fmt: skip
 
 
@@ -197,8 +211,8 @@ def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
         yield Row(scene.name, name, None, None, unit, printed(key), answer.model, value, 0.0, bar, value, answer.seconds)
     ratio, own = load_ratio(answer.load), load_ratio(found.load)
     yield Row(
-        scene.name, "largest over smallest load, SL", None, None, "", printed(keys[2]), answer.model, ratio, own, None,
-        float(error_percent(ratio, own)), answer.seconds,
+        scene.name, "largest over smallest load, SL", None, None, "", printed(keys[2]), answer.model, ratio, own,
+        uncertainty_of(found, lambda run: load_ratio(run.load)), float(error_percent(ratio, own)), answer.seconds,
     )  # fmt: skip
 
 

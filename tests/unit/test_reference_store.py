@@ -173,6 +173,10 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     loads = [r for r in own if r.quantity == "load"]
     assert len(loads) == 64
     assert all(r.reference_error is not None and 0.0 <= r.reference_error < 10.0 for r in loads)
+    assert all(r.reference_error is not None for r in own), "every comparison carries the reference's error bar"
+    angles = [r for r in own if r.quantity == "contact angle"]
+    assert len(angles) == 64
+    assert all(r.reference_error < 0.3 for r in angles)
     assert {r.unit for r in own} == {"N", "%", "deg", "um", ""}
     printed = {r.quantity: r.printed for r in own if r.printed is not None}
     assert sorted(printed.values()) == [1.34, 2.3, 5.38]
