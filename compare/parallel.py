@@ -99,7 +99,7 @@ def _call(number: int, function: Callable[..., Any], arguments: Sequence[Any]) -
                 error.add_note(note)
                 packed = pickle.dumps(error.with_traceback(None))
                 pickle.loads(packed)
-            except Exception:
+            except Exception:  # an exception that cannot travel, for whatever reason its class has: its words can
                 plain = RuntimeError(f"{type(error).__name__}: {error}")
                 plain.add_note(note)
                 packed = pickle.dumps(plain)

@@ -48,7 +48,7 @@ SOURCE_MESH: dict[str, float] = {
 }  # fmt: skip
 BALL = 2.778e-3
 PRODUCTION = max(LEVELS)
-#: Bump when the mechanics of the reference changes: stored runs of an older number are not used.
+#: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
 SCHEMA = 2
 #: How often patches are enlarged where a contact reaches their rim.
 ENLARGE = 2

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
 import scipy.sparse as sp
@@ -18,7 +17,6 @@ from scipy.linalg import qr
 
 from hifi.elasticity import rigid_modes, stiffness
 from hifi.patch import CondensedPatch
-from hifi.solvers import factor
 from meshes.tet_patch import split_second_order
 
 Array = NDArray[np.float64]
@@ -32,28 +30,6 @@ class Socket:
     nodes: Index
     rotation: Array
     side: int
-
-
-@dataclass(frozen=True)
-class Section:
-    """A flat end face that moves as a rigid section with six freedoms at ``centre`` (3,)."""
-
-    nodes: Index
-    centre: Array
-
-
-@dataclass(frozen=True)
-class BodyResponse:
-    """Compliance G of all modes of all sockets, socket after socket ``(r, r)``; modes V per side ``(c, k)``; motion of the
-    modes by loads and prescribed motions ``(r, loads)``; largest singular value left out over the largest kept one;
-    unknowns, seconds."""
-
-    G: Array
-    modes: dict[int, Array]
-    loads: Array
-    left_out: float
-    unknowns: int
-    seconds: float
 
 
 def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array, float]:
@@ -113,37 +89,6 @@ def mode_rows(sockets: Sequence[Socket], rows: dict[int, Array], size: int) -> s
         start += len(Q)
     matrix = sp.coo_matrix((np.concatenate(data), (np.concatenate(row), np.concatenate(column))), shape=(start, size))
     return matrix.tocsr()
-
-
-def respond(
-    K: sp.spmatrix, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], transform: sp.spmatrix,
-    loads: Array, *, count: int, chunk: int = 64,
-) -> BodyResponse:  # fmt: skip
-    """Factor the body once and answer every mode of every socket.
-
-    transform: C ``(3 n + extra, m)`` of the constraints (K includes the extra freedoms); loads ``(m, l)``: right-hand
-    sides on the reduced freedoms.
-    """
-    begin = perf_counter()
-    kept = {side: patch_modes(patch, count) for side, patch in patches.items()}
-    Q = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, transform.shape[0])
-    reduced = (transform.T @ K @ transform).tocsc()
-    solver = factor(reduced)
-    B = (Q @ transform).tocsr()
-    G = np.empty((B.shape[0], B.shape[0]))
-    for start in range(0, B.shape[0], chunk):
-        part = B[start : start + chunk]
-        G[:, start : start + chunk] = B @ solver.solve(np.asarray(part.toarray().T))
-    answered = B @ solver.solve(loads) if loads.size else np.zeros((B.shape[0], 0))
-    return BodyResponse(
-        0.5 * (G + G.T), {s: k[0] for s, k in kept.items()}, np.asarray(answered),
-        max(k[2] for k in kept.values()), reduced.shape[0], perf_counter() - begin,
-    )  # fmt: skip
-
-
-def section_rows(section: Section, points: Array) -> sp.coo_matrix:
-    """Freedoms of a section's nodes from its six motions, ``(3 n, 6)``."""
-    return sp.coo_matrix(rigid_modes(points[section.nodes], section.centre))
 
 
 def isostatic(points: Array, avoid: Index) -> Index:

@@ -16,8 +16,9 @@ from hifi.elasticity import rigid_modes, stiffness
 from hifi.response import compliance
 from hifi.shaft import ShaftSection, round_section
 from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, SocketSize, build_body
+from meshes.grooved_body import BodySpec, build_body
 from meshes.parts import Material
+from meshes.sockets import SocketSize
 
 Array = NDArray[np.float64]
 

@@ -43,9 +43,10 @@ from hifi.setup import (
 from hifi.solvers import factor
 from meshes.ball_body import directions
 from meshes.groove_map import GrooveMap
-from meshes.grooved_body import GroovedBody, local_points
+from meshes.grooved_body import GroovedBody
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import SIDE_SIGNS, Material, Scene
+from meshes.sockets import local_points
 from meshes.solid import dimensions
 from meshes.tet_patch import split_second_order
 

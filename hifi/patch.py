@@ -20,7 +20,7 @@ from hifi.elasticity import nodal_areas, stiffness
 from hifi.elements import ELEMENTS
 from hifi.response import compliance
 from hifi.solvers import factor
-from meshes.grooved_body import SocketMesh
+from meshes.sockets import SocketMesh
 from meshes.tet_patch import LocalTets, signed_volumes
 
 Array = NDArray[np.float64]

@@ -27,9 +27,10 @@ from hifi.shaft import ShaftSection, round_section
 from meshes.ball_body import BallBody, build_ball
 from meshes.cache import Cache
 from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, GroovedBody, SocketMesh, SocketSize, build_body, local_points
+from meshes.grooved_body import BodySpec, GroovedBody, build_body
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import Scene
+from meshes.sockets import SocketMesh, SocketSize, local_points
 from meshes.solid import Dimensions, dimensions
 from meshes.tet_patch import build_tets, source_box
 

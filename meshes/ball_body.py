@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BEND, POOREST, STRAIGHTENED, Shell, best_of, fill, graded
 from meshes.parts import SIDES
 from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
+from meshes.shell import BEND, POOREST, STRAIGHTENED, Shell, best_of, fill, graded
 from meshes.sockets import SocketMesh, rim, socket_mesh
 
 Array = NDArray[np.float64]

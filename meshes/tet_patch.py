@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.grooved_body import MM, SocketMesh
+from meshes.shell import MM
+from meshes.sockets import SocketMesh
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

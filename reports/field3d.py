@@ -5,9 +5,7 @@ As in `reports.scene3d`, a child process draws, because VTK ends the process on 
 
 from __future__ import annotations
 
-import os
 import pickle
-import subprocess
 import sys
 from collections.abc import Sequence
 from itertools import product
@@ -18,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.offscreen import draw_in_child
 from reports.records import FieldPicture, MeshPart
-from reports.scene3d import ADVICE, SIZE, TIMEOUT
+from reports.scene3d import SIZE
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -48,22 +47,7 @@ def draw_field(picture: FieldPicture, path: str | Path) -> None:
     Raises ValueError for arrays that do not belong together, RuntimeError where this machine cannot draw it.
     """
     check(picture)
-    search = os.pathsep.join([str(Path(__file__).resolve().parents[1]), *filter(None, sys.path)])
-    try:
-        child = subprocess.run(
-            [sys.executable, "-m", "reports.field3d"], input=pickle.dumps((picture, str(Path(path).resolve()))),
-            capture_output=True, timeout=TIMEOUT, env={**os.environ, "PYTHONPATH": search}, check=False,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        raise RuntimeError(f"3D picture: not finished after {TIMEOUT:.0f} s; {ADVICE}") from None
-    if child.returncode == 0:
-        return
-    words = child.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
-    if child.returncode < 0:
-        raise RuntimeError(f"3D picture: no off-screen OpenGL on this machine; {ADVICE}")
-    if words[-1].startswith(("ImportError", "ModuleNotFoundError")):
-        raise RuntimeError(f"3D picture: pyvista cannot be loaded ({words[-1]}); install it, and {ADVICE}")
-    raise RuntimeError(f"3D picture: {words[-1]}")
+    draw_in_child("reports.field3d", picture, path)
 
 
 def check(picture: FieldPicture) -> None:

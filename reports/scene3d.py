@@ -6,9 +6,7 @@ failure comes back as an exception that names what to install.
 
 from __future__ import annotations
 
-import os
 import pickle
-import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,13 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.offscreen import draw_in_child
 from reports.records import LoadedScrew
 
 Array = NDArray[np.float64]
 
 SIZE = (1600, 900)
-TIMEOUT = 180.0  # s; two seconds are usual
-ADVICE = "install the off-screen OpenGL libraries (Debian: apt-get install libegl1 libgl1 libxrender1)"
 
 _VIEW = np.radians(155.0)  # azimuth of the viewer and of the opening in the nut; z runs to the right
 _ARROW = 3.6  # length of the longest arrow, in ball radii
@@ -43,26 +40,7 @@ def draw_loaded_screw(picture: LoadedScrew, path: str | Path) -> None:
         RuntimeError: this machine cannot draw it; says which libraries are missing, or what else went wrong.
     """
     _check(picture)
-    search = os.pathsep.join([str(Path(__file__).resolve().parents[1]), *filter(None, sys.path)])
-    try:
-        child = subprocess.run(
-            [sys.executable, "-m", "reports.scene3d"],
-            input=pickle.dumps((picture, str(Path(path).resolve()))),
-            capture_output=True,
-            timeout=TIMEOUT,
-            env={**os.environ, "PYTHONPATH": search},
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        raise RuntimeError(f"3D picture: not finished after {TIMEOUT:.0f} s; {ADVICE}") from None
-    if child.returncode == 0:
-        return
-    words = child.stderr.decode(errors="replace").strip().splitlines() or ["no message"]
-    if child.returncode < 0:
-        raise RuntimeError(f"3D picture: no off-screen OpenGL on this machine; {ADVICE}")
-    if words[-1].startswith(("ImportError", "ModuleNotFoundError")):
-        raise RuntimeError(f"3D picture: pyvista cannot be loaded ({words[-1]}); install it, and {ADVICE}")
-    raise RuntimeError(f"3D picture: {words[-1]}")
+    draw_in_child("reports.scene3d", picture, path)
 
 
 def _check(picture: LoadedScrew) -> None:

@@ -11,13 +11,14 @@ import pytest
 
 from compare.catalogue import scene
 from hifi.elasticity import check_jacobians, load_vector
-from meshes import grooved_body
+from meshes import shell as shells
 from meshes.ball_body import BallSocket, ball_coordinates, ball_points, build_ball, directions
 from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, Face, Shell, SocketSize, build_body, freed, local_points
+from meshes.grooved_body import BodySpec, build_body
 from meshes.helix import ball_layout
 from meshes.parts import Balls, Nut, Screw, Track
-from meshes.sockets import socket_mesh, socket_points
+from meshes.shell import Face, Shell, freed
+from meshes.sockets import SocketSize, local_points, socket_mesh, socket_points
 from tests.helpers import STEEL, body_specs, small_screw
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
@@ -330,15 +331,15 @@ def test_other_algorithms_and_sizes_are_tried(monkeypatch):
             raise ValueError("bad luck")
         return f"mesh {len(seen)}", 1e-6 if len(seen) == 2 else 0.0
 
-    assert grooved_body.best_of("screw", attempt) == "mesh 3"
-    assert seen == list(grooved_body.ATTEMPTS[:3])
-    monkeypatch.setattr(grooved_body, "ATTEMPTS", grooved_body.ATTEMPTS[:2])
+    assert shells.best_of("screw", attempt) == "mesh 3"
+    assert seen == list(shells.ATTEMPTS[:3])
+    monkeypatch.setattr(shells, "ATTEMPTS", shells.ATTEMPTS[:2])
     seen.clear()
-    assert grooved_body.best_of("screw", attempt) == "mesh 2"
-    monkeypatch.setattr(grooved_body, "ATTEMPTS", grooved_body.ATTEMPTS[:1])
+    assert shells.best_of("screw", attempt) == "mesh 2"
+    monkeypatch.setattr(shells, "ATTEMPTS", shells.ATTEMPTS[:1])
     seen.clear()
     with pytest.raises(ValueError, match="no good mesh of the screw: bad luck"):
-        grooved_body.best_of("screw", attempt)
+        shells.best_of("screw", attempt)
 
 
 def test_turning_an_edge_keeps_the_face():
@@ -379,7 +380,7 @@ def test_flat_cells_need_no_second_attempt(monkeypatch):
     """In this mesh gmsh leaves some; bent, they would be turned inside out."""
     make, sides, part = KINDS["Table 4.1, screw"]
     spec = body_specs(make(), sides, fine=2.2e-3, beyond=6e-3)[part]
-    monkeypatch.setattr(grooved_body, "ATTEMPTS", grooved_body.ATTEMPTS[:1])
+    monkeypatch.setattr(shells, "ATTEMPTS", shells.ATTEMPTS[:1])
     mesh = build_body(GrooveMap.of(make()), spec)
     assert mesh.deviation < 1e-12
 
@@ -388,8 +389,8 @@ def test_the_volume_is_filled_between_raised_sockets(monkeypatch):
     case = ring_of(0.0, 2.0)
     m, spec = GrooveMap.of(case), body_specs(case, (0,))["screw"]
     seen = []
-    tetrahedra = grooved_body.tetrahedra
-    monkeypatch.setattr(grooved_body, "tetrahedra", lambda g, x, *rest: (seen.append(x), tetrahedra(g, x, *rest))[1])
+    tetrahedra = shells.tetrahedra
+    monkeypatch.setattr(shells, "tetrahedra", lambda g, x, *rest: (seen.append(x), tetrahedra(g, x, *rest))[1])
     build_body(m, spec)
     _, raised = socket_mesh(partial(local_points, m, spec.size, 0), spec.size.cuts)
     for k, socket in enumerate(spec.sockets):

@@ -25,7 +25,7 @@ from hifi.patch import (
     tie_matrix,
 )
 from meshes.groove_map import GrooveMap
-from meshes.grooved_body import SocketMesh, SocketSize, local_points
+from meshes.sockets import SocketMesh, SocketSize, local_points
 from meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box, split_second_order
 from tests.fe_meshes import boundary, boundary_faces, cube
 from tests.helpers import relative, small_screw

@@ -16,8 +16,8 @@ from hifi.elasticity import stiffness
 from hifi.fit import Settings, ball_place
 from hifi.response import compliance
 from hifi.setup import placed
-from meshes.grooved_body import local_points
 from meshes.parts import Load, Support
+from meshes.sockets import local_points
 
 SMALL = Settings(
     b_over_h=0.8, semi=(0.5e-3, 0.14e-3), reach=(0.5e-3, 0.14e-3), fine=3e-3, coarse=12e-3, ball_fine=1e-3,

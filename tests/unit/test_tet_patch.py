@@ -11,7 +11,7 @@ import pytest
 
 from hifi.elasticity import load_vector
 from hifi.elements import ELEMENTS
-from meshes.grooved_body import SocketMesh
+from meshes.sockets import SocketMesh
 from meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, source_box, split_second_order
 from tests.fe_meshes import boundary_faces, cube, distorted
 

@@ -1,0 +1,421 @@
+"""A closed surface of exactly known faces, and the second-order tetrahedra that gmsh fills it with.
+
+Curves are divided once, gmsh triangulates the plane faces between them and fills the closed surface with tetrahedra, and
+the midpoints of the edges on the surface are put onto it. Units inside: mm (gmsh), metres outside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from meshes.quality import TET_EDGES
+from meshes.sockets import SocketMesh
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Placing = Callable[[Array], Array]
+#: Nodes along a side of a face and their plane coordinates ``(n, 2)`` [m].
+Side = tuple[Index, Array]
+Body = TypeVar("Body")
+MM = 1e3
+
+#: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.
+GROWTH = (0.18, 2.9)
+#: Longest edges on curved faces over their radius: flanks; lands, bores and outsides.
+BEND = (0.8, 1.1)
+#: Longest edges of the smooth surface behind a groove over the wall's thickness.
+WALL = 1.6
+#: How fast edges grow away from the surface.
+INWARD = 0.5
+#: gmsh's options: no output, one thread and no other chance than its own fixed seed, sizes from faces inwards.
+OPTIONS = {
+    "General.Terminal": 0, "General.NumThreads": 1, "Mesh.MaxNumThreads1D": 1, "Mesh.MaxNumThreads2D": 1,
+    "Mesh.MaxNumThreads3D": 1, "Mesh.RandomSeed": 1, "Mesh.RandomFactor": 1e-9, "Mesh.RandomFactor3D": 1e-12,
+    "Mesh.MeshSizeExtendFromBoundary": 1, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0,
+    "Mesh.Optimize": 1, "Mesh.OptimizeThreshold": 0.5,
+}  # fmt: skip
+#: Sine of an angle from which a triangle is sound.
+SLENDER = 0.3
+#: Cells below this scaled Jacobian have their edges straightened, though the surface suffers.
+STRAIGHTENED = 0.01
+#: What is tried in turn: gmsh's algorithms for faces (6 frontal, 5 Delaunay) and volume (1 Delaunay, 4 frontal), share of
+#: the element sizes.
+ATTEMPTS = ((6, 1, 1.0), (5, 1, 1.0), (6, 1, 0.85), (5, 1, 0.75), (6, 1, 0.6), (5, 4, 0.6))
+#: Flanks as near as this [m] to where they should be are without fault; else the nearest of all attempts is taken.
+EXACT = 1e-9
+#: So are meshes without a cell of a smaller scaled Jacobian.
+POOREST = 0.005
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A divided curve: nodes ``(n + 1,)``, parameters ``(n + 1,)``."""
+
+    nodes: Index
+    t: Array
+
+    def on(self, plane: Placing) -> Side:
+        """The curve as side of a face whose plane coordinates ``plane`` gives."""
+        return self.nodes, plane(self.t)
+
+    def back(self, plane: Placing) -> Side:
+        """The same, backwards."""
+        return self.nodes[::-1], plane(self.t[::-1])
+
+
+@dataclass
+class Face:
+    """A triangulated face: its nodes' numbers ``(n,)`` and plane coordinates ``(n, 2)`` (a node on a seam has two), its
+    triangles ``(t, 3)`` of them, points of plane coordinates (None: a socket's faces, which stay as they are)."""
+
+    name: str
+    number: Index
+    plane: Array
+    local: Index
+    space: Placing | None
+
+    @property
+    def tris(self) -> Index:
+        """Triangles ``(t, 3)`` of nodes' numbers."""
+        return self.number[self.local]
+
+    @property
+    def pairs(self) -> Index:
+        """Edges ``(3 t, 2)`` of the triangles."""
+        return np.concatenate([self.local[:, [0, 1]], self.local[:, [1, 2]], self.local[:, [2, 0]]])
+
+    def turn(self, first: int, second: int) -> bool:
+        """Exchange the common edge of two triangles for the other diagonal, if both stay sound in the plane."""
+        one, two = ([int(k) for k in self.local[t]] for t in (first, second))
+        start = next((k for k in range(3) if one[k] in two and one[(k + 1) % 3] in two), None)
+        if start is None:
+            return False
+        a, b, c = one[start], one[(start + 1) % 3], one[(start + 2) % 3]
+        d = next(k for k in two if k not in (a, b))
+        new = np.array([[c, a, d], [d, b, c]])
+        if corner_sine(self.plane[new]).min() < min(SLENDER, 0.5 * float(corner_sine(self.plane[[one, two]]).min())):
+            return False
+        self.local[[first, second]] = new
+        return True
+
+
+def corner_sine(corners: Array) -> Array:
+    """Sine of the smallest angle of triangles ``(t, 3, 2)`` in the plane; negative for one that turns right."""
+    u, v, w = (corners[:, (k + 1) % 3] - corners[:, k] for k in range(3))
+    long = np.sort([np.linalg.norm(x, axis=1) for x in (u, v, w)], axis=0)
+    return np.asarray((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / (long[1] * long[2]))
+
+
+class Shell:
+    """A closed surface under construction: nodes, divided curves, triangulated faces, exact midpoints of edges."""
+
+    def __init__(self, gmsh: Any, size: Placing, fine: float, algorithm: int) -> None:
+        """size: edge length [m] at points; fine: the smallest [m]; algorithm: gmsh's for plane faces."""
+        self.gmsh, self.size, self.fine, self.algorithm = gmsh, size, fine, algorithm
+        self.points = np.zeros((0, 3))
+        self.faces: list[Face] = []
+        self.middles: list[tuple[Index, Array]] = []
+        self.raised: list[tuple[Index, Array]] = []
+
+    def nodes(self, points: Array) -> Index:
+        """Numbers of new nodes at points ``(n, 3)`` [m]."""
+        first = len(self.points)
+        self.points = np.concatenate([self.points, points])
+        return np.arange(first, len(self.points))
+
+    def curve(
+        self, space: Placing, start: float, end: float, limit: float, ends: tuple[int, int] | None = None
+    ) -> Curve:
+        """Divide a curve ``space(t)``; ends: nodes there (None: a closed curve, at least five edges)."""
+        t = np.linspace(start, end, 65)
+        length = float(np.linalg.norm(np.diff(space(t), axis=0), axis=1).sum())
+        t = np.linspace(start, end, int(np.clip(length / (0.3 * self.fine), 64, 40000)) + 1)
+        x = space(t)
+        steps = np.linalg.norm(np.diff(x, axis=0), axis=1) / np.minimum(self.size(0.5 * (x[1:] + x[:-1])), limit)
+        total = np.concatenate([[0.0], np.cumsum(steps)])
+        count = max(int(np.ceil(total[-1])), 5 if ends is None else 1)
+        t = np.interp(np.linspace(0.0, total[-1], count + 1), total, t)
+        inner = self.nodes(space(t[:-1] if ends is None else t[1:-1]))
+        number = np.append(inner, inner[0]) if ends is None else np.array([ends[0], *inner, ends[1]])
+        self.middles.append((np.stack([number[:-1], number[1:]], 1), space(0.5 * (t[1:] + t[:-1]))))
+        return Curve(number, t)
+
+    def face(
+        self, name: str, loops: Sequence[Sequence[Side]], space: Placing, limit: float, stretch: Placing | None = None
+    ) -> None:
+        """Triangulate a face; loops: its boundary, then its holes, as sides in order; space: plane coordinates to points.
+
+        limit: longest edge [m]; stretch: length in the plane over length in space, at plane coordinates (None: 1).
+        """
+        rings = [(np.concatenate([n[:-1] for n, _ in loop]), np.concatenate([x[:-1] for _, x in loop])) for loop in loops]
+        own = np.concatenate([n for n, _ in rings])
+        plane = np.concatenate([x for _, x in rings])
+
+        def length(at: Array) -> float:
+            found = min(float(self.size(space(at[:, :2]))[0]), limit)
+            return found if stretch is None else found * float(stretch(at[:, :2])[0])
+
+        sizes = callback(length, 0.3 * self.fine)
+        tris, inner = triangulate(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
+        number = np.concatenate([own, self.nodes(space(inner))])
+        plane = np.concatenate([plane, inner])
+        self.faces.append(Face(name, number, plane, tris, space))
+
+    def socket(self, mesh: SocketMesh, points: Array, raised: Array) -> Index:
+        """Add the inner faces of a socket, its nodes at ``points``, its corners ``raised`` while the volume is filled;
+        returns the corners' numbers."""
+        count = len(mesh.xi) - len(mesh.edges)
+        number = self.nodes(points[:count])
+        pairs = np.array(list(mesh.edges), dtype=np.int64)
+        self.middles.append((number[pairs], points[list(mesh.edges.values())]))
+        self.raised.append((number, raised))
+        self.faces.append(Face("socket", number, np.zeros((count, 2)), mesh.triangles[:, :3], None))
+        return number
+
+    def tris(self, name: str = "") -> Index:
+        """Triangles ``(t, 3)`` of all faces, or of those of that name."""
+        return np.concatenate([f.tris for f in self.faces if name in ("", f.name)])
+
+    def exact(self) -> tuple[Index, Array]:
+        """Edges ``(k, 2)`` of the surface and their exact midpoints ``(k, 3)`` [m]; first those of the curves."""
+        own = [(f.number[f.pairs], f.space(f.plane[f.pairs].mean(axis=1))) for f in self.faces if f.space is not None]
+        edges, points = zip(*self.middles, *own, strict=True)
+        return np.concatenate(edges), np.concatenate(points)
+
+
+def callback(length: Callable[[Array], float], grain: float) -> Callable[..., float]:
+    """Answers to gmsh's question for sizes: ``length`` at a point ``(1, 3)`` [m], once for every cube of edge grain [m]."""
+    known = dict[tuple[int, int, int], float]()
+    inverse = 1.0 / (MM * grain)
+
+    def answer(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
+        key = (round(x * inverse), round(y * inverse), round(z * inverse))
+        if key not in known:
+            known[key] = MM * length(grain * np.array([key]))
+        return min(known[key], lc)
+
+    return answer
+
+
+def triangulate(
+    gmsh: Any, counts: Sequence[int], plane: Array, sizes: Callable[..., float], algorithm: int
+) -> tuple[Index, Array]:
+    """Triangles of a plane region without new nodes on its boundary, and its inner nodes ``(k, 2)``.
+
+    counts: nodes of each closed loop, the outer one first; plane: the nodes, loop after loop ``(n, 2)`` [m]; sizes: answers
+    gmsh's question for them. The triangles count the boundary's nodes first and turn left.
+    """
+    gmsh.model.add("face")
+    geo, mesh = gmsh.model.geo, gmsh.model.mesh
+    for x, y in MM * plane:
+        geo.addPoint(x, y, 0.0)
+    wires, first = [], 1
+    for count in counts:
+        lines = [geo.addLine(first + k, first + (k + 1) % count) for k in range(count)]
+        for line in lines:
+            geo.mesh.setTransfiniteCurve(line, 2)
+        wires.append(geo.addCurveLoop(lines))
+        first += count
+    face = geo.addPlaneSurface(wires)
+    geo.synchronize()
+    gmsh.option.setNumber("Mesh.Algorithm", algorithm)
+    mesh.setSizeCallback(sizes)
+    mesh.generate(2)
+    mesh.removeSizeCallback()
+    tags, xyz, _ = mesh.getNodes(2, face)
+    boundary, at, _ = mesh.getNodes(0, -1)
+    inner = xyz.reshape(-1, 3)[:, :2] / MM
+    if len(boundary) != len(plane) or not np.allclose(at.reshape(-1, 3)[:, :2], MM * plane, atol=1e-9):
+        raise ValueError("gmsh changed the boundary of a face")
+    number = np.full(int(max(tags.max(initial=0), boundary.max())) + 1, -1, dtype=np.int64)
+    number[boundary.astype(np.int64)] = np.arange(len(plane))
+    number[tags.astype(np.int64)] = len(plane) + np.arange(len(tags))
+    _, corners = mesh.getElementsByType(2)
+    tris = number[corners.astype(np.int64)].reshape(-1, 3)
+    gmsh.model.remove()
+    a, b, c = (np.concatenate([plane, inner])[tris[:, k]] for k in range(3))
+    turned = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
+    tris[turned] = tris[turned][:, [0, 2, 1]]
+    return tris, inner
+
+
+def tetrahedra(
+    gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float], algorithm: int
+) -> tuple[Index, Array]:
+    """Tetrahedra inside a closed triangulated surface, which they keep, and the inner nodes ``(k, 3)`` [m].
+
+    Raises ValueError where the surface is not closed.
+    """
+    edges = np.sort(np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]]), axis=1)
+    if np.any(np.unique(edges, axis=0, return_counts=True)[1] != 2):
+        raise ValueError("the surface is not closed")
+    gmsh.model.add("volume")
+    surface = gmsh.model.addDiscreteEntity(2)
+    count = len(points)
+    gmsh.model.mesh.addNodes(2, surface, np.arange(1, count + 1), (MM * points).ravel())
+    gmsh.model.mesh.addElementsByType(surface, 2, [], (tris + 1).ravel())
+    gmsh.model.geo.addVolume([gmsh.model.geo.addSurfaceLoop([surface])])
+    gmsh.model.geo.synchronize()
+    gmsh.option.setNumber("Mesh.Algorithm3D", algorithm)
+    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+    gmsh.model.mesh.setSizeCallback(sizes)
+    gmsh.model.mesh.generate(3)
+    gmsh.model.mesh.removeSizeCallback()
+    tags, xyz, _ = gmsh.model.mesh.getNodes(3, -1)
+    number = np.full(int(max(tags.max(initial=0), count)) + 1, -1, dtype=np.int64)
+    number[1 : count + 1] = np.arange(count)
+    number[tags.astype(np.int64)] = count + np.arange(len(tags))
+    _, corners = gmsh.model.mesh.getElementsByType(4)
+    cells = number[corners.astype(np.int64)].reshape(-1, 4)
+    gmsh.model.remove()
+    if not len(cells):
+        raise ValueError("gmsh left the volume empty")
+    return cells, xyz.reshape(-1, 3) / MM
+
+
+@dataclass(frozen=True)
+class Filled:
+    """Points ``(n, 3)`` [m] and second-order tetrahedra ``(m, 10)`` in a shell; keys of the edges in order, their first
+    midpoint's number, the number of corners."""
+
+    points: Array
+    cells: Index
+    keys: Index
+    corners: int
+
+    def middle(self, pairs: Index) -> Index:
+        """Nodes in the middle of edges, by their corners ``(k, 2)``."""
+        keys = np.sort(pairs, axis=1) @ np.array([self.corners, 1])
+        return np.asarray(self.corners + np.searchsorted(self.keys, keys))
+
+    def box_nodes(self, corners: Index, box: SocketMesh) -> Index:
+        """Nodes of a socket's faces in the order of ``box``, from those of its corners."""
+        return np.concatenate([corners, self.middle(corners[np.array(list(box.edges), dtype=np.int64)])])
+
+    def on(self, tris: Index) -> Index:
+        """All nodes of triangles ``(t, 3)`` of the surface, ascending."""
+        pairs = np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]])
+        return np.unique(np.concatenate([tris.ravel(), self.middle(pairs)]))
+
+
+def turned_right(points: Array, cells: Index) -> Index:
+    """Tetrahedra ``(m, 4)`` with positive volume."""
+    a, b, c, d = (points[cells[:, k]] for k in range(4))
+    turned = np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) < 0.0
+    return np.where(turned[:, None], cells[:, [0, 2, 1, 3]], cells)
+
+
+def freed(shell: Shell, points: Array, cells: Index) -> Index:
+    """Tetrahedra without flat ones on the surface; the shell's triangles are changed to match.
+
+    A cell with two triangles of the same smooth face has no volume along their common edge once that is bent. It is left
+    out, and the two triangles are exchanged for its other two.
+    """
+    base = np.array([len(points) ** 2, len(points), 1])
+    for _ in range(6):
+        keys = np.concatenate([np.sort(f.tris, axis=1) @ base for f in shell.faces])
+        face = np.concatenate([np.full(len(f.local), -1 if f.space is None else k) for k, f in enumerate(shell.faces)])
+        row = np.concatenate([np.arange(len(f.local)) for f in shell.faces])
+        order = np.argsort(keys)
+        sides = np.stack([np.sort(np.delete(cells, k, axis=1), axis=1) @ base for k in range(4)], axis=1)
+        place = order[np.minimum(np.searchsorted(keys, sides, sorter=order), len(keys) - 1)]
+        own = np.where(keys[place] == sides, face[place], -1 - np.arange(4))  # the face opposite each corner
+        edges = set(np.concatenate([np.sort(f.number[f.pairs], axis=1) @ base[1:] for f in shell.faces]).tolist())
+        pairs = [(i, j) for i in range(4) for j in range(i)]
+        alike = np.stack([(own[:, i] == own[:, j]) & (own[:, i] >= 0) for i, j in pairs], axis=1)
+        gone, changed = [], set[tuple[int, int]]()
+        for number in np.flatnonzero(alike.any(axis=1)):
+            ends = list(pairs[int(alike[number].argmax())])
+            which, rows = int(own[number, ends[0]]), [int(k) for k in row[place[number, ends]]]
+            both = {(which, k) for k in rows}
+            fresh = int(np.sort(cells[number, ends]) @ base[1:]) not in edges and not changed & both
+            if fresh and shell.faces[which].turn(rows[0], rows[1]):
+                changed |= both
+                gone.append(number)
+        if not gone:
+            break
+        cells = np.delete(cells, gone, axis=0)
+    return cells
+
+
+def fill(shell: Shell, algorithm: int) -> Filled:
+    """Second-order tetrahedra inside a shell, growing away from it. Raises ValueError for an open shell."""
+    points = shell.points.copy()
+    for number, place in shell.raised:
+        points[number] = place
+    tris = shell.tris()
+    ends = np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]])
+    long = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
+    near = np.bincount(ends[:, 0], long) / np.bincount(ends[:, 0])
+    tree = cKDTree(points)
+
+    def length(x: Array) -> float:
+        distance, node = tree.query(x[0])
+        return float(min(shell.size(x)[0], near[node] + INWARD * distance))
+
+    cells, inner = tetrahedra(shell.gmsh, points, tris, callback(length, 0.6 * shell.fine), algorithm)
+    cells = turned_right(np.concatenate([points, inner]), cells)
+    corners = np.concatenate([shell.points, inner])
+    cells = freed(shell, corners, cells)
+    used = np.zeros(len(corners), dtype=bool)
+    used[: len(shell.points)] = True
+    used[cells] = True
+    cells, corners = (np.cumsum(used) - 1)[cells], corners[used]
+    pairs = np.sort(cells[:, np.array(TET_EDGES)].reshape(-1, 2), axis=1)
+    count = len(corners)
+    keys, inverse = np.unique(pairs @ np.array([count, 1]), return_inverse=True)
+    middle = corners[np.stack(np.divmod(keys, count), 1)].mean(axis=1)
+    edges, exact = shell.exact()
+    known, first = np.unique(np.sort(edges, axis=1) @ np.array([count, 1]), return_index=True)
+    where = np.searchsorted(keys, known)
+    if not np.array_equal(keys[np.minimum(where, len(keys) - 1)], known):
+        raise ValueError("gmsh lost an edge of the surface")
+    middle[where] = exact[first]
+    ten = np.concatenate([cells, count + inverse.reshape(-1, 6)], axis=1)
+    return Filled(np.concatenate([corners, middle]), ten, keys, count)
+
+
+def graded(near: Array, fine: float, coarse: float, first: float, last: float) -> Placing:
+    """Edge length [m] at points: fine up to a distance ``first`` from any of ``near`` ``(k, 3)``, coarse from ``last``."""
+    if not len(near):
+        return lambda x: np.full(len(x), coarse)
+    tree = cKDTree(near)
+
+    def size(x: Array) -> Array:
+        share = (tree.query(x)[0] - first) / (last - first)
+        return np.asarray(fine + (coarse - fine) * np.clip(share, 0.0, 1.0))
+
+    return size
+
+
+def best_of(name: str, attempt: Callable[[Any, int, int, float], tuple[Body, float]]) -> Body:
+    """First mesh without fault of gmsh's algorithms and sizes in turn, or else that with the smallest fault.
+
+    attempt: mesh and its fault, by gmsh, algorithm for faces, for the volume, share of the sizes. Raises ValueError where
+    no attempt gives a mesh.
+    """
+    import gmsh
+
+    failures: list[str] = []
+    found: list[tuple[Body, float]] = []
+    for plane, volume, share in ATTEMPTS:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        try:
+            for option, value in OPTIONS.items():
+                gmsh.option.setNumber(option, value)
+            found.append(attempt(gmsh, plane, volume, share))
+        except Exception as error:  # gmsh raises nothing more special
+            failures.append(str(error).strip())
+        finally:
+            gmsh.finalize()
+        if found and found[-1][1] == 0.0:
+            break
+    if not found:
+        raise ValueError(f"gmsh finds no good mesh of the {name}: " + "; ".join(dict.fromkeys(failures)))
+    return min(found, key=lambda x: x[1])[0]
