@@ -197,15 +197,15 @@ def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Arr
 
 def build(
     scene: Scene, drawn: Specimen, layout: BallLayout, use: NDArray[np.bool_], *, everything: bool = False,
-    refine: int = 1, more: Array | None = None,
+    refine: int = 1, more: Array | None = None, section: BeamSection | None = None,
 ) -> Problem:  # fmt: skip
     """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many.
 
-    more: see ``_flank_rows``.
+    more: see ``_flank_rows``; section: of the screw, instead of the scene's (Lin C.8).
     """
     parts = (scene, drawn, layout, more)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene), use)
-    section = screw_section(scene)
+    section = section or screw_section(scene)
     stations = contact_stations(scene, layout)
     used = [s for s in range(2) if use[s]]
     if scene.ingredients.screw == "rigid":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,14 @@ from lowfi.result import Equilibrium, SolverReport, StaticResult
 from lowfi.selection import flank_motions
 from lowfi.shape import motion_matrix, rigid_transport
 from meshes.section import groove_section, nut_groove_range
+
+@dataclass(frozen=True)
+class Support:
+    """What the solver knows of supports ``(n, 6)`` [N, N m] and flanks ``(N, 4, 2)`` [m] where bodies are elastic."""
+
+    reactions: NDArray[np.float64]
+    shifts: NDArray[np.float64]
+
 
 if TYPE_CHECKING:
     from lowfi.static import Prepared
@@ -25,6 +34,13 @@ MODEL_ASSUMPTIONS = (
     "each ball stays in the section plane of its nominal azimuth (Lin 2.3.2, remark 1)",
     "no friction, no cage, no contact between balls (Lin 2.1)",
     "displacements are small: directions and lever arms of the undeformed helix",
+)
+
+
+#: The same where screw, nut and ball are elastic between their contacts.
+ELASTIC_ASSUMPTIONS = (
+    "screw and nut answer contact forces as grooved beams and, beyond that, as smooth bodies of revolution",
+    *MODEL_ASSUMPTIONS[2:],
 )
 
 
@@ -44,15 +60,19 @@ def centreline(problem: Problem, q: Array, step: float = 10e-3) -> tuple[Array, 
     return stations, np.stack(rows)
 
 
-def contact_geometry(prepared: Prepared) -> tuple[Array, Array]:
-    """Contact points ``(N, 4, 3)`` [m] on the undeformed flanks, and directions of the forces on the ball."""
+def contact_geometry(prepared: Prepared, shifts: Array | None = None) -> tuple[Array, Array]:
+    """Contact points ``(N, 4, 3)`` [m] on the undeformed flanks, and directions of the forces on the ball; shifts: motions
+    ``(N, 4, 2)`` [m] of all flanks where the beam does not give them."""
     problem, normal = prepared.problem, prepared.normal
     layout = problem.layout
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     plane = problem.drawn.radius[None, :, None] * normal
     if problem.drawn.profile.shape[1]:
         moved = np.zeros((layout.z.size, 4, 2))
-        moved[:, :2] = flank_motions(prepared, layout)
+        if shifts is None:
+            moved[:, :2] = flank_motions(prepared, layout)
+        else:
+            moved = shifts
         w = -problem.drawn.centre + prepared.state[2][:, None, :] - moved
         distance = problem.drawn.ball_radius[:, None] - problem.C * np.cbrt(prepared.force) ** 2
         plane = w + distance[..., None] * normal
@@ -60,8 +80,11 @@ def contact_geometry(prepared: Prepared) -> tuple[Array, Array]:
     return points, -np.einsum("nsa,nak->nsk", normal, axes)
 
 
-def equilibrium(prepared: Prepared, points: Array, on_ball: Array) -> Equilibrium:
-    """Global balance of the screw: applied loads, support reactions, contact forces at their contact points."""
+def equilibrium(prepared: Prepared, points: Array, on_ball: Array, nodal: Array | None = None) -> Equilibrium:
+    """Global balance of the screw: applied loads, support reactions, contact forces at their contact points.
+
+    nodal: reactions ``(n, 6)``, where the solver did not leave them in its state.
+    """
     problem = prepared.problem
     force = prepared.force
     scene = problem.scene
@@ -76,7 +99,7 @@ def equilibrium(prepared: Prepared, points: Array, on_ball: Array) -> Equilibriu
     reaction_force: Array = np.zeros(3)
     reaction_moment: Array = np.zeros(3)
     if problem.basis is None:
-        nodal = reactions(prepared)
+        nodal = reactions(prepared) if nodal is None else nodal
         for j, z in enumerate(problem.nodes):
             reaction_force += nodal[j, :3]
             reaction_moment += nodal[j, 3:] + np.cross([0.0, 0.0, z], nodal[j, :3])
@@ -132,15 +155,16 @@ def warnings_of(problem: Problem, force: Array, gamma: Array, shift: Array, semi
 
 
 def assemble_result(
-    prepared: Prepared, model: str, status: str, report: SolverReport, left_out: tuple[str, ...]
-) -> StaticResult:
-    """Result record of a finished solve."""
+    prepared: Prepared, model: str, status: str, report: SolverReport, left_out: tuple[str, ...],
+    support: Support | None = None,
+) -> StaticResult:  # fmt: skip
+    """Result record of a finished solve; ``support``: from a solver with elastic bodies."""
     problem = prepared.problem
     q, p = prepared.state[0], prepared.state[2]
     force, normal = prepared.force.copy(), prepared.normal
     raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
     gamma = np.where(force > 0.0, raw, np.nan)
-    points, on_ball = contact_geometry(prepared)
+    points, on_ball = contact_geometry(prepared, support.shifts if support else None)
     z, motion = centreline(problem, q)
     semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
     notes = warnings_of(problem, force, raw, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
@@ -148,8 +172,9 @@ def assemble_result(
         model=model, status=status, azimuth=problem.layout.azimuth, z=problem.layout.z, load=force,
         contact_angle=gamma, contact_point=points, force_direction=on_ball, centre_shift=p.copy(),
         hertz_C=problem.C.copy(), centreline_z=z, centreline=motion,
-        equilibrium=equilibrium(prepared, points, on_ball), solver=report,
-        assumed=(*problem.scene.assumed, *MODEL_ASSUMPTIONS), left_out=left_out, warnings=notes,
+        equilibrium=equilibrium(prepared, points, on_ball, support.reactions if support else None), solver=report,
+        assumed=(*problem.scene.assumed, *(MODEL_ASSUMPTIONS if support is None else ELASTIC_ASSUMPTIONS)), left_out=left_out,
+        warnings=notes,
     )  # fmt: skip
 
 

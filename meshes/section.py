@@ -63,13 +63,17 @@ class BeamSection:
     kGA: float
 
 
+def shear_coefficient(ratio: float, poisson: float) -> float:
+    """Shear coefficient of a circular tube of inner over outer radius ``ratio`` (Cowper 1966; 0: solid, Lin C.3)."""
+    m2 = ratio**2
+    return 6.0 * (1.0 + poisson) * (1.0 + m2) ** 2 / ((7.0 + 6.0 * poisson) * (1.0 + m2) ** 2 + (20.0 + 12.0 * poisson) * m2)
+
+
 def tube_section(outer: float, bore: float, material: Material) -> BeamSection:
     """Circular (hollow) section: diameters [m]; shear coefficient of Cowper 1966 (solid: Lin C.3)."""
     area = pi / 4.0 * (outer**2 - bore**2)
     inertia = pi / 64.0 * (outer**4 - bore**4)
-    nu = material.poissons_ratio
-    m2 = (bore / outer) ** 2
-    kappa = 6.0 * (1.0 + nu) * (1.0 + m2) ** 2 / ((7.0 + 6.0 * nu) * (1.0 + m2) ** 2 + (20.0 + 12.0 * nu) * m2)
+    kappa = shear_coefficient(bore / outer, material.poissons_ratio)
     e, g = material.youngs_modulus, material.shear_modulus
     return BeamSection(e * area, e * inertia, 2.0 * g * inertia, kappa * g * area)
 

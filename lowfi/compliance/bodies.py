@@ -1,0 +1,241 @@
+"""Compliance of screw, nut and ball between the contacts of a scene, by backend; everything that depends on geometry alone.
+
+Each body's compliance is that of a beam with the section constants of the grooved body, plus what a smooth body of
+revolution does beyond the same beam theory, plus each contact's own flank, less the half space that Hertz already holds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.compliance.cell import cell_section
+from lowfi.compliance.groove import Flank, at_size, flank_correction, half_space, smooth_radius
+from lowfi.compliance.sphere import own_compliance, sphere_compliance
+from lowfi.compliance.tube import (
+    Tube,
+    TubeCompliance,
+    clamped,
+    contact_compliance,
+    motion_rows,
+    points_of,
+    spring_compliance,
+    tube_compliance,
+)
+from meshes.groove_map import GrooveMap
+from meshes.helix import BallLayout, nominal_contact_points
+from meshes.parts import Ingredients, Scene
+from meshes.section import BeamSection, screw_section, tube_section
+from meshes.solid import dimensions
+
+Array = NDArray[np.float64]
+
+#: Fixings of the nut by the name of the scene's key.
+HELD = {"left face": "low", "right face": "high", "both faces": "both", "outer surface": "outer"}
+
+
+@dataclass(frozen=True)
+class Backend:
+    """What answers a contact force. section: of the screw's beam, the scene's (Lin C.8) or the grooved cell's; screw and
+    nut: rigid beyond the contacts or beam, and with the Fourier kernel; ball: half spaces (Hertz) or an elastic sphere.
+
+    width: standard deviation of the kernels' patch over the half distance of the two flanks' contacts; bore: which mean of
+    the nut's groove the smooth bore keeps, ``"ring"`` (wall^3) or ``"volume"``, or ``"land"``; harmonics, mesh: number
+    of harmonics and element size as multiples of the chosen ones.
+    """
+
+    section: Literal["scene", "cell"] = "cell"
+    screw: Literal["beam", "kernel"] = "kernel"
+    nut: Literal["rigid", "beam", "kernel"] = "kernel"
+    ball: Literal["half space", "sphere"] = "sphere"
+    width: float = 1.0
+    bore: Literal["ring", "volume", "land"] = "ring"
+    harmonics: float = 1.0
+    mesh: float = 1.0
+    flank: bool = True
+
+
+#: The refined model and the steps that lead to it from the source's.
+REFINED = Backend()
+LADDER = {
+    "lin": Backend("scene", "beam", "rigid", "half space", flank=False),
+    "lin-cell": Backend("cell", "beam", "rigid", "half space", flank=False),
+    "lin-nut": Backend("cell", "beam", "beam", "half space", flank=False),
+    "refined": REFINED,
+}
+
+
+@dataclass(frozen=True)
+class BodyCompliance:
+    """Compliance of a body beyond the screw's beam: G ``(2 c, 2 c)`` [m/N] of both flanks' contacts (all left ones, then
+    all right ones; two axes each), e [m/N] of each contact beside Hertz."""
+
+    G: Array
+    e: float
+    assumed: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class BallCompliance:
+    """Ball as an elastic sphere: e [m/N] of each contact beside Hertz, coupling g [(m/N)^(1/2)] of the pairs SL-NR and
+    SR-NL and its sign."""
+
+    e: float
+    g: float
+    sign: float
+
+
+def axes_of(layout: BallLayout) -> Array:
+    """Radial and binormal axes of every ball, ``(N, 2, 3)``."""
+    return np.stack([layout.radial, layout.binormal], axis=1)
+
+
+def contact_frames(scene: Scene, layout: BallLayout, screw: bool) -> tuple[Array, Array]:
+    """Nominal contact points ``(2 N, 3)`` [m] and section axes ``(2 N, 2, 3)`` of a body's two flanks."""
+    at = nominal_contact_points(scene)[:2] if screw else nominal_contact_points(scene)[2:]
+    x = [layout.centre + p[0] * layout.radial + p[1] * layout.binormal for p in at]
+    return np.concatenate(x), np.concatenate([axes_of(layout)] * 2)
+
+
+def geometry_only(scene: Scene) -> Scene:
+    """The scene without loads, supports, errors, words and choices: what the bodies' compliance depends on."""
+    return Scene(
+        "", "", scene.track, scene.screw, scene.nut, replace(scene.balls, azimuths=(scene.track.phase,)), solid=scene.solid,
+        ingredients=Ingredients(screw=scene.ingredients.screw),
+    )  # fmt: skip
+
+
+def flank_of(scene: Scene, screw: bool) -> Flank:
+    """Groove of screw or nut on half a lead, or on half a ring's width. Raises ValueError for impossible dimensions."""
+    dims = dimensions(scene)
+    m = GrooveMap.of(scene)
+    low, high = dims.ends(scene)
+    width = min(scene.nut.length, high - low) if screw else scene.nut.length
+    half = np.pi * abs(m.rg) / m.starts if m.rg != 0.0 else 0.5 * width
+    land = scene.screw.outer_diameter / 2.0 if screw else dims.land
+    far = scene.screw.bore / 2.0 if screw else scene.nut.outer_diameter / 2.0
+    return Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
+
+
+def held_at(scene: Scene, screw: bool) -> str:
+    """Where the smooth body is held: see `Tube`; "rigid" where the body does not move beyond its contacts."""
+    dims = dimensions(scene)
+    if not screw:
+        return "rigid" if scene.solid.nut == "rigid" else HELD[dims.nut_held]
+    if dims.screw_held == "bore":
+        return "bore"
+    return "rigid" if scene.ingredients.screw == "rigid" else "section"
+
+
+@lru_cache(maxsize=64)
+def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
+    """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
+    flank = flank_of(geometry, screw)
+    if geometry.track.lead == 0.0:
+        return screw_section(geometry) if screw else tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
+    return cell_section(flank.map, flank.land, flank.far, screw, flank.material).section
+
+
+def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
+    """The smooth body of revolution that stands for screw or nut."""
+    flank = flank_of(geometry, screw)
+    low, high = dimensions(geometry).ends(geometry)
+    half, position = geometry.nut.length / 2.0, geometry.nut.position
+    if screw:
+        bore, outer, ends = flank.far, smooth_radius(flank, 2), (low, high)
+    else:
+        bore = flank.land if backend.bore == "land" else smooth_radius(flank, 3 if backend.bore == "ring" else 2)
+        outer, ends = flank.far, (position - half, position + half)
+    radius = flank.contact()[0]
+    width = backend.width * geometry.balls.radius * np.cos(geometry.track.contact_angle)
+    count = int(np.ceil(backend.harmonics * 2.6 * radius / width))
+    size = (1.25 * width / backend.mesh, 0.6 * width / backend.mesh)
+    return Tube(bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material)
+
+
+@lru_cache(maxsize=32)
+def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCompliance:
+    """Compliance of the smooth body over the stretch that the nut covers, kept for all scenes of one geometry."""
+    half, position = geometry.nut.length / 2.0, geometry.nut.position
+    return tube_compliance(smooth_body(geometry, screw, backend), (position - half, position + half))
+
+
+@lru_cache(maxsize=64)
+def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
+    """e [m/N] of a contact on the true flank, for a narrow patch (`flank_correction`)."""
+    tube = smooth_body(geometry, screw, backend)
+    flank = flank_of(geometry, screw)
+    surface = tube.outer if screw else tube.bore
+    if not backend.flank:  # the half space at the smooth body's own patch only
+        return -half_space(tube.width, tube.material)
+    return flank_correction(flank, surface, tube.width)
+
+
+def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:
+    """Compliance ``(4 N, 4 N)`` [m/N] of the smooth body beyond the same body as a beam."""
+    geometry = geometry_only(scene)
+    x, axes = contact_frames(scene, layout, screw)
+    found = smooth_compliance(geometry, screw, backend)
+    G = contact_compliance(found, points_of(x, axes))
+    tube = found.tube
+    plain = tube_section(2.0 * tube.outer, 2.0 * tube.bore, tube.material)
+    rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
+    if tube.held == "section":
+        G = G - spring_compliance(tube, x, axes) - clamped(rows, stations, tube.ends, "low", plain)
+    elif tube.held in ("low", "high", "both") and scene.track.lead != 0.0:
+        G = G - clamped(rows, stations, tube.ends, tube.held, plain)
+    return G
+
+
+def nut_beam(scene: Scene, layout: BallLayout) -> Array:
+    """Compliance ``(4 N, 4 N)`` [m/N] of the nut as a Timoshenko tube clamped at its faces; zero where it is held outside."""
+    geometry = geometry_only(scene)
+    x, axes = contact_frames(scene, layout, False)
+    held = held_at(geometry, False)
+    if held not in ("low", "high", "both"):
+        return np.zeros((2 * len(x),) * 2)
+    half, position = scene.nut.length / 2.0, scene.nut.position
+    section = grooved_section(geometry, False)
+    return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (position - half, position + half), held, section)
+
+
+def body_compliance(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, mean_axis: float) -> BodyCompliance:
+    """Compliance of screw (beyond its beam) or nut between the contacts of a scene, and what is assumed for it.
+
+    mean_axis: mean semi-axis [m] of the contacts, for the logarithm of their size. Raises ValueError for dimensions that
+    leave no groove, no wall or no land.
+    """
+    kind = backend.screw if screw else backend.nut
+    zero = np.zeros((4 * layout.z.size,) * 2)
+    if kind == "rigid" or (screw and kind == "beam"):
+        return BodyCompliance(zero, 0.0, ())
+    geometry = geometry_only(scene)
+    held = held_at(geometry, screw)
+    if held == "rigid":
+        return BodyCompliance(zero, 0.0, ())
+    lead = scene.track.lead != 0.0
+    if kind == "beam":
+        return BodyCompliance(nut_beam(scene, layout), 0.0, ())
+    G = kernel_part(scene, layout, screw, backend)
+    if not screw and held != "outer" and lead:
+        G = G + nut_beam(scene, layout)
+    e = own_flank(geometry, screw, backend)
+    if backend.flank:
+        e += at_size(flank_of(geometry, screw), mean_axis)
+    return BodyCompliance(0.5 * (G + G.T), e, dimensions(geometry).assumed)
+
+
+def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backend) -> BallCompliance:
+    """The ball's own body: opposite contacts share their force, so what they do to one another joins each one's own."""
+    if backend.ball == "half space":
+        return BallCompliance(0.0, 0.0, 1.0)
+    radius, material = scene.balls.radius, scene.balls.material
+    own = own_compliance(semi_axes, radius, material)
+    opposite = sphere_compliance(-1.0, radius, material)
+    cosine = float(np.cos(2.0 * scene.track.contact_angle))
+    across = 0.5 * (sphere_compliance(cosine, radius, material) + sphere_compliance(-cosine, radius, material))
+    return BallCompliance(own + opposite - 2.0 * abs(across), float(np.sqrt(abs(across))), float(np.sign(across)))

@@ -1,0 +1,217 @@
+"""Elastic bodies of revolution under any load: quadratic elements in (r, z), Fourier harmonics around the axis (Wilson 1965).
+
+Harmonic n has u_r = U cos n t, u_t = V sin n t, u_z = W cos n t; the set turned by a quarter wave has the same stiffness.
+With B = B_0 + n B_1 the stiffness is K_n = c (K_0 + n K_1 + n^2 K_2), c = pi (2 pi for n = 0), so that the generalised
+force of a load is its work on the harmonic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Gauss points of the 9-node quadrilateral: three a side.
+GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
+WEIGHT = np.array([5.0, 8.0, 5.0]) / 9.0
+
+
+def quadratic(x: Array) -> tuple[Array, Array]:
+    """Values and slopes ``(..., 3)`` of the quadratic Lagrange polynomials on nodes -1, 0, 1."""
+    values = np.stack([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)], axis=-1)
+    return values, np.stack([x - 0.5, -2.0 * x, x + 0.5], axis=-1)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Structured grid of 9-node quadrilaterals: node coordinates r, z ``(lines in z, lines in r)`` [m], odd numbers of
+    lines. Node (i, j) has number i * columns + j."""
+
+    r: Array
+    z: Array
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Lines in z and in r."""
+        return int(self.r.shape[0]), int(self.r.shape[1])
+
+    def cells(self) -> Index:
+        """Nodes of every element, ``(elements, 9)``, r fastest."""
+        rows, columns = self.shape
+        i, j = np.meshgrid(np.arange(0, rows - 1, 2), np.arange(0, columns - 1, 2), indexing="ij")
+        corner = (i * columns + j).ravel()
+        local = (np.arange(3)[:, None] * columns + np.arange(3)).ravel()
+        return np.asarray(corner[:, None] + local, dtype=np.int64)
+
+
+def refine_lines(ends: Array) -> Array:
+    """Element ends ``(k + 1,)`` with the mid nodes of quadratic elements between, ``(2 k + 1,)``."""
+    lines = np.empty(2 * ends.size - 1)
+    lines[::2], lines[1::2] = ends, 0.5 * (ends[:-1] + ends[1:])
+    return lines
+
+
+def tube_grid(r_ends: Array, z_ends: Array) -> Grid:
+    """Grid of a plain tube from element ends in r and z [m]."""
+    r, z = refine_lines(r_ends), refine_lines(z_ends)
+    return Grid(np.broadcast_to(r, (z.size, r.size)).copy(), np.broadcast_to(z[:, None], (z.size, r.size)).copy())
+
+
+def elasticity_matrix(young: float, poisson: float) -> Array:
+    """D (6, 6) for strains rr, tt, zz, rz, rt, tz (engineering shears)."""
+    lam = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
+    shear = young / (2.0 * (1.0 + poisson))
+    D = np.zeros((6, 6))
+    D[:3, :3] = lam
+    D[np.arange(3), np.arange(3)] += 2.0 * shear
+    D[np.arange(3, 6), np.arange(3, 6)] = shear
+    return D
+
+
+def element_matrices(grid: Grid, young: float, poisson: float) -> tuple[Array, Array, Array]:
+    """K_0, K_1, K_2 ``(elements, 27, 27)`` of all elements, without the factor c; freedoms U, V, W node by node.
+
+    Raises ValueError for an element turned inside out.
+    """
+    cells = grid.cells()
+    r, z = grid.r.ravel()[cells], grid.z.ravel()[cells]
+    D = elasticity_matrix(young, poisson)
+    total = [np.zeros((len(cells), 27, 27)) for _ in range(3)]
+    for a, wa in zip(GAUSS, WEIGHT, strict=True):
+        for b, wb in zip(GAUSS, WEIGHT, strict=True):
+            (nz, dz), (nr, dr) = quadratic(np.array(a)), quadratic(np.array(b))
+            N, along_r, along_z = np.outer(nz, nr).ravel(), np.outer(nz, dr).ravel(), np.outer(dz, nr).ravel()
+            J = np.stack([r @ along_r, z @ along_r, r @ along_z, z @ along_z], axis=-1)
+            det = J[:, 0] * J[:, 3] - J[:, 1] * J[:, 2]
+            if not (det > 0.0).all():
+                raise ValueError("an element of the section is turned inside out")
+            by_r = (J[:, 3, None] * along_r - J[:, 1, None] * along_z) / det[:, None]
+            by_z = (J[:, 0, None] * along_z - J[:, 2, None] * along_r) / det[:, None]
+            radius = r @ N
+            B0, B1 = strain_rows(N / radius[:, None], by_r, by_z)
+            weight = (wa * wb) * det * radius
+            DB0, DB1 = D @ (B0 * weight[:, None, None]), D @ (B1 * weight[:, None, None])
+            cross = np.swapaxes(B0, 1, 2) @ DB1
+            total[0] += np.swapaxes(B0, 1, 2) @ DB0
+            total[1] += cross + np.swapaxes(cross, 1, 2)
+            total[2] += np.swapaxes(B1, 1, 2) @ DB1
+    return total[0], total[1], total[2]
+
+
+def strain_rows(over_r: Array, by_r: Array, by_z: Array) -> tuple[Array, Array]:
+    """B_0 and B_1 ``(elements, 6, 27)`` from shape functions over r and their slopes, ``(elements, 9)`` each."""
+    B0, B1 = np.zeros((len(by_r), 6, 27)), np.zeros((len(by_r), 6, 27))
+    U, V, W = slice(0, 27, 3), slice(1, 27, 3), slice(2, 27, 3)
+    B0[:, 0, U], B0[:, 1, U], B0[:, 2, W] = by_r, over_r, by_z
+    B0[:, 3, U], B0[:, 3, W] = by_z, by_r
+    B0[:, 4, V], B0[:, 5, V] = by_r - over_r, by_z
+    B1[:, 1, V], B1[:, 4, U], B1[:, 5, W] = over_r, -over_r, -over_r
+    return B0, B1
+
+
+def factor_c(n: int) -> float:
+    """Integral of cos^2 n t (or of 1) around the circle."""
+    return 2.0 * np.pi if n == 0 else np.pi
+
+
+class Body:
+    """A body of revolution, assembled once for all harmonics."""
+
+    def __init__(self, grid: Grid, young: float, poisson: float) -> None:
+        self.grid = grid
+        cells = grid.cells()
+        dof = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
+        row = np.repeat(dof, 27, axis=1).ravel()
+        column = np.tile(dof, (1, 27)).ravel()
+        size = 3 * grid.r.size
+        self.parts = tuple(
+            sp.coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr()
+            for k in element_matrices(grid, young, poisson)
+        )
+
+    def stiffness(self, n: int) -> sp.csr_matrix:
+        """K_n ``(3 nodes, 3 nodes)``."""
+        return factor_c(n) * (self.parts[0] + n * self.parts[1] + n * n * self.parts[2])
+
+    def axis_free(self, n: int) -> NDArray[np.bool_]:
+        """Freedoms that a regular field of harmonic n may have on the axis (all where the body has a bore), ``(3 nodes,)``.
+
+        At r = 0: n = 0 leaves W, n = 1 leaves U and V (that U = -V there is left to the energy), n > 1 nothing.
+        """
+        free = np.ones((self.grid.r.size, 3), dtype=bool)
+        on_axis = self.grid.r.ravel() == 0.0
+        free[on_axis] = {0: (False, False, True), 1: (True, True, False)}.get(n, (False, False, False))
+        return free.ravel()
+
+
+def end_motions(body: Body, n: int) -> Array:
+    """Mean rigid motions of the low end section, rows on the freedoms of grid line z = 0, ``(k, 3 columns)``.
+
+    n = 0: axial motion and twist; n = 1: shift across and tilt (u_z = - tilt r cos t); none above.
+    """
+    r = body.grid.r[0]
+    weights = np.zeros((2, r.size))  # shares of the nodes in the means of f over the area, and of f r over its moment
+    for a in range(0, r.size - 2, 2):
+        for x, w in zip(GAUSS, WEIGHT, strict=True):
+            N = quadratic(np.array(x))[0]
+            at = float(r[a : a + 3] @ N)
+            weights[:, a : a + 3] += w * 0.5 * (r[a + 2] - r[a]) * N * np.array([[at], [at * at]])
+    weights[0] *= 2.0 / (r[-1] ** 2 - r[0] ** 2)
+    weights[1] *= 4.0 / (r[-1] ** 4 - r[0] ** 4)
+    out = np.zeros((2 if n < 2 else 0, r.size, 3))
+    if n == 0:
+        out[0, :, 2], out[1, :, 1] = weights
+    elif n == 1:
+        out[0, :, 0], out[0, :, 1], out[1, :, 2] = 0.5 * weights[0], -0.5 * weights[0], -weights[1]
+    return out.reshape(len(out), -1)
+
+
+def surface_compliance(
+    body: Body, n: int, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float] = ()
+) -> Array:
+    """Motion of the nodes of grid line r = ``line`` by loads on them, ``(3 k, 3 k)``, freedoms U, V, W node by node.
+
+    held ``(3 nodes,)``: fixed freedoms; rows (first, last + 1): which lines in z are loaded and watched; springs: shift,
+    tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. Block Cholesky along z, forward only: with
+    K = L L^T and Y = L^-1 E the answer is Y^T Y. Raises LinAlgError where the body is not held.
+    """
+    count, columns = body.grid.shape
+    free = ~held & body.axis_free(n)
+    K = body.stiffness(n)
+    starts = [0, *range(1, count, 2), count]
+    watched = np.zeros(3 * count * columns, dtype=np.int64) - 1
+    nodes = np.arange(*rows) * columns + line
+    watched[(3 * nodes[:, None] + np.arange(3)).ravel()] = np.arange(3 * nodes.size)
+    Y_before, L_before, seen, total = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0, dtype=np.int64), 3 * nodes.size
+    answer = np.zeros((total, total))
+    before = np.zeros(0, dtype=np.int64)
+    for a, b in pairwise(starts):
+        own = 3 * columns * a + np.flatnonzero(free[3 * columns * a : 3 * columns * b])
+        if own.size == 0:
+            before, Y_before, L_before = own, np.zeros((0, seen.size)), np.zeros((0, 0))
+            continue
+        diagonal = K[own][:, own].toarray()
+        if a == 0 and springs and n < 2:
+            ends = end_motions(body, n)[:, own]
+            diagonal += ends.T @ (np.array(springs[2:] if n == 0 else springs[:2])[:, None] * ends)
+        new = np.flatnonzero(watched[own] >= 0)
+        Y = np.zeros((own.size, seen.size + new.size))
+        if before.size:
+            lower = solve_triangular(L_before, K[before][:, own].toarray(), lower=True, check_finite=False)
+            diagonal -= lower.T @ lower
+            Y[:, : seen.size] = -lower.T @ Y_before
+        Y[new, seen.size + np.arange(new.size)] = 1.0
+        seen = np.concatenate([seen, watched[own[new]]])
+        L = cholesky(diagonal, lower=True, check_finite=False)
+        Y = solve_triangular(L, Y, lower=True, overwrite_b=True, check_finite=False)
+        answer[np.ix_(seen, seen)] += Y.T @ Y
+        before, Y_before, L_before = own, Y, L
+    return answer

@@ -1,0 +1,194 @@
+"""What the smooth body of revolution does not know of the groove: its equivalent surface, and each contact's own flank.
+
+A contact moves by its own load as the smooth body with a wide patch says, plus the difference of the true flank with a
+narrow patch and the smooth body with the wide one, both on half a lead and held alike, less a half space under the narrow
+patch, which Hertz's law holds already. Below the narrow patch only curvature counts, and that by a logarithm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.sparse.linalg import spsolve
+
+from lowfi.compliance.cell import cell_grid
+from lowfi.compliance.fourier import Body, Grid, quadratic, refine_lines, tube_grid
+from lowfi.compliance.sphere import expansion
+from lowfi.compliance.tube import Tube, patch_weights, radial_ends
+from meshes.groove_map import GrooveMap
+from meshes.parts import Material
+
+Array = NDArray[np.float64]
+
+#: Standard deviation of the narrow patch over the ball's radius, and elements of its mesh (flank, land, depth).
+NARROW = 0.18
+MESH = (8, 4, 10)
+#: ln of the standard deviation of a round Gaussian with the same mean logarithmic distance as a Hertz pressure of unit
+#: mean semi-axis: 2 ln 2 - 7/4 - (ln 2 - gamma/2).
+GAUSSIAN = float(np.log(2.0) - 1.75 + 0.5 * np.euler_gamma)
+
+
+@dataclass(frozen=True)
+class Flank:
+    """Groove of one body on half a lead: map, radius of the lands, plain surface (bore or outer radius) [m], whether the
+    screw's, half a lead (or half a ring's width) [m], material."""
+
+    map: GrooveMap
+    land: float
+    far: float
+    screw: bool
+    half: float
+    material: Material
+
+    @property
+    def side(self) -> int:
+        """The flank taken, SR or NR (the other one is its mirror image)."""
+        return 1 if self.screw else 3
+
+    def grid(self, mesh: tuple[int, int, int] | None = None) -> Grid:
+        """Half a lead with its groove."""
+        return cell_grid(self.map, self.land, self.far, self.screw, mesh or MESH, self.half)
+
+    def contact(self) -> tuple[float, float]:
+        """Nominal contact point (r, zeta) [m]."""
+        m = self.map
+        x3, z3 = m.ball * m.signs[self.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
+        r, zeta, _ = m.unroll(np.array(x3), np.array(z3))
+        return float(r), float(zeta)
+
+
+def smooth_radius(flank: Flank, power: int) -> float:
+    """Radius [m] of the smooth surface that keeps the body's volume (``power`` 2), or of the bore that keeps the mean ring
+    bending stiffness, wall^3 (``power`` 3)."""
+    grid = flank.grid()
+    line = -1 if flank.screw else 0
+    r, z = grid.r[:, line], grid.z[:, line]
+    f = r**2 if power == 2 else (flank.far - r) ** 3
+    mean = float(((f[:-2:2] + 4.0 * f[1:-1:2] + f[2::2]) / 6.0 * (z[2::2] - z[:-2:2])).sum() / z[-1])
+    return float(np.sqrt(mean)) if power == 2 else flank.far - float(np.cbrt(mean))
+
+
+def flank_weights(grid: Grid, line: int, zeta: float, width: float) -> tuple[Array, Array]:
+    """Shares ``(k,)`` of a Gaussian patch of arc length around the point at ``zeta`` on the nodes of the grid's surface."""
+    r, z = grid.r[:, line], grid.z[:, line]
+    node, weight = np.polynomial.legendre.leggauss(8)
+    N, slope = quadratic(node)
+    fine = np.linspace(-1.0, 1.0, 65)
+    fine_slope = quadratic(fine)[1]
+    start, arcs, heights, sizes = 0.0, [], [], []
+    for a in range(0, r.size - 2, 2):
+        speed = np.hypot(fine_slope @ r[a : a + 3], fine_slope @ z[a : a + 3])
+        along = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(fine))])
+        arcs.append(start + np.interp(node, fine, along))
+        heights.append(N @ z[a : a + 3])
+        sizes.append(np.hypot(slope @ r[a : a + 3], slope @ z[a : a + 3]) * weight)
+        start += float(along[-1])
+    s = np.concatenate(arcs)
+    centre = float(np.interp(zeta, np.concatenate(heights), s))
+    density = np.exp(-0.5 * ((s - centre) / width) ** 2) * np.concatenate(sizes)
+    out = np.zeros(r.size)
+    for e, a in enumerate(range(0, r.size - 2, 2)):
+        out[a : a + 3] += N.T @ density[8 * e : 8 * e + 8]
+    return out / out.sum(), z
+
+
+def harmonics_to(limit: float) -> Array:
+    """Harmonics at which a smooth series is sampled, up to ``limit``: the first ones, then about a quarter apart."""
+    found = [0, 1, 2, 3, 4]
+    while found[-1] < limit:
+        found.append(int(np.ceil(1.28 * found[-1])))
+    return np.array(found)
+
+
+def series(n: Array, values: Array) -> float:
+    """Sum over all harmonics of a quantity sampled at ``n`` (that of n = 0 counted as it is)."""
+    every = np.arange(n[-1] + 1)
+    return float(CubicSpline(n, values)(every).sum())
+
+
+def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float, radius: float) -> float:
+    """Motion [m/N] of one flank's patch along its load by that load, half a lead with the other flank unloaded.
+
+    load: the patch's forces on the grid ``(rows, columns, 3)`` for equal loads on both flanks and for opposite ones.
+    """
+    young, poisson = flank.material.youngs_modulus, flank.material.poissons_ratio
+    body = Body(grid, young, poisson)
+    n = harmonics_to(2.6 * radius / width)
+    total = 0.0
+    for equal, force in zip((True, False), load, strict=True):
+        held = np.zeros((*grid.shape, 3), dtype=bool)
+        held[0, :, 2 if equal else slice(0, 2)] = True
+        held[-1] = True
+        if not flank.screw:
+            held[:, -1] = True
+        values = np.empty(n.size)
+        for k, harmonic in enumerate(n):
+            free = ~held.ravel() & body.axis_free(int(harmonic))
+            K = body.stiffness(int(harmonic))[free][:, free]
+            f = force.ravel()[free]
+            values[k] = f @ spsolve(sp.csc_matrix(K), f) * np.exp(-((harmonic * width / radius) ** 2))
+        total += 0.5 * series(n, values)
+    return total
+
+
+def true_motion(flank: Flank, width: float) -> float:
+    """Own motion [m/N] of a patch of ``width`` [m] on the true flank."""
+    grid = flank.grid()
+    radius, zeta = flank.contact()
+    line = grid.shape[1] - 1 if flank.screw else 0
+    share, _ = flank_weights(grid, line, zeta, width)
+    m = flank.map
+    force = np.zeros((*grid.shape, 3))
+    force[:, line, 0] = share * m.signs[flank.side, 0] * np.cos(m.beta)
+    force[:, line, 2] = share * m.signs[flank.side, 1] * np.sin(m.beta)
+    return own_motion(flank, grid, (force, force), width, radius)
+
+
+def smooth_motion(flank: Flank, surface: float, width: float) -> float:
+    """Own motion [m/N] of a patch of ``width`` [m] at the contact's radius in the smooth body of that surface [m]."""
+    radius, zeta = flank.contact()
+    bore, outer = (flank.far, surface) if flank.screw else (surface, flank.far)
+    tube = Tube(bore, outer, (0.0, flank.half), "low", radius, width, 0, (0.5 * width, 0.4 * width), flank.material)
+    r_ends, line = radial_ends(tube)
+    count = int(np.ceil(flank.half / (0.5 * width)))
+    grid = tube_grid(r_ends, np.linspace(0.0, flank.half, count + 1))
+    z = refine_lines(np.linspace(0.0, flank.half, count + 1))
+    whole = patch_weights(np.concatenate([-z[::-1], z[1:]]), np.array([zeta]), width)[0]
+    upper, lower = whole[z.size - 1 :].copy(), whole[: z.size][::-1].copy()
+    upper[0] *= 0.5
+    lower[0] *= 0.5
+    m = flank.map
+    along = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    loads = []
+    for sign in (1.0, -1.0):
+        force = np.zeros((*grid.shape, 3))
+        force[:, line, 0] = (upper + sign * lower) * along[0]
+        force[:, line, 2] = (upper - sign * lower) * along[1]
+        loads.append(force)
+    return own_motion(flank, grid, (loads[0], loads[1]), width, radius)
+
+
+def half_space(width: float, material: Material) -> float:
+    """Mean motion [m/N] of a round Gaussian patch on a half space by its own normal load: (1 - nu^2)/(2 sqrt(pi) E s)."""
+    return float((1.0 - material.poissons_ratio**2) / (2.0 * np.sqrt(np.pi) * material.youngs_modulus * width))
+
+
+def flank_correction(flank: Flank, surface: float, wide: float) -> float:
+    """e [m/N] of a contact beside Hertz and the smooth body with ``wide`` patches, for a narrow patch (see ``at_size``)."""
+    narrow = NARROW * flank.map.ball
+    return true_motion(flank, narrow) - smooth_motion(flank, surface, wide) - half_space(narrow, flank.material)
+
+
+def at_size(flank: Flank, mean_semi_axis: float) -> float:
+    """What a contact of that mean semi-axis [m] adds to the correction for the narrow patch [m/N], by curvature alone."""
+    m = flank.map
+    radius, _ = flank.contact()
+    along = np.cos(m.beta) / radius * (1.0 if flank.screw else -1.0)
+    curvature = along - 1.0 / float(m.radius[flank.side])
+    a, b = expansion(flank.material.poissons_ratio)
+    slope = -(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * curvature
+    return float(slope * (np.log(mean_semi_axis / (NARROW * m.ball)) + GAUSSIAN))

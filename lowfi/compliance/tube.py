@@ -1,0 +1,205 @@
+"""A plain tube or shaft loaded over small patches on its groove: compliance between contacts by Fourier harmonics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.compliance.fourier import Body, quadratic, surface_compliance, tube_grid
+from meshes.parts import Material
+from meshes.section import BeamSection
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Tube:
+    """Plain body of revolution that stands for screw or nut: bore and outer radius, ends [m], where it is held ("low",
+    "high", "both" faces, "bore", "outer", or "section": its low end on springs by its mean motions), radius at which contacts load it, patch width (standard deviation) [m], number of
+    harmonics, element sizes in z and r [m]."""
+
+    bore: float
+    outer: float
+    ends: tuple[float, float]
+    held: str
+    radius: float
+    width: float
+    harmonics: int
+    size: tuple[float, float]
+    material: Material
+
+
+@dataclass(frozen=True)
+class TubeCompliance:
+    """Motion of the loaded grid line by loads on it, one matrix ``(3 k, 3 k)`` per harmonic; stations ``(k,)`` [m]."""
+
+    tube: Tube
+    z: Array
+    S: tuple[Array, ...]
+
+
+@dataclass(frozen=True)
+class Points:
+    """Contact points on a body: azimuth and z ``(c,)``, axes ``(c, 2, 3)`` of their motion in (r, t, z) there."""
+
+    azimuth: Array
+    z: Array
+    axes: Array
+
+
+def points_of(x: Array, axes: Array) -> Points:
+    """Points ``(c, 3)`` [m] and axes ``(c, 2, 3)`` in space, in cylindrical components."""
+    t = np.arctan2(x[:, 1], x[:, 0])
+    c, s = np.cos(t), np.sin(t)
+    r_hat = np.stack([c, s, 0 * c], axis=-1)
+    t_hat = np.stack([-s, c, 0 * c], axis=-1)
+    parts = (np.einsum("cak,ck->ca", axes, r_hat), np.einsum("cak,ck->ca", axes, t_hat), axes[..., 2])
+    return Points(t, x[:, 2], np.stack(parts, axis=-1))
+
+
+def radial_ends(tube: Tube) -> tuple[Array, int]:
+    """Element ends in r with one at the loaded radius, fine near it; index of that node line."""
+    low, high, at = tube.bore, tube.outer, float(np.clip(tube.radius, tube.bore, tube.outer))
+    h = tube.size[1]
+
+    def graded(length: float) -> Array:
+        count = max(1, round(2.0 * (np.sqrt(1.0 + length / h) - 1.0)))
+        return length * (np.arange(count + 1) / count) ** 1.6
+
+    inner = at - graded(at - low)[::-1] if at > low else np.array([at])
+    outer = at + graded(high - at) if high > at else np.array([at])
+    inner[0] = low
+    return np.concatenate([inner, outer[1:]]), 2 * (inner.size - 1)
+
+
+def axial_ends(tube: Tube, zone: tuple[float, float]) -> Array:
+    """Element ends in z: uniform over ``zone`` [m], which the contacts load, growing beyond it."""
+    (low, high), h = tube.ends, tube.size[0]
+    a, b = max(low, zone[0]), min(high, zone[1])
+    middle = np.linspace(a, b, max(2, int(np.ceil((b - a) / h))) + 1)
+
+    def beyond(length: float) -> Array:
+        if length <= 0.0:
+            return np.zeros(0)
+        count = max(1, round(2.5 * (np.sqrt(1.0 + length / h) - 1.0)))
+        return np.asarray(length * (np.arange(1, count + 1) / count) ** 1.5)
+
+    return np.concatenate([a - beyond(a - low)[::-1], middle, b + beyond(high - b)])
+
+
+def held_nodes(tube: Tube, shape: tuple[int, int]) -> NDArray[np.bool_]:
+    """Which freedoms ``(3 nodes,)`` are held."""
+    held = np.zeros((*shape, 3), dtype=bool)
+    if tube.held in ("low", "both"):
+        held[0] = True
+    if tube.held in ("high", "both"):
+        held[-1] = True
+    if tube.held == "bore":
+        held[:, 0] = True
+    if tube.held == "outer":
+        held[:, -1] = True
+    return held.ravel()
+
+
+def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
+    """Compliance of the loaded line for all harmonics; ``zone``: stretch in z [m] that holds every contact."""
+    r_ends, line = radial_ends(tube)
+    z_ends = axial_ends(tube, zone)
+    grid = tube_grid(r_ends, z_ends)
+    z = grid.z[:, 0]
+    inside = np.flatnonzero((z >= zone[0] - 1e-9) & (z <= zone[1] + 1e-9))
+    first, last = int(inside[0]) // 2 * 2, (int(inside[-1]) + 1) // 2 * 2
+    rows = (first, last + 1)
+    body = Body(grid, tube.material.youngs_modulus, tube.material.poissons_ratio)
+    held = held_nodes(tube, grid.shape)
+    springs = end_springs(tube) if tube.held == "section" else ()
+    S = tuple(surface_compliance(body, n, held, line, rows, springs) for n in range(tube.harmonics + 1))
+    return TubeCompliance(tube, z[rows[0] : rows[1]], S)
+
+
+def end_springs(tube: Tube) -> tuple[float, float, float, float]:
+    """Springs [N/m, N m] at the low end of a shaft held by its mean motions: shift, tilt, axial, twist."""
+    stiff = tube.material.youngs_modulus * tube.outer
+    return stiff, stiff * tube.outer**2, stiff, stiff * tube.outer**2
+
+
+def patch_weights(z: Array, at: Array, width: float) -> Array:
+    """Shares ``(c, k)`` of a Gaussian patch around ``at`` ``(c,)`` on the nodes of quadratic elements z ``(k,)``."""
+    node, weight = np.polynomial.legendre.leggauss(8)
+    values = quadratic(node)[0]
+    low, high = z[:-2:2], z[2::2]
+    x = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * node
+    density = np.exp(-0.5 * ((x[None] - at[:, None, None]) / width) ** 2) * (0.5 * (high - low)[:, None] * weight)
+    shares = np.einsum("ceg,gk->cek", density, values)
+    out = np.zeros((at.size, z.size))
+    for k in range(3):
+        out[:, k : k + z.size - 2 : 2] += shares[:, :, k]
+    return np.asarray(out / out.sum(axis=1, keepdims=True))
+
+
+def harmonic_rows(n: int, points: Points, weights: Array) -> Array:
+    """Work of unit loads along the axes of every contact on both sets of harmonic n, ``(2, c, 2, 3 k)``."""
+    c, s = np.cos(n * points.azimuth), np.sin(n * points.azimuth)
+    if n == 0:
+        sets = [np.stack([c, c, c], axis=-1)]
+    else:
+        sets = [np.stack([c, s, c], axis=-1), np.stack([s, -c, s], axis=-1)]
+    out = [np.einsum("ck,ct,cat->cakt", weights, one, points.axes) for one in sets]
+    return np.stack(out).reshape(len(sets), *points.axes.shape[:2], 3 * weights.shape[1])
+
+
+def contact_compliance(found: TubeCompliance, points: Points) -> Array:
+    """Compliance ``(2 c, 2 c)`` [m/N] between all contacts, each a Gaussian patch; two axes a contact."""
+    tube = found.tube
+    weights = patch_weights(found.z, points.z, tube.width)
+    G = np.zeros((2 * points.z.size,) * 2)
+    for n, S in enumerate(found.S):
+        share = np.exp(-((n * tube.width / tube.radius) ** 2))
+        for one in harmonic_rows(n, points, weights):
+            rows = one.reshape(G.shape[0], -1)
+            G += share * (rows @ S) @ rows.T
+    return 0.5 * (G + G.T)
+
+
+def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
+    """Motion of contacts ``(c, 3)`` along their axes ``(c, 2, 3)`` by that of their section ``(2 c, 6)``, the section
+    taken at the own station or at ``origin`` [m]."""
+    arm = x * np.array([1.0, 1.0, 0.0]) if origin is None else x - np.array([0.0, 0.0, origin])
+    return np.concatenate([axes, np.cross(arm[:, None, :], axes)], axis=2).reshape(-1, 6)
+
+
+def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
+    """Share ``(2 c, 2 c)`` of the end springs in the compliance of a shaft held by its section."""
+    shift, tilt, axial, twist = end_springs(tube)
+    rows = motion_rows(x, axes, tube.ends[0])
+    return np.asarray((rows / np.array([shift, shift, axial, tilt, tilt, twist])) @ rows.T)
+
+
+def cantilever(rows: Array, stations: Array, base: float, section: BeamSection) -> Array:
+    """Compliance ``(k, k)`` of motions on a Timoshenko cantilever held at ``base`` [m]; rows ``(k, 6)`` of the section's
+    motion at ``stations`` ``(k,)`` [m]."""
+    a = stations - base
+    same = a[:, None] * a[None, :] > 0.0
+    m = np.where(same, np.minimum(np.abs(a)[:, None], np.abs(a)[None, :]), 0.0)
+    m1, m2 = 0.5 * m**2 * np.sign(a)[:, None], m**3 / 3.0
+    left, right = a[:, None], a[None, :]
+    uu = (left * right * m - (left + right) * m1 + m2) / section.EI + m / section.kGA
+    ur = (left * m - m1) / section.EI  # deflection by a moment
+    ru = (right * m - m1) / section.EI
+    p, q = rows[:, None, :], rows[None, :, :]
+    G = uu * (p[..., 0] * q[..., 0] + p[..., 1] * q[..., 1]) + m / section.EA * p[..., 2] * q[..., 2]
+    G += ur * (p[..., 0] * q[..., 4] - p[..., 1] * q[..., 3]) + ru * (p[..., 4] * q[..., 0] - p[..., 3] * q[..., 1])
+    G += m / section.EI * (p[..., 3] * q[..., 3] + p[..., 4] * q[..., 4]) + m / section.GJ * p[..., 5] * q[..., 5]
+    return np.asarray(G)
+
+
+def clamped(rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection) -> Array:
+    """Compliance ``(k, k)`` of motions on a Timoshenko beam clamped at its "low", "high" or "both" ends [m]."""
+    low, high = ends
+    if held != "both":
+        return cantilever(rows, stations, low if held == "low" else high, section)
+    G = cantilever(np.concatenate([rows, np.eye(6)]), np.append(stations, np.full(6, high)), low, section)
+    k = len(rows)
+    return np.asarray(G[:k, :k] - G[:k, k:] @ np.linalg.solve(G[k:, k:], G[k:, :k]))
