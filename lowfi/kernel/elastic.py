@@ -357,6 +357,9 @@ def couple(bodies: Arrays, S: Array, counts: Array, starts: Array, M: Array) -> 
     """Lower triangle of M (q, q) = I + S G S^T."""
     first, second = bodies[0], bodies[1]
     balls, _, d = S.shape
+    if d == 2:
+        couple_pairs(first, S, counts, starts, M)
+        return
     h = d if second.shape[0] == 0 else d // 2
     part = np.empty((S.shape[1], d))
     for i in range(balls):
@@ -383,22 +386,27 @@ def couple(bodies: Arrays, S: Array, counts: Array, starts: Array, M: Array) -> 
 
 
 @kernel
+def couple_pairs(G: Array, S: Array, counts: Array, starts: Array, M: Array) -> None:
+    """The same for balls between two flanks: up to two rows of two entries each."""
+    for i in range(S.shape[0]):
+        for p in range(counts[i]):
+            row = starts[i] + p
+            a, b = S[i, p, 0], S[i, p, 1]
+            for j in range(i + 1):
+                x = a * G[2 * i, 2 * j] + b * G[2 * i + 1, 2 * j]
+                z = a * G[2 * i, 2 * j + 1] + b * G[2 * i + 1, 2 * j + 1]
+                for r in range(counts[j]):
+                    M[row, starts[j] + r] = x * S[j, r, 0] + z * S[j, r, 1]
+            M[row, row] += 1.0
+
+
+@kernel
 def cholesky_lower(M: Array) -> bool:
-    """Overwrite the lower triangle of M by its Cholesky factor; False where M is not positive definite."""
-    n = M.shape[0]
-    column = np.empty(n)
-    for j in range(n):
-        if not M[j, j] > 0.0:
-            return False
-        root = sqrt(M[j, j])
-        M[j, j] = root
-        for i in range(j + 1, n):
-            M[i, j] /= root
-            column[i] = M[i, j]
-        for i in range(j + 1, n):
-            f = column[i]
-            for k in range(j + 1, i + 1):
-                M[i, k] -= f * column[k]
+    """Overwrite M (its lower triangle given) by its Cholesky factor (LAPACK); False where M is not positive definite."""
+    try:
+        M[:, :] = np.linalg.cholesky(M)
+    except Exception:  # the only one that numba can name; LinAlgError is all that a finite matrix can raise
+        return False
     return True
 
 
