@@ -122,6 +122,16 @@ def factor_c(n: int) -> float:
     return 2.0 * np.pi if n == 0 else np.pi
 
 
+@dataclass(frozen=True)
+class Block:
+    """Freedoms ``(k,)`` and the parts K_0, K_1, K_2 of their own block ``(3, k, k)`` and of that to the block before
+    ``(3, k, j)``."""
+
+    own: Index
+    diagonal: Array
+    lower: Array
+
+
 class Body:
     """A body of revolution, assembled once for all harmonics."""
 
@@ -136,6 +146,24 @@ class Body:
             sp.coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr()
             for k in element_matrices(grid, young, poisson)
         )
+
+    def blocks(self, held: NDArray[np.bool_]) -> list[Block]:
+        """The parts of K by pairs of grid lines along z: own freedoms that are not held, own block, block to the one before.
+
+        Line 0 alone, then lines 2 k - 1 and 2 k: elements join neighbouring blocks only.
+        """
+        count, columns = self.grid.shape
+        edges = [0, *range(1, count, 2), count]
+        found: list[Block] = []
+        before = np.zeros(0, dtype=np.int64)
+        for a, b in pairwise(edges):
+            own = 3 * columns * a + np.flatnonzero(~held[3 * columns * a : 3 * columns * b])
+            rows = [part[own] for part in self.parts]
+            found.append(
+                Block(own, np.stack([r[:, own].toarray() for r in rows]), np.stack([r[:, before].toarray() for r in rows]))
+            )
+            before = own
+        return found
 
     def stiffness(self, n: int) -> sp.csr_matrix:
         """K_n ``(3 nodes, 3 nodes)``."""
@@ -174,44 +202,56 @@ def end_motions(body: Body, n: int) -> Array:
     return out.reshape(len(out), -1)
 
 
-def surface_compliance(
-    body: Body, n: int, held: NDArray[np.bool_], line: int, rows: tuple[int, int], springs: Sequence[float] = ()
-) -> Array:
-    """Motion of the nodes of grid line r = ``line`` by loads on them, ``(3 k, 3 k)``, freedoms U, V, W node by node.
+def line_compliance(
+    body: Body, harmonics: Sequence[int], held: NDArray[np.bool_], line: int, rows: tuple[int, int],
+    springs: Sequence[float] = (),
+) -> list[Array]:  # fmt: skip
+    """Motion of the nodes of grid line r = ``line`` by loads on them, ``(3 k, 3 k)`` for each harmonic, freedoms U, V, W
+    node by node.
 
     held ``(3 nodes,)``: fixed freedoms; rows (first, last + 1): which lines in z are loaded and watched; springs: shift,
-    tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. Block Cholesky along z, forward only: with
-    K = L L^T and Y = L^-1 E the answer is Y^T Y. Raises LinAlgError where the body is not held.
+    tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. Raises LinAlgError where the body is not held.
     """
-    count, columns = body.grid.shape
-    free = ~held & body.axis_free(n)
-    K = body.stiffness(n)
-    starts = [0, *range(1, count, 2), count]
-    watched = np.zeros(3 * count * columns, dtype=np.int64) - 1
-    nodes = np.arange(*rows) * columns + line
+    nodes = np.arange(*rows) * body.grid.shape[1] + line
+    watched = np.full(3 * body.grid.r.size, -1, dtype=np.int64)
     watched[(3 * nodes[:, None] + np.arange(3)).ravel()] = np.arange(3 * nodes.size)
-    Y_before, L_before, seen, total = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0, dtype=np.int64), 3 * nodes.size
+    on_axis = bool((body.grid.r == 0.0).any())
+    groups: dict[bytes, list[Block]] = {}
+    answers = []
+    for n in harmonics:
+        fixed = held | ~body.axis_free(n) if on_axis else held
+        blocks = groups.setdefault(fixed.tobytes(), [])
+        if not blocks:
+            blocks += body.blocks(fixed)
+        answers.append(_sweep(body, blocks, n, watched, springs))
+    return answers
+
+
+def _sweep(body: Body, blocks: list[Block], n: int, watched: Index, springs: Sequence[float]) -> Array:
+    """Block Cholesky along z, forward only: with K = L L^T and Y = L^-1 E the answer is Y^T Y."""
+    powers = factor_c(n) * np.array([1.0, n, n * n])
+    seen = np.zeros(0, dtype=np.int64)
+    total = int(watched.max()) + 1
     answer = np.zeros((total, total))
-    before = np.zeros(0, dtype=np.int64)
-    for a, b in pairwise(starts):
-        own = 3 * columns * a + np.flatnonzero(free[3 * columns * a : 3 * columns * b])
-        if own.size == 0:
-            before, Y_before, L_before = own, np.zeros((0, seen.size)), np.zeros((0, 0))
-            continue
-        diagonal = K[own][:, own].toarray()
-        if a == 0 and springs and n < 2:
+    Y_before, L_before = np.zeros((0, 0)), np.zeros((0, 0))
+    for k, block in enumerate(blocks):
+        own = block.own
+        diagonal = np.tensordot(powers, block.diagonal, 1)
+        if k == 0 and springs and n < 2:
             ends = end_motions(body, n)[:, own]
             diagonal += ends.T @ (np.array(springs[2:] if n == 0 else springs[:2])[:, None] * ends)
         new = np.flatnonzero(watched[own] >= 0)
         Y = np.zeros((own.size, seen.size + new.size))
-        if before.size:
-            lower = solve_triangular(L_before, K[before][:, own].toarray(), lower=True, check_finite=False)
+        if L_before.size and own.size:
+            lower = solve_triangular(L_before, np.tensordot(powers, block.lower, 1).T, lower=True, check_finite=False)
             diagonal -= lower.T @ lower
             Y[:, : seen.size] = -lower.T @ Y_before
         Y[new, seen.size + np.arange(new.size)] = 1.0
         seen = np.concatenate([seen, watched[own[new]]])
-        L = cholesky(diagonal, lower=True, check_finite=False)
-        Y = solve_triangular(L, Y, lower=True, overwrite_b=True, check_finite=False)
-        answer[np.ix_(seen, seen)] += Y.T @ Y
-        before, Y_before, L_before = own, Y, L
+        if own.size == 0:
+            Y_before, L_before = np.zeros((0, seen.size)), np.zeros((0, 0))
+            continue
+        L_before = cholesky(diagonal, lower=True, check_finite=False)
+        Y_before = solve_triangular(L_before, Y, lower=True, overwrite_b=True, check_finite=False)
+        answer[np.ix_(seen, seen)] += Y_before.T @ Y_before
     return answer

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.compliance.fourier import Body, quadratic, surface_compliance, tube_grid
+from lowfi.compliance.fourier import Body, line_compliance, quadratic, tube_grid
 from meshes.parts import Material
 from meshes.section import BeamSection
 
@@ -115,7 +115,7 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     body = Body(grid, tube.material.youngs_modulus, tube.material.poissons_ratio)
     held = held_nodes(tube, grid.shape)
     springs = end_springs(tube) if tube.held == "section" else ()
-    S = tuple(surface_compliance(body, n, held, line, rows, springs) for n in range(tube.harmonics + 1))
+    S = tuple(line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs))
     return TubeCompliance(tube, z[rows[0] : rows[1]], S)
 
 
