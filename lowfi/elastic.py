@@ -148,8 +148,8 @@ def flanks_of(
         body = body_compliance(scene, layout, screw, backend, mean_axis)
         assumed += [x for x in body.assumed if x not in assumed]
         order = by_ball(N, sides)
+        e[:, sides] = body.e if condensed is None else condensed.own(sides, typical_force(problem))
         own = body.G[np.ix_(order, order)]
-        e[:, sides] = body.e
         if screw:
             beam, moved, rigid = flank_response(shaft, sides)
             order = by_ball(N, np.arange(len(sides)))
@@ -157,8 +157,7 @@ def flanks_of(
             v0[:, [s % 2 for s in sides]] = moved[order].reshape(N, len(sides), 2)
             R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
         if condensed is not None:
-            own, v0, own_e = condensed.correct(problem, screw, sides, own, v0, body.e)
-            e[:, sides] = own_e
+            own = condensed.correct(scene, layout, sides, own, backend)
         G.append(own)
     if pair is not None:
         first, clipped = positive(G[0] + G[1])
@@ -210,7 +209,8 @@ def ready(
     flanks, assumed = flanks_of(problem, shaft, backend, condensed, layout)
     constants = nominal_hertz(problem.scene)
     grow = float(np.cbrt(typical_force(problem)))
-    ball = ball_compliance(problem.scene, (float(constants.C_a[0]) * grow, float(constants.C_b[0]) * grow), backend)
+    axes = (float(constants.C_a[0]) * grow, float(constants.C_b[0]) * grow)
+    ball = ball_compliance(problem.scene, axes, backend) if condensed is None else condensed.ball(problem.scene, axes)
     pair = one_pair(problem)
     local = np.zeros((N, 4, 2))
     local[..., 0] = flanks.e + ball.e
@@ -457,7 +457,8 @@ def solve_elastic(
     )  # fmt: skip
     left = (*describe_left_out(record, mechanism, everything=everything), *notes, *_cut(elastic))
     result = assemble_result(record, name, verdict(outcome, max(bound, ACCEPTED)), report, left, support)
-    return replace(result, assumed=(*result.assumed, *elastic.assumed))
+    source = () if condensed is None else (condensed.describe(),)
+    return replace(result, assumed=(*result.assumed, *elastic.assumed, *source))
 
 
 def _cut(elastic: Elastic) -> tuple[str, ...]:

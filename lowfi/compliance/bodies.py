@@ -217,16 +217,23 @@ def body_compliance(scene: Scene, layout: BallLayout, screw: bool, backend: Back
     held = held_at(geometry, screw)
     if held == "rigid":
         return BodyCompliance(zero, 0.0, ())
-    lead = scene.track.lead != 0.0
     if kind == "beam":
         return BodyCompliance(nut_beam(scene, layout), 0.0, ())
-    G = kernel_part(scene, layout, screw, backend)
-    if not screw and held != "outer" and lead:
-        G = G + nut_beam(scene, layout)
     e = own_flank(geometry, screw, backend)
     if backend.flank:
         e += at_size(flank_of(geometry, screw), mean_axis)
-    return BodyCompliance(0.5 * (G + G.T), e, dimensions(geometry).assumed)
+    return BodyCompliance(whole_body(scene, layout, screw, backend), e, dimensions(geometry).assumed)
+
+
+def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:
+    """Compliance ``(4 N, 4 N)`` [m/N] of the nut, or of the screw beyond its beam, without each contact's own flank."""
+    held = held_at(geometry_only(scene), screw)
+    if held == "rigid":
+        return np.zeros((4 * layout.z.size,) * 2)
+    G = kernel_part(scene, layout, screw, backend)
+    if not screw and held != "outer" and scene.track.lead != 0.0:
+        G = G + nut_beam(scene, layout)
+    return 0.5 * (G + G.T)
 
 
 def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backend) -> BallCompliance:

@@ -1,22 +1,134 @@
-"""Compliance between contacts from a condensed 3D model, read from a file."""
+"""Compliance between contacts from a condensed 3D model, read from a file.
+
+The file knows motions along the nominal normals; the low-order bodies keep what lies across them. The screw's beam beyond
+the nut, its supports and loads stay those of the low-order model.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.problem import Problem
+from lowfi.compliance.bodies import (
+    REFINED,
+    Backend,
+    BallCompliance,
+    ball_compliance,
+    contact_frames,
+    geometry_only,
+    grooved_section,
+    held_at,
+    whole_body,
+)
+from lowfi.compliance.tube import clamped, motion_rows
+from meshes.condensed import CondensedBodies, geometry_digest, load_condensed
+from meshes.helix import BallLayout
+from meshes.parts import SIDE_SIGNS, SIDES, Scene
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Condensed:
-    """placeholder until the file format is settled."""
+    """Bodies of a condensed 3D model for one geometry."""
 
-    nut: Array
+    bodies: CondensedBodies
 
-    def correct(self, problem: Problem, screw: bool, sides: list[int], G: Array, v0: Array, normals: Array) -> tuple[Array, Array, float | None]:
-        raise NotImplementedError
+    @staticmethod
+    def read(path: Path, scene: Scene) -> Condensed:
+        """Read a file for a scene. Raises ValueError for a damaged one or one of other parts, OSError."""
+        found = load_condensed(path)
+        if found.geometry != geometry_digest(scene):
+            raise ValueError("made for other parts (track, screw, nut, balls or [solid] differ)")
+        return Condensed(found)
+
+    def own(self, sides: list[int], force: float) -> Array:
+        """Term [m/N] of every contact on these sides beside Hertz and the bodies, at a typical ``force`` [N]: the fine
+        patches of groove and ball.
+
+        Raises ValueError for a side that the file does not know.
+        """
+        known = [int(s) for s in self.bodies.sides]
+        lost = [SIDES[s] for s in sides if s not in known]
+        if lost:
+            raise ValueError(
+                f"the file of condensed bodies knows the sides {', '.join(SIDES[s] for s in known)} only, and the scene also "
+                f"needs {', '.join(lost)}"
+            )
+        return np.array([self.bodies.own_term(s, force) for s in sides])
+
+    def correct(self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend) -> Array:
+        """Compliance of a body with its part along the normals from the file; ``total``: the low-order one on these sides,
+        ball after ball, supports and beam included.
+
+        What a contact moves across its normal follows what all contacts move along theirs as in the low-order body, so
+        that the result stays positive semidefinite: with A, B, D the blocks along, between and across, A' for A gives
+        B' = A' A^-1 B and D' = D + B^T A^-1 (A' - A) A^-1 B.
+        """
+        N, screw = layout.z.size, sides[0] < 2
+        geometry = geometry_only(scene)
+        if held_at(geometry, screw) == "rigid":
+            return total
+        x, axes = contact_frames(scene, layout, screw)
+        held = whole_body(scene, layout, screw, backend)
+        if screw and held_at(geometry, True) == "section":
+            section = grooved_section(geometry, True)
+            held = held + clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (self.bodies.base, 0.0), "low", section)
+        known = [s for s in ((0, 1) if screw else (2, 3)) if s in self.bodies.sides]
+        found = self.bodies.screw if screw else self.bodies.nut
+        if found.shape != (N * len(known),) * 2:
+            raise ValueError("the file of condensed bodies has another number of contacts")
+        rows = normal_rows(scene, N, known)
+        change = found - rows @ held @ rows.T
+        pick = np.concatenate([np.arange(N)[:, None] * len(known) + known.index(s) for s in sides], axis=1).ravel()
+        along, across = directions(scene, N, sides)
+        A, B = along @ total @ along.T, along @ total @ across.T
+        follow = np.linalg.solve(A, B)
+        spread = along + follow @ across
+        return np.asarray(total + spread.T @ change[np.ix_(pick, pick)] @ spread)
+
+    def ball(self, scene: Scene, semi_axes: tuple[float, float]) -> BallCompliance:
+        """The ball from the file: what opposite contacts do to themselves and each other, and across."""
+        D, sides = self.bodies.ball, [int(s) for s in self.bodies.sides]
+        closed = ball_compliance(scene, semi_axes, REFINED)
+        pairs = [(sides.index(a), sides.index(3 - a)) for a in (0, 1) if a in sides and 3 - a in sides]
+        own = float(np.mean([0.5 * (D[a, a] + D[b, b]) + D[a, b] for a, b in pairs]))
+        across = closed.sign * closed.g**2
+        if len(pairs) == 2:
+            (a, b), (c, d) = pairs
+            across = 0.25 * float(D[a, c] + D[a, d] + D[b, c] + D[b, d])
+        return BallCompliance(own - 2.0 * abs(across), float(np.sqrt(abs(across))), float(np.sign(across)))
+
+    def describe(self) -> str:
+        """What it is, for the record."""
+        names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
+        return f"screw, nut and balls from a condensed 3D model (mesh level {self.bodies.level}, sides {names}) along the contact normals"
+
+
+def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
+    """Motion along the nominal normals, ball after ball and side after side, from arrays that go side after side."""
+    beta = scene.track.contact_angle
+    out = np.zeros((N * len(sides), 4 * N))
+    for k, s in enumerate(sides):
+        direction = np.array(SIDE_SIGNS[s]) * np.array([np.cos(beta), np.sin(beta)])
+        for i in range(N):
+            first = 2 * ((s % 2) * N + i)
+            out[i * len(sides) + k, first : first + 2] = direction
+    return out
+
+
+def directions(scene: Scene, N: int, sides: list[int]) -> tuple[Array, Array]:
+    """Rows along and across the nominal normals on arrays that go ball after ball, ``(N sides, 2 N sides)`` each."""
+    beta = scene.track.contact_angle
+    normal = np.array([np.array(SIDE_SIGNS[s]) * np.array([np.cos(beta), np.sin(beta)]) for s in sides])
+    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+    k = np.arange(N * len(sides))
+    out = []
+    for direction in (normal, tangent):
+        rows = np.zeros((k.size, 2 * k.size))
+        rows[k, 2 * k], rows[k, 2 * k + 1] = np.tile(direction[:, 0], N), np.tile(direction[:, 1], N)
+        out.append(rows)
+    return out[0], out[1]

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from lowfi.friction.linear import Array, LinearBearing, directions
+from lowfi.friction.linear import SENSE, Array, LinearBearing, directions
 
 Loads = Literal["diagonal", "balanced", "elastic"]
 
@@ -59,9 +59,12 @@ def _elastic(bearing: LinearBearing, angles: Array, vertical: float, rho: float)
     force = vertical * np.array([0.0, 0.0, rho, -1.0])
 
     def evaluate(q: Array) -> tuple[float, Array, Array, Array, Array]:
-        d = slack * n + np.einsum("kij,i->kj", motion, q)
+        move = np.einsum("kij,i->kj", motion, q)
+        d = slack * n + move
         size = np.linalg.norm(d, axis=1)
-        m, approach = d / size[:, None], np.maximum(size - slack, 0.0)
+        # size less slack, built as a change so that its round-off is that of the motion
+        change = ((2.0 * slack * n + move) * move).sum(axis=1) / (size + slack)
+        m, approach = d / size[:, None], np.maximum(change, 0.0)
         load, slope = stiffness * approach**1.5, 1.5 * stiffness * np.sqrt(approach)
         h = (slope - load / size)[:, None, None] * m[:, :, None] * m[:, None, :]
         h += (load / size)[:, None, None] * np.eye(2)
@@ -72,15 +75,18 @@ def _elastic(bearing: LinearBearing, angles: Array, vertical: float, rho: float)
     depth = (vertical / stiffness) ** (2.0 / 3.0)
     q = depth * np.array([rho, -1.0, 2.0 * rho, -2.0])
     energy, gradient, hessian, load, m = evaluate(q)
-    for _ in range(100):
-        if np.abs(gradient).max() <= 1e-12 * vertical:
+    for _ in range(200):
+        worst = np.abs(gradient).max()
+        if worst <= 1e-12 * vertical:
             break
-        floor = 1e-9 * np.trace(hessian) * np.abs(gradient).max() / vertical
+        floor = 1e-9 * np.trace(hessian) * min(1.0, worst / vertical)
         step = -np.linalg.solve(hessian + floor * np.eye(4), gradient)
-        t, slope = 1.0, float(gradient @ step)
-        while evaluate(q + t * step)[0] > energy + 1e-4 * t * slope + 1e-15 * abs(energy) and t > 1e-10:
+        step *= min(1.0, 0.3 * slack / np.abs(step).max())
+        t, slope, new = 1.0, float(gradient @ step), evaluate(q + step)
+        while new[0] > energy + 1e-4 * t * slope and np.abs(new[1]).max() >= worst and t > 1e-12:
             t *= 0.5
+            new = evaluate(q + t * step)
         q = q + t * step
-        energy, gradient, hessian, load, m = evaluate(q)
-    sense = np.abs(m)
-    return load, np.arctan2(sense[:, 0], sense[:, 1])
+        energy, gradient, hessian, load, m = new
+    outward = SENSE * m
+    return load, np.arctan2(outward[:, 0], outward[:, 1])
