@@ -14,9 +14,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from lowfi.friction.chain_engine import Engine, engine
+from lowfi.friction.chain_kernels.energy import WIDTH
 from lowfi.friction.linear import MOVING, Array, LinearBearing, directions, semi_axes
-from lowfi.friction.linear_engine import Engine, engine
-from lowfi.friction.linear_kernel import WIDTH
 from lowfi.friction.linear_quadrature import contact_shape, node_count, nodes
 
 Mask = NDArray[np.bool_]
@@ -120,7 +120,7 @@ def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask 
 
 
 def solve(chain: Chain, start: Array | None = None, kernels: Engine = "compiled") -> ChainResult:
-    """Motion and forces of the chain from a start x ``(N, 3)``, see ``linear_kernel`` (no influence on the answer).
+    """Motion and forces of the chain from a start x ``(N, 3)`` as in ``chain_kernels.energy``, which has no influence.
 
     A carriage at rest, or a chain without load, has no motion and no friction force (any force below the bound would
     do). Lin (3.25)-(3.31) with exact Coulomb friction in place of the sigmoid (3.20).

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lowfi.friction.chain import ChainResult, prepare, solve
+from lowfi.friction.chain_engine import Engine
 from lowfi.friction.linear import Array, LinearBearing
-from lowfi.friction.linear_engine import Engine
 
 #: Relative speed of neighbours, over the carriage's, that counts as none.
 STILL = 1e-10

@@ -7,6 +7,7 @@ rest, the top (the carriage) moves along z. Angles are measured from -y (bottom)
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,13 +52,18 @@ class LinearBearing:
 
     def hertz(self) -> HertzConstants:
         """Hertz constants of a ball in a straight groove; semi-axis a lies in the section, b along the track."""
-        across = 1.0 - 0.5 / self.conformity
-        modulus = contact_modulus(self.young, self.poisson, self.young, self.poisson)
-        return hertz_constants(np.array(1.0 / self.ball_radius), np.array(across / self.ball_radius), modulus)
+        return _hertz(self.ball_radius, self.conformity, self.young, self.poisson)
 
     def psi(self) -> float:
         """Constant of a = Psi R_B^(1/3) F^(1/3) (Lin 3.36) [(m2/N)^(1/3)]."""
         return float(self.hertz().C_a / np.cbrt(self.ball_radius))
+
+
+@lru_cache(maxsize=64)
+def _hertz(ball_radius: float, conformity: float, young: float, poisson: float) -> HertzConstants:
+    across = 1.0 - 0.5 / conformity
+    modulus = contact_modulus(young, poisson, young, poisson)
+    return hertz_constants(np.array(1.0 / ball_radius), np.array(across / ball_radius), modulus)
 
 
 def directions(angles: Array) -> Array:

@@ -8,8 +8,8 @@ import numpy as np
 
 from lowfi.friction import linear_analytic as analytic
 from lowfi.friction.chain import ChainResult, prepare, solve
+from lowfi.friction.chain_engine import Engine
 from lowfi.friction.linear import Array, LinearBearing, deviations
-from lowfi.friction.linear_engine import Engine
 from lowfi.friction.linear_loads import Loads, balanced_loads, diagonal_loads, elastic_loads
 
 

@@ -39,6 +39,7 @@ def node_count(axis_ratio: float) -> int:
     return int(np.clip(np.ceil(16.0 / growth), 24, 400))
 
 
+@lru_cache(maxsize=64)
 def contact_shape(axis_ratio: float) -> tuple[float, float, float, float]:
     """Constants (b2/a2, q0, k1, k3) of an ellipse b/a: inside it, with t = c/a and force F, mu = 1,
 

@@ -1,0 +1,35 @@
+"""The kernels of chains of balls in two engines from one source, by the scheme of ``lowfi.jit``."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Literal
+
+from lowfi import jit
+from lowfi.friction import chain_kernels
+
+Engine = Literal["interpreted", "compiled"]
+
+
+def engine(name: Engine) -> ModuleType:
+    """The kernels as plain Python or compiled by numba."""
+    return _compiled() if name == "compiled" else chain_kernels
+
+
+@cache
+def _compiled() -> ModuleType:
+    """The kernels' folder loaded a second time under a name whose functions ``lowfi.jit.kernel`` compiles."""
+    name, folder = f"{jit.COMPILED}_chain", Path(__file__).parent / "chain_kernels"
+    jit.drop_stale(folder)
+    where = [str(folder)]
+    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=where)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"cannot load the kernels from {folder}")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module

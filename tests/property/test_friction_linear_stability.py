@@ -1,0 +1,94 @@
+"""Stability of the linear bearing: converged and unique from random starts over the whole range of inputs."""
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+
+from lowfi.friction.chain import ChainResult, prepare, solve
+from lowfi.friction.linear import LinearBearing, deviations
+from lowfi.friction.linear_loads import balanced_loads, diagonal_loads, elastic_loads
+
+BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
+MU = (0.001, 0.1, 0.5)
+
+
+def check(
+    bearing: LinearBearing, angles: np.ndarray, loads: np.ndarray, rng: np.random.Generator, motion: float = 1e-6
+) -> ChainResult:
+    """Converged, balanced in energy, and the same from a random start; forces relative to the friction bound.
+
+    motion: agreement asked of the velocities over the carriage's.
+    """
+    chain = prepare(bearing, angles, loads)
+    one, two = solve(chain), solve(chain, start=rng.uniform(-3.0, 3.0, (len(angles), 3)))
+    case = bearing.mu, angles, loads
+    for result in (one, two):
+        assert result.status == "converged", (case, result.residual, result.lag)
+        assert abs(result.power - result.loss) <= 1e-8 * chain.scale * abs(bearing.speed), case
+    np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-6 * chain.scale, err_msg=str(case))
+    np.testing.assert_allclose(two.velocity, one.velocity, atol=motion * abs(bearing.speed), err_msg=str(case))
+    return one
+
+
+@pytest.mark.parametrize("mu", MU)
+@pytest.mark.parametrize("theta", [-5.0, -1.0, -1e-6, 0.0, 0.1, 2.0, 5.0])
+def test_pairs(mu: float, theta: float) -> None:
+    """rho to +-0.999, loads 1e-3 to 1e5 N."""
+    bearing, rng = replace(BEARING, mu=mu, mu_balls=mu), np.random.default_rng(0)
+    turn = deviations(np.radians([theta, theta]))
+    for rho, vertical in product((-0.999, -0.9, -0.6, -1e-3, 0.0, 0.3, 0.999), (1e-3, 1.0, 100.0, 1e5)):
+        loads = diagonal_loads(vertical, np.array([rho, -rho]))
+        check(bearing, bearing.contact_angle + turn, loads, rng)
+
+
+@pytest.mark.parametrize("theta", [-5.0, 0.5, 5.0])
+def test_pairs_under_balanced_and_elastic_loads(theta: float) -> None:
+    rng = np.random.default_rng(1)
+    angles = BEARING.contact_angle + deviations(np.radians([theta, theta]))
+    for rho, vertical in product((-0.999, -0.6, 0.4, 0.999), (1e-3, 100.0, 1e5)):
+        side = np.array([rho, -rho])
+        check(BEARING, angles, balanced_loads(angles, vertical, side), rng)
+        loads, turned = elastic_loads(BEARING, angles, vertical, side)
+        check(BEARING, turned, loads, rng)
+
+
+@pytest.mark.parametrize("mu", MU)
+def test_two_point_transition(mu: float) -> None:
+    """One diagonal relieved step by step, to nothing: forces stay unique.
+
+    At the end the contacts of a ball are two, equally strong and not opposite: which of them spins costs nothing, and
+    the velocity that goes with it is free by some 1e-4.
+    """
+    bearing, rng = replace(BEARING, mu=mu, mu_balls=mu), np.random.default_rng(2)
+    for theta, rest in product((0.0, 0.5, 3.0), (1e-1, 1e-3, 1e-6, 1e-9, 1e-12)):
+        angles = bearing.contact_angle + deviations(np.radians([theta, theta]))
+        loads = diagonal_loads(100.0, np.array([-1.0 + rest, 1.0 - rest]))
+        check(bearing, angles, loads, rng, motion=1e-6 if rest > 1e-4 else 1e-3)
+
+
+@pytest.mark.parametrize(("count", "mu"), [(3, 0.02), (10, 0.1), (50, 0.02), (50, 0.1), (10, 0.3), (5, 0.5)])
+def test_chains(count: int, mu: float) -> None:
+    """Every angle of every ball off by up to 3 degrees, any side force."""
+    bearing, rng = replace(BEARING, mu=mu, mu_balls=mu), np.random.default_rng(count)
+    for _ in range(4):
+        angles = bearing.contact_angle + np.radians(rng.uniform(-3.0, 3.0, (count, 4)))
+        result = check(bearing, angles, balanced_loads(angles, 100.0, rng.uniform(-0.9, 0.9, count)), rng)
+        assert result.ball_force.max() > 0.0
+
+
+@pytest.mark.parametrize("speed", [0.0, 1e-12, -1e-12, 1e3])
+def test_any_speed(speed: float) -> None:
+    angles = BEARING.contact_angle + deviations(np.radians([2.0, 2.0]))
+    loads = diagonal_loads(100.0, np.array([-0.6, 0.6]))
+    result = check(replace(BEARING, speed=speed), angles, loads, np.random.default_rng(4))
+    assert np.isfinite(result.velocity).all()
+    assert (result.ball_force[0] > 1.0) == (speed > 0.0)
+
+
+@pytest.mark.parametrize("conformity", [0.505, 0.52, 0.6, 0.9])
+def test_conformity(conformity: float) -> None:
+    angles = BEARING.contact_angle + deviations(np.radians([2.0, 2.0]))
+    loads = diagonal_loads(100.0, np.array([-0.6, 0.6]))
+    check(replace(BEARING, conformity=conformity), angles, loads, np.random.default_rng(5))
