@@ -31,6 +31,9 @@ from lowfi import source as lin
 from lowfi.problem import Problem, build
 from lowfi.selection import choose_sides
 from lowfi.static import TOLERANCE as OWN_TOLERANCE
+from lowfi.compliance.bodies import REFINED, grooved_section, own_flank, smooth_compliance
+from lowfi.elastic import Rebuild
+from lowfi.elastic import run as run_elastic
 from lowfi.static import Prepared, pick_engine, prepare, run, solve_static
 from meshes.errors import specimen
 from meshes.helix import ball_layout
@@ -43,6 +46,8 @@ SINGLE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL
 TOLERANCE = 1e-10
 MEMBERS = 1000
 BALLS = (125, 250, 500, 1000)
+#: The same for the refined model, whose bodies are formed whole.
+REFINED_BALLS = (16, 32, 64, 125)
 WARM_LOAD = 1.01
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -277,6 +282,57 @@ def _ensemble_jobs(repeats: int) -> Iterator[Job]:
     yield Job("source, per member", slow, None, members[0].unknowns, peak_MB(), "Newton from its good guess, no set-up")
 
 
+class Refined:
+    """The refined model on one scene, compiled; the state that each run begins from is its linear start."""
+
+    def __init__(self, scene: Scene, *, everything: bool = False) -> None:
+        """Build the bodies and the system; ``everything``: all four sides."""
+        layout = ball_layout(scene)
+        drawn = specimen(scene, layout)
+        use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
+        kernels = pick_engine("compiled", scene.ball_count)
+        self.elastic = Rebuild(scene, drawn, layout, use, None, REFINED, None, kernels, everything, 1)()
+        self.unknowns = self.elastic.state[0].size + self.elastic.state[1].size
+        self.iterations = 0
+
+    def cold(self) -> None:
+        """Linear start, then Newton on the contact forces."""
+        outcome = run_elastic(self.elastic)
+        self.iterations = outcome[1]
+        if not (outcome[0] <= 1 and outcome[3] <= 1e-10):
+            raise RuntimeError(f"bench: the refined model stopped with residual {outcome[3]:.1e}")
+
+
+def _forget_bodies() -> None:
+    smooth_compliance.cache_clear()
+    own_flank.cache_clear()
+    grooved_section.cache_clear()
+
+
+def _refined_jobs(repeats: int) -> Iterator[Job]:
+    scene = shipped("lin-case1")
+    slow = _source_seconds(Source(scene), repeats)
+    setup = timed(lambda: Refined(scene), max(1, repeats // 3), _forget_bodies)
+    yield Job("refined, bodies of a new geometry", setup, None, None, peak_MB(), "cell, kernels, flanks, beam, packed arrays")
+    again = timed(lambda: Refined(scene), repeats)
+    yield Job("refined, set-up of a known geometry", again, None, None, peak_MB(), "bodies kept: beam, supports, packed arrays")
+    for label, everything in (("refined, cold solve, case 1", False), ("refined, cold solve, all sides", True)):
+        ours = Refined(scene, everything=everything)
+        fast = timed(ours.cold, 40 * repeats)
+        note = "linear start and Newton on the contact forces; set-up above"
+        yield Job(label, fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+    seconds: list[float] = []
+    counts = REFINED_BALLS if repeats > 1 else REFINED_BALLS[:2]
+    for count in counts:
+        ours = Refined(with_balls(scene, count))
+        fast = timed(ours.cold, 5 * repeats)
+        seconds.append(fast)
+        note = "two flanks a ball"
+        if count == counts[-1]:
+            note += f"; from {counts[0]} to {counts[-1]} balls time grows as balls^{_power(counts, seconds):.2f}"
+        yield Job(f"refined, {count} balls, cold", fast, None, ours.unknowns, peak_MB(), note)
+
+
 def _size_jobs(repeats: int) -> Iterator[Job]:
     counts = BALLS if repeats > 1 else BALLS[:2]
     seconds: list[float] = []
@@ -317,7 +373,7 @@ def _interpreted_jobs(repeats: int) -> Iterator[Job]:
 
 
 GROUPS: tuple[Callable[[int], Iterator[Job]], ...] = (
-    _interpreted_jobs, _cold_jobs, _coarse_jobs, _warm_jobs, _ensemble_jobs, _size_jobs,
+    _interpreted_jobs, _cold_jobs, _coarse_jobs, _warm_jobs, _ensemble_jobs, _size_jobs, _refined_jobs,
 )  # fmt: skip
 
 

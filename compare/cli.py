@@ -82,10 +82,11 @@ def new(file: Path) -> None:
 def solve(
     scene: str,
     *,
-    model: str = "lin",
+    model: str = "",
     as_json: Json = False,
     everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
     member: int = 0,
+    condensed: Path | None = None,
 ) -> int:
     """Solve one scene with one model.
 
@@ -94,21 +95,26 @@ def solve(
     scene
         Name of a shipped scene, or a scene file.
     model
-        lin, source, mei or mei-nut; see: rollbench list.
+        refined unless given, or "condensed" where its file is given; see: rollbench list.
     everything
         Build everything, also what the scene does not need.
     member
         Which specimen of a scene with random errors.
+    condensed
+        File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
     """
     from compare import catalogue
-    from compare.models import Options, run_model
+    from compare.models import DEFAULT, Options, run_model
     from compare.output import as_json as to_json
     from compare.output import as_table
 
+    model = model or (DEFAULT if condensed is None else "condensed")
+    if condensed is not None and model != "condensed":
+        raise InputError("command line", "--condensed", str(condensed), "the model condensed", "leave --model out")
     if not 0 <= member < 10**9:
         raise InputError("command line", "--member", str(member), "0 to 999999999", "give the specimen's number")
     parts = catalogue.scene(scene)
-    result = run_model(parts, model, Options(everything=everything, member=member))
+    result = run_model(parts, model, Options(everything=everything, member=member, condensed=condensed))
     if as_json:
         _print_json(to_json(parts, result))
     else:
@@ -300,6 +306,25 @@ def export(
     from compare.export_command import run_export
 
     return run_export(catalogue.scene(scene), part, format, out, level, cache=_cache(), show=_show, ball=ball)
+
+
+@app.command
+def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
+    """Condense the 3D bodies of a scene to the contacts, for: rollbench solve SCENE --condensed FILE.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file. The file serves all loads, supports and errors of the same parts.
+    out
+        File to write, replaced if it exists; <scene>-condensed.npz unless given.
+    level
+        Mesh level, 1 (coarse) to 3.
+    """
+    from compare import catalogue
+    from compare.condense_command import run_condense
+
+    return run_condense(catalogue.scene(scene), out, level, cache=_cache(), show=_show)
 
 
 @app.command

@@ -4,11 +4,27 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
-from compare.reference import LEVELS, SOURCE_LEVEL, VARIANTS, Run, Task, compute, groups, load, path_in, save
+from compare.errors import InputError
+from compare.reference import (
+    LEVELS,
+    SOURCE_LEVEL,
+    VARIANTS,
+    Run,
+    Task,
+    bodies_path,
+    compute_with_bodies,
+    groups,
+    load,
+    path_in,
+    save,
+    with_bodies,
+)
+from meshes.condensed import CondensedBodies, load_condensed
 from meshes.parts import Scene
 
 Step = Callable[[str], None]
@@ -53,15 +69,33 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
                 scenes.append(scene)
         if scenes:
             left.append(replace(task, scenes=tuple(scenes)))
+        elif with_bodies(task) and not any(bodies_path(s, task.scenes[0], task.level).exists() for s in stores):
+            left.append(task)
     return left
 
 
-def perform(task: Task, store: Path) -> list[Run]:
-    """Compute a task and store its runs at once, so that an interrupted study loses only what was under way."""
-    runs = compute(task)
+def perform(task: Task, store: Path) -> tuple[list[Run], CondensedBodies | None]:
+    """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way."""
+    runs, bodies = compute_with_bodies(task)
     for run, scene in zip(runs, task.scenes, strict=True):
         save(store, scene, run)
-    return runs
+    keep_bodies(store, task, bodies)
+    return runs, bodies
+
+
+def keep_bodies(store: Path, task: Task, bodies: CondensedBodies | None) -> None:
+    """Store the condensed bodies of a task. Raises InputError where the folder cannot be written to."""
+    if bodies is None:
+        return
+    path = bodies_path(store, task.scenes[0], task.level)
+    with suppress(OSError, ValueError):  # none yet, or a damaged one
+        if len(load_condensed(path).sides) > len(bodies.sides):
+            return
+    try:
+        bodies.save(path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None
 
 
 def ensure(tasks: Sequence[Task], store: Path, engine: Engine, step: Step, stores: Sequence[Path] = ()) -> int:
@@ -76,12 +110,15 @@ def ensure(tasks: Sequence[Task], store: Path, engine: Engine, step: Step, store
     jobs = [(perform, (task, store)) for task in left]
     finished = 0
 
-    def reached(index: int, runs: list[Run]) -> None:
+    def reached(index: int, made: tuple[list[Run], CondensedBodies | None]) -> None:
         nonlocal done, finished
         task = left[index]
+        runs, bodies = made
         for run, scene in zip(runs, task.scenes, strict=True):
             if not path_in(store, scene, task.level, task.variant).exists():
                 save(store, scene, run)  # computed on a machine that does not share this folder
+        if bodies is not None and not bodies_path(store, task.scenes[0], task.level).exists():
+            keep_bodies(store, task, bodies)
         done += task.weight
         finished += 1
         spent = perf_counter() - start
@@ -99,8 +136,8 @@ def ensure(tasks: Sequence[Task], store: Path, engine: Engine, step: Step, store
 
     threading.Thread(target=pulse, daemon=True).start()
     try:
-        for number, runs in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
-            reached(number, runs)
+        for number, made in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+            reached(number, made)
     finally:
         over.set()
     return len(left)

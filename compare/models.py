@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,12 +17,15 @@ from meshes.parts import Scene
 
 @dataclass(frozen=True)
 class Options:
-    """How to run: leave nothing out (``everything``), which specimen of a scene with random errors, which engine."""
+    """How to run: leave nothing out (``everything``), which specimen of a scene with random errors, which engine;
+    ``condensed``: file of condensed bodies for the elastic models; ``estimate``: add the model-form error estimate."""
 
     everything: bool = False
     member: int = 0
     engine: str = "auto"
     discretisation: bool = True
+    condensed: Path | None = None
+    estimate: bool = True
 
 
 def _lin(scene: Scene, options: Options) -> StaticResult:
@@ -32,6 +38,36 @@ def _lin(scene: Scene, options: Options) -> StaticResult:
         engine=options.engine,  # type: ignore[arg-type]
         discretisation=options.discretisation,
     )
+
+
+def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
+    """A model with elastic bodies, by the name of its backend; "condensed" takes them from a file."""
+    from lowfi.compliance.bodies import LADDER, REFINED
+    from lowfi.compliance.imported import Condensed
+    from lowfi.elastic import solve_elastic, with_discretisation
+
+    condensed = None
+    if name == "condensed":
+        if options.condensed is None:
+            raise InputError(
+                scene.name, "model", '"condensed"', "a file of condensed bodies", "rollbench condense makes one: --condensed FILE"
+            )
+        try:
+            condensed = Condensed.read(options.condensed, scene)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise InputError(str(options.condensed), "file", reason, "a file of condensed bodies", "check the path") from None
+        except ValueError as error:
+            raise InputError(
+                str(options.condensed), "file", str(error), "a file that rollbench condense made of this scene's parts",
+                "make it anew: rollbench condense",
+            ) from None  # fmt: skip
+    own: dict[str, Any] = {
+        "backend": LADDER.get(name, REFINED), "condensed": condensed, "name": name, "everything": options.everything,
+        "member": options.member, "engine": options.engine,
+    }  # fmt: skip
+    result = solve_elastic(scene, **own)
+    return with_discretisation(scene, result, **own) if options.discretisation else result
 
 
 def _source(scene: Scene, options: Options) -> StaticResult:
@@ -68,7 +104,17 @@ class Model:
 MODELS = {
     m.name: m
     for m in (
+        Model(
+            "refined", "elastic grooved screw, nut and balls between Hertz contacts, no 3D solve; the default",
+            partial(_elastic, name="refined"),
+        ),
         Model("lin", "beam screw, rigid nut, Hertz contacts; convex energy (Lin chapter 2, misprints mended)", _lin),
+        Model("lin-cell", "the same with the section of the grooved shaft", partial(_elastic, name="lin-cell")),
+        Model("lin-nut", "the same with the nut as a beam too", partial(_elastic, name="lin-nut")),
+        Model(
+            "condensed", "refined, with the bodies of a condensed 3D model read from a file (--condensed FILE)",
+            partial(_elastic, name="condensed"),
+        ),
         Model("source", "the same model in the source's own equations, plain Newton from a designer's guess", _source),
         Model("mei", "axial bars and springs of fixed direction, rigid nut (Mei et al. 2003)", _mei),
         Model("mei-nut", "the same with the nut as an elastic bar held at its left face", _mei_nut),
@@ -76,7 +122,11 @@ MODELS = {
 }
 
 
-def run_model(scene: Scene, name: str = "lin", options: Options | None = None) -> StaticResult:
+#: The model that is used unless another one is asked for.
+DEFAULT = "refined"
+
+
+def run_model(scene: Scene, name: str = DEFAULT, options: Options | None = None) -> StaticResult:
     """Run one model on a scene. Raises InputError for an unknown name or a scene that the model cannot describe."""
     if name not in MODELS:
         raise InputError("model", "name", f'"{name}"', ", ".join(MODELS), "see: rollbench list")
@@ -90,4 +140,9 @@ def run_model(scene: Scene, name: str = "lin", options: Options | None = None) -
         raise InputError(
             scene.name, "scene", str(error), "a scene the model can describe", "check the geometry and the ingredients"
         ) from error
-    return replace(result, model=name)
+    result = replace(result, model=name)
+    if options.estimate and result.converged:
+        from compare.model_form import estimate
+
+        result = replace(result, model_form=estimate(scene, result))
+    return result

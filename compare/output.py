@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compare.measure import error_percent
-from lowfi.result import Array, StaticResult
+from lowfi.result import Array, ModelForm, StaticResult
 from meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
@@ -55,6 +55,28 @@ def _equilibrium(result: StaticResult) -> dict[str, Any] | None:
         "force_residual": number(e.force_residual),
         "moment_residual": number(e.moment_residual),
     }
+
+
+def _model_form(result: StaticResult) -> dict[str, Any] | None:
+    m = result.model_form
+    if m is None:
+        return None
+    return {
+        "largest_percent_of_mean": None if m.percent is None else number(m.percent),
+        "rms_percent_of_mean": None if m.rms_percent is None else number(m.rms_percent),
+        "distance": number(m.distance), "nearest": m.nearest, "compared": m.compared, "words": list(m.words),
+    }  # fmt: skip
+
+
+def model_form_text(m: ModelForm) -> str:
+    """The estimate in one sentence."""
+    if m.percent is None or m.rms_percent is None:
+        return "model-form error: unknown; " + "; ".join(m.words)
+    return (
+        f"model-form error to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS "
+        f"(errors against the 3D reference on {m.compared} scenes, nearest {m.nearest} at distance {m.distance:.2g}); "
+        + "; ".join(m.words)
+    )
 
 
 def discretisation_percent(result: StaticResult) -> float | None:
@@ -104,6 +126,7 @@ def as_json(scene: Scene, result: StaticResult) -> dict[str, Any]:
             "round_off_bound": number(s.round_off_bound),
             "discretisation_percent": discretisation_percent(result),
         },
+        "model_form": _model_form(result),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
         "warnings": list(result.warnings),
@@ -147,6 +170,8 @@ def as_table(scene: Scene, result: StaticResult) -> list[RenderableType]:
         + (f" (discretisation error {error:.1e} % of the mean load)" if error is not None else "")
         + f", {s.seconds:.3g} s"
     )
+    if result.model_form is not None:
+        parts.append(model_form_text(result.model_form))
     for heading, lines in (("warning", result.warnings), ("assumed", result.assumed), ("left out", result.left_out)):
         parts += [f"{heading}: {line}" for line in lines]
     return parts

@@ -20,6 +20,7 @@ from compare.convergence import Convergence, observe
 from compare.errors import InputError
 from compare.system import need_gmsh
 from compare.writing import replace_file
+from meshes.condensed import CondensedBodies, geometry_digest
 from meshes.errors import specimen
 from meshes.helix import ball_layout, groove_radii, nominal_groove_centres
 from meshes.parts import Scene
@@ -52,6 +53,8 @@ PRODUCTION = max(LEVELS)
 SCHEMA = 2
 #: How often patches are enlarged where a contact reaches their rim.
 ENLARGE = 2
+#: The same for the condensed bodies.
+BODIES = 1
 Change = Callable[[Scene], Scene]
 
 
@@ -219,7 +222,13 @@ class Task:
 
 def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
     """Run a task. Raises InputError where a mesh cannot be built."""
+    return compute_with_bodies(task, step)[0]
+
+
+def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
+    """Run a task; with its runs the bodies condensed to the contacts, where the task is one of a mesh level."""
     need_gmsh()
+    from hifi.condensed import condensed_bodies
     from hifi.reference import AT_RIM
     from hifi.setup import prepare
     from meshes.cache import Cache
@@ -243,10 +252,21 @@ def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
             if AT_RIM in runs[-1].status and attempt < ENLARGE:
                 break
         else:
-            return runs
+            break
         settings = replace(settings, reach=(1.35 * settings.reach[0], 1.35 * settings.reach[1]))
         step("a contact reaches the rim of its patch: larger patches")
-    return runs
+    return runs, condensed_bodies(setup, task.level) if with_bodies(task) else None
+
+
+def with_bodies(task: Task) -> bool:
+    """Whether a task also leaves its bodies, condensed to the contacts: no variant, a level of its own, an elastic nut."""
+    return not task.variant and task.level in LEVELS
+
+
+def bodies_path(store: Path, scene: Scene, level: int) -> Path:
+    """File of the condensed bodies of a scene's parts in a store."""
+    mesh = hashlib.sha256(f"{SCHEMA}|{BODIES}|{sorted(LEVELS[level].items())!r}".encode()).hexdigest()[:6]
+    return store / f"bodies-{geometry_digest(scene)}-level{level}-{mesh}.npz"
 
 
 def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, ...], step: Step) -> Run:

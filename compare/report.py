@@ -26,7 +26,7 @@ Step = Callable[[str], None]
 LONG = ("pictures", "stability", "timing")
 #: Sections by name, in order.
 SECTIONS = (
-    "overview", "reference", "reference-mesh", "pictures", "hertz", "cases", "errors", "manufacturing", "formulations",
+    "overview", "ladder", "reference", "reference-mesh", "pictures", "hertz", "cases", "errors", "manufacturing", "formulations",
     "verification", "stability", "timing", "notes",
 )  # fmt: skip
 
@@ -86,12 +86,16 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
 
     if not source.compute or source.stores is None:
         return
+    from compare.ladder import UNSEEN
+
     scenes = [study.scene(name) for name in REFERENCED]
     if source.quick:
         tasks = plan(scenes[:2], (min(LEVELS),))
     else:
         tasks = plan(scenes, tuple(LEVELS), source=True, ablate=True)
         tasks += plan(scenes[:1], (), all_variants())
+        tasks += plan([study.scene(name) for name in UNSEEN], (1, 2))
+        tasks.sort(key=lambda task: -task.weight)
     ensure(tasks, source.stores[0], source.engine, step)
 
 
@@ -111,6 +115,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
     from compare.sections import (
         cases,
         formulations,
+        ladder,
         hertz,
         notes,
         overview,
@@ -127,7 +132,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
     made: dict[str, Section] = {}
     headline: list[tuple[str, str]] = []
     found: list[Finding] = []
-    if any(name in wanted for name in ("overview", "reference", "reference-mesh", "notes")):
+    if any(name in wanted for name in ("overview", "ladder", "reference", "reference-mesh", "notes")):
         progress.section("runs of the 3D reference")
         compute_references(study, source, progress.step)
     if any(name in wanted for name in ("overview", "errors", "manufacturing", "notes")):
@@ -137,6 +142,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
         headline += overview.counts(found)
     simple: dict[str, Callable[[Study, Step], Section]] = {
         "hertz": hertz.section, "cases": cases.section, "formulations": formulations.section,
+        "ladder": partial(ladder.section, stores=source.stores, keep=source.stores[0] if source.stores else None),
         "reference": partial(reference.section, stores=source.stores, quick=source.quick),
         "reference-mesh": partial(reference_mesh.section, stores=source.stores),
         "pictures": partial(pictures.section, cache=source.engine.cache),
@@ -181,12 +187,12 @@ def make_report(
         check_target(out)
     except (ValueError, OSError) as error:
         raise _bad_folder(out, error) from None
-    if any(not only or n in only for n in ("reference", "pictures", "verification")):
+    if any(not only or n in only for n in ("ladder", "reference", "pictures", "verification")):
         need_gmsh()
     made = [n for n in SECTIONS if (n in only if only else not (quick and n in LONG))]
     total = len([n for n in made if n not in ("overview", "errors", "manufacturing")])
     total += 1 + any(not only or n in only for n in ("overview", "errors", "manufacturing", "notes"))
-    total += any(not only or n in only for n in ("overview", "reference", "reference-mesh", "notes"))
+    total += any(not only or n in only for n in ("overview", "ladder", "reference", "reference-mesh", "notes"))
     source = Source(None if stored else (store,), engine or Engine(), not stored, quick)
     progress = Progress(total)
     start = perf_counter()

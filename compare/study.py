@@ -30,11 +30,11 @@ class Study:
         return replace(scene, ingredients=replace(scene.ingredients, **ingredients))
 
     def solve(self, scene: Scene | str, model: str = "lin", member: int = 0) -> StaticResult:
-        """Result of a model on a scene; solved on first use."""
+        """Result of a model on a scene, the source's unless named; solved on first use."""
         parts = self.scene(scene) if isinstance(scene, str) else scene
         key = (parts, model, member)
         if key not in self.results:
-            self.results[key] = run_model(parts, model, Options(member=member, discretisation=False))
+            self.results[key] = run_model(parts, model, Options(member=member, discretisation=False, estimate=False))
         return self.results[key]
 
 

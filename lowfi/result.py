@@ -48,6 +48,23 @@ class SolverReport:
 
 
 @dataclass(frozen=True)
+class ModelForm:
+    """What a result may be worth: errors of the same model against a 3D reference on scenes like it.
+
+    percent, rms_percent: largest and RMS error to expect, in per cent of the mean contact load; None where nothing like
+    the scene was ever compared. distance: to the nearest compared scene, 1 at the edge of what counts as like it; nearest:
+    that scene; compared: how many scenes the estimate rests on; words: which ingredients are in, and what is unlike.
+    """
+
+    percent: float | None
+    rms_percent: float | None
+    distance: float
+    nearest: str
+    compared: int
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class StaticResult:
     """Static load distribution of one scene.
 
@@ -75,6 +92,7 @@ class StaticResult:
     assumed: tuple[str, ...]
     left_out: tuple[str, ...]
     warnings: tuple[str, ...] = ()
+    model_form: ModelForm | None = None
 
     @property
     def converged(self) -> bool:

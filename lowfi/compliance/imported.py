@@ -45,27 +45,19 @@ class Condensed:
             raise ValueError("made for other parts (track, screw, nut, balls or [solid] differ)")
         return Condensed(found)
 
-    def own(self, sides: list[int], force: float) -> Array:
+    def own(self, sides: list[int], force: float, otherwise: float) -> Array:
         """Term [m/N] of every contact on these sides beside Hertz and the bodies, at a typical ``force`` [N]: the fine
-        patches of groove and ball.
-
-        Raises ValueError for a side that the file does not know.
+        patches of groove and ball; ``otherwise`` on sides that the file does not know.
         """
         known = [int(s) for s in self.bodies.sides]
-        lost = [SIDES[s] for s in sides if s not in known]
-        if lost:
-            raise ValueError(
-                f"the file of condensed bodies knows the sides {', '.join(SIDES[s] for s in known)} only, and the scene also "
-                f"needs {', '.join(lost)}"
-            )
-        return np.array([self.bodies.own_term(s, force) for s in sides])
+        return np.array([self.bodies.own_term(s, force) if s in known else otherwise for s in sides])
 
     def correct(self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend) -> Array:
         """Compliance of a body with its part along the normals from the file; ``total``: the low-order one on these sides,
         ball after ball, supports and beam included.
 
-        What a contact moves across its normal follows what all contacts move along theirs as in the low-order body, so
-        that the result stays positive semidefinite: with A, B, D the blocks along, between and across, A' for A gives
+        What the file does not know, across the normals and on other sides, follows what all contacts move along theirs as
+        in the low-order body, so that the result stays positive semidefinite: with A, B, D the blocks along, between and across, A' for A gives
         B' = A' A^-1 B and D' = D + B^T A^-1 (A' - A) A^-1 B.
         """
         N, screw = layout.z.size, sides[0] < 2
@@ -83,8 +75,11 @@ class Condensed:
             raise ValueError("the file of condensed bodies has another number of contacts")
         rows = normal_rows(scene, N, known)
         change = found - rows @ held @ rows.T
-        pick = np.concatenate([np.arange(N)[:, None] * len(known) + known.index(s) for s in sides], axis=1).ravel()
-        along, across = directions(scene, N, sides)
+        both = [s for s in sides if s in known]
+        if not both:
+            return total
+        pick = np.concatenate([np.arange(N)[:, None] * len(known) + known.index(s) for s in both], axis=1).ravel()
+        along, across = directions(scene, N, sides, both)
         A, B = along @ total @ along.T, along @ total @ across.T
         follow = np.linalg.solve(A, B)
         spread = along + follow @ across
@@ -120,15 +115,17 @@ def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
     return out
 
 
-def directions(scene: Scene, N: int, sides: list[int]) -> tuple[Array, Array]:
-    """Rows along and across the nominal normals on arrays that go ball after ball, ``(N sides, 2 N sides)`` each."""
+def directions(scene: Scene, N: int, sides: list[int], known: list[int]) -> tuple[Array, Array]:
+    """Rows along the nominal normals of the ``known`` sides, and everything across them, on arrays that go ball after ball
+    and side after side, ``(N known, 2 N sides)`` and the rest."""
     beta = scene.track.contact_angle
-    normal = np.array([np.array(SIDE_SIGNS[s]) * np.array([np.cos(beta), np.sin(beta)]) for s in sides])
-    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-    k = np.arange(N * len(sides))
-    out = []
-    for direction in (normal, tangent):
-        rows = np.zeros((k.size, 2 * k.size))
-        rows[k, 2 * k], rows[k, 2 * k + 1] = np.tile(direction[:, 0], N), np.tile(direction[:, 1], N)
-        out.append(rows)
-    return out[0], out[1]
+    along, across = [], []
+    for i in range(N):
+        for k, s in enumerate(sides):
+            first = 2 * (i * len(sides) + k)
+            normal = np.array(SIDE_SIGNS[s]) * np.array([np.cos(beta), np.sin(beta)])
+            for direction, own in ((normal, along if s in known else across), (np.array([-normal[1], normal[0]]), across)):
+                row = np.zeros(2 * N * len(sides))
+                row[first : first + 2] = direction
+                own.append(row)
+    return np.array(along), np.array(across)

@@ -1,0 +1,177 @@
+"""The ladder: from the source's model to the refined one, step by step against the 3D reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compare.comparison import REFERENCED
+from compare.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one, points
+from compare.measure import error_percent, load_error
+from compare.model_form import save_points
+from compare.reference import reference
+from compare.study import Study
+from lowfi.compliance.bodies import REFINED, Backend
+from lowfi.elastic import solve_elastic
+from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+
+#: Choices of the refined model that its derivation leaves open, varied one at a time.
+CHOICES: dict[str, Backend] = {
+    "patch of the kernels half as wide again": replace(REFINED, width=1.5),
+    "patch of the kernels two thirds as wide": replace(REFINED, width=1.0 / 1.5),
+    "bore of the smooth nut by volume": replace(REFINED, bore="volume"),
+    "bore of the smooth nut at its lands": replace(REFINED, bore="land"),
+    "half as many harmonics again": replace(REFINED, harmonics=1.5),
+    "two thirds of the harmonics": replace(REFINED, harmonics=1.0 / 1.5),
+    "elements of the kernels half as large": replace(REFINED, mesh=2.0),
+    "elements of the kernels half as large again": replace(REFINED, mesh=1.0 / 1.5),
+    "flanks as plain half spaces": replace(REFINED, flank=False),
+    "balls as half spaces": replace(REFINED, ball="half space"),
+    "screw a beam beyond its contacts": replace(REFINED, screw="beam"),
+    "section of the screw by Lin C.8": replace(REFINED, section="scene"),
+}
+#: Scenes on which they are varied.
+VARIED = ("lin-case1", "lin-case3", "unseen-thin-nut")
+
+
+def ladder_table(rungs: Sequence[Rung]) -> Table:
+    """Errors of every rung on every scene."""
+    rows: list[dict[str, Cell]] = [
+        {
+            "scene": r.scene, "model": r.model, "what": RUNGS[r.model], "max": r.error.max_percent,
+            "at": f"{r.error.ball} {r.error.side}", "rms": r.error.rms_percent, "own": r.error.own_max_percent,
+            "own_rms": r.error.own_rms_percent, "bias": r.bias, "bar": r.uncertainty, "seconds": r.seconds,
+        }
+        for r in rungs
+    ]  # fmt: skip
+    columns = (
+        Column("scene", "scene", "", "s"), Column("model", "model", "", "s"), Column("what", "what it adds", "", "s"),
+        Column("max", "largest error", "% of mean", ".2f"), Column("at", "at ball", "", "s"),
+        Column("rms", "RMS error", "% of mean", ".2f"), Column("own", "largest", "% of own load", ".2f"),
+        Column("own_rms", "RMS", "% of own load", ".2f"), Column("bias", "sum of loads", "%", "+.2f"),
+        Column("bar", "reference's uncertainty", "% of mean", ".2f"), Column("seconds", "solve, interpreted", "s", "g3"),
+    )  # fmt: skip
+    note = (
+        "Against the finest stored level of the 3D reference. Scenes named unseen were fixed before any of them was solved "
+        "in 3D and were not used while the model was made; their references have two levels, and their uncertainty is the "
+        "difference of the two. Seconds include what a geometry needs once, at its first solve."
+    )
+    return Table("ladder", "The ladder", columns, rows, note)
+
+
+def ladder_figure(rungs: Sequence[Rung], names: Sequence[str], key: str, title: str) -> Figure | None:
+    """Largest and RMS error by rung, scene by scene, with the reference's uncertainty."""
+    panels = []
+    order = list(RUNGS)
+    for name in dict.fromkeys(r.scene for r in rungs if r.scene in names):
+        own = [r for r in rungs if r.scene == name]
+        x = [float(order.index(r.model) + 1) for r in own]
+        series = [
+            Series("largest error", x, [r.error.max_percent for r in own], "line+markers", emphasis=True),
+            Series("RMS error", x, [r.error.rms_percent for r in own], "line+markers"),
+        ]
+        bar = own[0].uncertainty
+        if bar is not None:
+            series.append(Series("reference's uncertainty (largest)", [1.0, float(len(order))], [bar, bar], "line"))
+        panels.append(Panel(name, "rung", "error / % of the mean load", tuple(series), log="y", integer_x=True))
+    if not panels:
+        return None
+    caption = "Rungs: " + ", ".join(f"{k + 1} {model}" for k, model in enumerate(order)) + "."
+    return Figure(key, title, tuple(panels), caption)
+
+
+def choices_table(study: Study, stores: Sequence[Path] | None, step: Callable[[str], None]) -> Table:
+    """Choices of the refined model varied one at a time: what they change, and the error with them."""
+    rows: list[dict[str, Cell]] = []
+    for name in VARIED:
+        scene, found = study.scene(name), reference(study.scene(name), stores)
+        if found is None:
+            continue
+        step(f"choices of the refined model varied on {name}")
+        base = solve_elastic(scene, engine="interpreted").load
+        mean = float(base[base > 0.0].mean())
+        for label, backend in {"as it is": REFINED, **CHOICES}.items():
+            load = solve_elastic(scene, backend=backend, engine="interpreted").load
+            change = np.asarray(error_percent(load, base, mean))
+            e = load_error(load, found.load)
+            rows.append(
+                {"scene": name, "choice": label, "change": float(np.abs(change).max()), "max": e.max_percent,
+                 "rms": e.rms_percent}
+            )  # fmt: skip
+    columns = (
+        Column("scene", "scene", "", "s"), Column("choice", "choice", "", "s"),
+        Column("change", "largest change of a load", "% of mean", ".2f"),
+        Column("max", "largest error with it", "% of mean", ".2f"), Column("rms", "RMS error", "% of mean", ".2f"),
+    )  # fmt: skip
+    note = (
+        "The model's own choices, made by argument: a patch as wide as the groove (half the distance of its two flanks' "
+        "contacts), because a smooth body cannot know what is finer; a bore that keeps the mean ring bending stiffness, "
+        "because ovalisation is the nut's main term; harmonics until a patch no longer excites them."
+    )
+    return Table("ladder-choices", "Choices of the refined model, varied", columns, rows, note)
+
+
+def estimate_table(study: Study, rungs: Sequence[Rung]) -> Table:
+    """The model-form estimate of every scene made without it, beside the error that was measured."""
+    rows: list[dict[str, Cell]] = [dict(row) for row in left_out_one(study, rungs)]
+    columns = (
+        Column("scene", "scene", "", "s"), Column("model", "model", "", "s"),
+        Column("measured", "largest error, measured", "% of mean", ".2f"),
+        Column("expected", "expected from the others", "% of mean", ".2f"),
+        Column("rms", "RMS, measured", "% of mean", ".2f"), Column("expected_rms", "RMS, expected", "% of mean", ".2f"),
+        Column("distance", "distance", "", ".2f"), Column("nearest", "nearest other scene", "", "s"),
+    )  # fmt: skip
+    held = sum(float(r["measured"] or 0.0) <= float(r["expected"] or 0.0) for r in rows)  # type: ignore[arg-type]
+    note = (
+        f"Every scene estimated from the others alone: {held} of {len(rows)} measured errors lie within what was expected. "
+        "The estimate is the largest error among the three nearest compared scenes, times one plus the distance to the "
+        "nearest; nothing is fitted."
+    )
+    return Table("ladder-estimate", "What a result may be worth: the estimate put to the test", columns, rows, note)
+
+
+def headline(rungs: Sequence[Rung]) -> str:
+    """Worst errors of the source's and the default model, on the case studies and on the unseen screws."""
+    words = []
+    for label, names in (("case studies", REFERENCED), ("unseen screws", UNSEEN)):
+        for model in ("lin", "refined", "condensed"):
+            own = [r for r in rungs if r.model == model and r.scene in names]
+            if own:
+                worst = max(own, key=lambda r: r.error.max_percent)
+                words.append(
+                    f"{label}, {model}: largest {worst.error.max_percent:.2f} % ({worst.scene}), RMS up to "
+                    f"{max(r.error.rms_percent for r in own):.2f} %"
+                )
+    return "In per cent of the mean load against the 3D reference: " + "; ".join(words) + "."
+
+
+def section(
+    study: Study, step: Callable[[str], None], stores: Sequence[Path] | None = None, keep: Path | None = None
+) -> Section:
+    """Section of the report; ``keep``: folder that the points of the model-form estimate are written to."""
+    step("every rung on every scene with a reference")
+    rungs = ladder(study, stores)
+    title = "From the source's model to the refined one"
+    if not rungs:
+        return Section("ladder", title, (Text(("No run of the 3D reference was found.",)),))
+    if keep is not None:
+        save_points(keep, points(study, rungs))
+    text = (
+        "The refined model keeps the source's contact mechanics and energy, and lets screw, nut and balls answer contact "
+        "forces: the beam takes the section of half a lead of grooved shaft (axisymmetric elements, harmonics 0 and 1), the "
+        "nut is a beam too, and both get what a smooth body of revolution does beyond a beam (Fourier harmonics around the "
+        "axis: ovalisation, ends, the clamped face), what the true flank does beyond that, less the half space that Hertz's "
+        "law holds already; the balls are elastic spheres (Lur'e's series). No 3D solve, and nothing fitted to one.",
+        headline(rungs),
+    )
+    items: list[Any] = [Text(text), ladder_table(rungs)]
+    for names, key, title_of in ((REFERENCED, "ladder-cases", "Error by rung: the case studies"),
+                                 (UNSEEN, "ladder-unseen", "Error by rung: screws not used before")):  # fmt: skip
+        figure = ladder_figure(rungs, names, key, title_of)
+        items += [figure] if figure is not None else []
+    items.append(choices_table(study, stores, step))
+    return Section("ladder", title, (*items, estimate_table(study, rungs)))
