@@ -179,6 +179,8 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend)
     """Compliance ``(4 N, 4 N)`` [m/N] of the smooth body beyond the same body as a beam."""
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, screw)
+    if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
+        raise ValueError("a contact lies beyond the nut's faces: lengthen the nut or reduce the turns")
     found = smooth_compliance(geometry, screw, backend)
     G = contact_compliance(found, points_of(x, axes))
     tube = found.tube

@@ -130,7 +130,8 @@ def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float
             free = ~held.ravel() & body.axis_free(int(harmonic))
             K = body.stiffness(int(harmonic))[free][:, free]
             f = force.ravel()[free]
-            values[k] = f @ spsolve(sp.csc_matrix(K), f) * np.exp(-((harmonic * width / radius) ** 2))
+            share = np.exp(-((harmonic * width / radius) ** 2)) if harmonic > 1 else 1.0
+            values[k] = f @ spsolve(sp.csc_matrix(K), f) * share
         total += 0.5 * series(n, values)
     return total
 

@@ -1,0 +1,237 @@
+"""Ball, grooves and helix of a ball screw as friction sees them: Hertz constants, directions and kinematic maps.
+
+Axes at the ball's centre (Lin 3.4.1): x3 radially outward, y3 along the helical path, z3 the binormal, about which the
+lead angle tilts the screw's axis towards y3. Contacts in the order SL, SR, NL, NR (screw or nut, left or right).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from lowfi.hertz import contact_modulus, printed_hertz
+from lowfi.problem import nominal_hertz
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import SIDE_SIGNS, Balls, Material, Nut, Scene, Screw, Track
+from meshes.surface import printed_radii
+
+from .ellipse import Array
+
+SIGN_X, SIGN_Z = np.array(SIDE_SIGNS).T
+ON_SCREW = np.array([True, True, False, False])
+Mode = Literal["right", "as printed"]
+
+
+@dataclass(frozen=True)
+class Constants:
+    """Hertz constants (4,): approach = C F^(2/3), semi-axes = C_a F^(1/3) across and C_b F^(1/3) along the groove."""
+
+    C: Array
+    C_a: Array
+    C_b: Array
+
+
+@dataclass(frozen=True)
+class ScrewGroove:
+    """Four-point ball screw: lengths [m], angle [rad], Young's modulus [Pa], speeds of nut and screw [rad/s].
+
+    lead: of a right-hand helix (negative: left-hand, zero: bearing); both bodies move along the helix, so that only
+    nut_speed - screw_speed matters; mu at the grooves, mu_balls from ball to ball (the same where None); hertz: exact
+    constants, or those with the faults of Table B.1.
+    """
+
+    ball_radius: float
+    groove_radius: float
+    pitch_radius: float
+    lead: float
+    contact_angle: float
+    young: float
+    poisson: float
+    mu: float
+    nut_speed: float
+    screw_speed: float = 0.0
+    mu_balls: float | None = None
+    hertz: Mode = "right"
+
+    def __post_init__(self) -> None:
+        """Refuse what the model cannot treat."""
+        if not 0.0 < self.ball_radius < self.groove_radius or self.pitch_radius <= self.groove_radius:
+            raise ValueError("need 0 < ball_radius < groove_radius < pitch_radius")
+        if not 0.0 < self.contact_angle < 0.5 * np.pi:
+            raise ValueError("contact_angle must lie between 0 and pi/2")
+        if self.young <= 0.0 or not 0.0 <= self.poisson < 0.5 or self.mu < 0.0 or (self.mu_balls or 0.0) < 0.0:
+            raise ValueError("need young > 0, 0 <= poisson < 0.5, mu >= 0 and mu_balls >= 0")
+
+    @property
+    def ratio(self) -> float:
+        """Advance per angle, lead / (2 pi) [m/rad] (Lin 3.55)."""
+        return self.lead / (2.0 * np.pi)
+
+    @property
+    def radius(self) -> float:
+        """Length of path per angle, L / (2 pi) [m] (Lin 3.66)."""
+        return float(np.hypot(self.pitch_radius, self.ratio))
+
+    @property
+    def lead_angle(self) -> float:
+        """Lead angle [rad] (Lin 3.63)."""
+        return float(np.arctan2(self.ratio, self.pitch_radius))
+
+    @property
+    def axis(self) -> Array:
+        """Direction of the screw's axis in x3, y3, z3 (3,)."""
+        return np.array([0.0, np.sin(self.lead_angle), np.cos(self.lead_angle)])
+
+    @property
+    def speed(self) -> float:
+        """Speed of the nut relative to the screw [rad/s]."""
+        return self.nut_speed - self.screw_speed
+
+    @property
+    def nominal_orbit(self) -> float:
+        """omega_B [rad/s] of a ball that rolls at the nominal contact angle (3.65, F.5 without sliding along y3)."""
+        lever = self.ball_radius * float(np.cos(self.contact_angle) * np.cos(self.lead_angle)) / self.radius
+        return 0.5 * (self.nut_speed + self.screw_speed + lever * self.speed)
+
+    @property
+    def reach(self) -> float:
+        """Groove radius less ball radius [m]."""
+        return self.groove_radius - self.ball_radius
+
+    @cached_property
+    def constants(self) -> Constants:
+        """Hertz constants at the nominal contact angle, from the exact helicoids or with the faults of Table B.1."""
+        steel = Material(self.young, self.poisson)
+        scene = Scene(
+            "groove", "groove",
+            Track(self.pitch_radius, abs(self.lead), self.contact_angle, "left" if self.lead < 0.0 else "right"),
+            Screw(0.1, 2.0 * self.pitch_radius, self.groove_radius, steel),
+            Nut(0.05, 0.05, 4.0 * self.pitch_radius, self.groove_radius, steel),
+            Balls(self.ball_radius, steel, (0.0,)),
+        )  # fmt: skip
+        if self.hertz == "right":
+            h = nominal_hertz(scene)
+            return Constants(h.C, h.C_a, h.C_b)
+        drawn = specimen(scene, ball_layout(scene))
+        modulus = contact_modulus(self.young, self.poisson, self.young, self.poisson)
+        angle = np.full(1, self.contact_angle)
+        radii = [printed_radii(scene, drawn, side, angle)[0] for side in (0, 3)]
+        two = [printed_hertz(self.ball_radius, (float(r[0]), float(r[1])), modulus) for r in radii]
+        table = np.array([[h.C, h.C_a, h.C_b] for h in two])[[0, 0, 1, 1]]
+        return Constants(*table.T)
+
+    def normals(self, angle: ArrayLike) -> Array:
+        """Directions (..., 4, 3) from the ball's centre to its contacts at contact angles (..., 4) [rad] (Lin 3.58)."""
+        beta = np.asarray(angle, dtype=float)
+        return np.stack([SIGN_X * np.cos(beta), np.zeros_like(beta), SIGN_Z * np.sin(beta)], axis=-1)
+
+    def maps(self, normals: Array) -> tuple[Array, Array]:
+        """Maps (..., 4, 3, 4) and drives (..., 4, 3) of the contacts' (vx, vz, spin) for directions (..., 4, 3).
+
+        Unknowns: omega_B (orbit), omega_x, omega_y, omega_z [rad/s], the latter relative to the turning frame.
+        Contact axes: x across the groove, z along the path, y into the ball. Rederived from 3.57-3.64 (gives 3.65,
+        F.4-F.6).
+        """
+        axes = contact_axes(normals)
+        slide = self.ball_radius * np.einsum("jik,...k->...ij", self.crosses, normals)
+        slide[..., 1, 0] += self.radius
+        maps = np.matmul(axes, slide)
+        maps[..., 2, :] = -normals @ self.turns.T
+        body = np.where(ON_SCREW, self.screw_speed, self.nut_speed)
+        return maps, -body[:, None] * maps[..., 0]
+
+    @cached_property
+    def turns(self) -> Array:
+        """Rotation axes of the four unknowns in x3, y3, z3, (4, 3)."""
+        return np.concatenate([self.axis[None, :], np.eye(3)])
+
+    @cached_property
+    def crosses(self) -> Array:
+        """Matrices (4, 3, 3) of the cross products with ``turns``."""
+        return np.array([np.cross(t, np.eye(3)).T for t in self.turns])
+
+    @cached_property
+    def pair(self) -> PairGeometry:
+        """Two balls that touch."""
+        return pair_geometry(self)
+
+
+def contact_axes(normals: Array) -> Array:
+    """Rows x (across the groove), z (along the path), y (into the ball) of the contacts' axes, (..., 4, 3, 3)."""
+    axes = np.zeros((*normals.shape, 3))
+    axes[..., 0, 0], axes[..., 0, 2] = normals[..., 2], -normals[..., 0]
+    axes[..., 1, 1] = 1.0
+    axes[..., 2, :] = -normals
+    return axes
+
+
+@dataclass(frozen=True)
+class PairGeometry:
+    """Two touching balls, the second at the larger azimuth.
+
+    spacing: difference of azimuths [rad]; closing: closing velocity per difference of omega_B [m]; first, second
+    (2, 4): sliding of each ball's surface at the contact by its motion; push (2, 3), slide (2, 2, 3): the direction of
+    the force on each ball and of the two sliding velocities, in the ball's own axes.
+    """
+
+    spacing: float
+    closing: float
+    first: Array
+    second: Array
+    push: Array
+    slide: Array
+
+
+def contact_spacing(screw: ScrewGroove) -> float:
+    """Difference of azimuths [rad] at which two balls touch: their centres, on the helix, are 2 R_B apart.
+
+    The source's 2 arcsin(R_B / (L / 2 pi)) (Lin 3.72) is the same for zero lead only. Raises ValueError for balls so
+    large that they cannot.
+    """
+    pitch, rise, reach = screw.pitch_radius, screw.ratio, 2.0 * screw.ball_radius
+
+    def excess(angle: float) -> float:
+        return float(np.hypot(2.0 * pitch * np.sin(0.5 * angle), rise * angle)) - reach
+
+    if excess(0.5 * np.pi) <= 0.0:
+        raise ValueError("balls too large for the pitch radius")
+    return float(brentq(excess, 0.0, 0.5 * np.pi, xtol=1e-15, rtol=1e-14))
+
+
+def frame(screw: ScrewGroove, azimuth: float) -> Array:
+    """Rows x3, y3, z3 in fixed axes (3, 3) for a ball at the azimuth [rad] (Lin 3.62)."""
+    c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(screw.lead_angle), np.sin(screw.lead_angle)
+    return np.array([[c, s, 0.0], [-ca * s, ca * c, sa], [sa * s, -sa * c, ca]])
+
+
+def pair_geometry(screw: ScrewGroove) -> PairGeometry:
+    """Geometry of ball-to-ball contact on the exact helix (mends Lin 3.73-3.75, which turn a circle of radius L/2pi)."""
+    spacing = contact_spacing(screw)
+    frames = [frame(screw, -0.5 * spacing), frame(screw, 0.5 * spacing)]
+    centres = [screw.pitch_radius * f[0] + np.array([0.0, 0.0, screw.ratio * s * 0.5 * spacing])
+               for f, s in zip(frames, (-1.0, 1.0), strict=True)]  # fmt: skip
+    line = centres[1] - centres[0]
+    line /= np.linalg.norm(line)
+    across = np.cross(line, [0.0, 0.0, 1.0])
+    across /= np.linalg.norm(across)
+    tangents = np.stack([across, np.cross(line, across)])
+    sliding = []
+    for f, sign in zip(frames, (1.0, -1.0), strict=True):
+        turns = np.concatenate([[[0.0, 0.0, 1.0]], f])
+        move = np.cross(turns, sign * screw.ball_radius * line)
+        move[0] += screw.radius * f[1]
+        sliding.append(tangents @ move.T)
+    return PairGeometry(
+        spacing=spacing,
+        closing=float(screw.radius * line @ frames[0][1]),
+        first=sliding[0],
+        second=sliding[1],
+        push=np.stack([-(frames[0] @ line), frames[1] @ line]),
+        slide=np.stack([tangents @ frames[0].T, tangents @ frames[1].T]),
+    )

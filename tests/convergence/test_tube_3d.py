@@ -1,0 +1,108 @@
+"""The Fourier kernel against a plain tube of 27-node hexahedra: Gaussian patches on its bore, clamped at one face."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from hifi.elasticity import stiffness, traction_vector
+from hifi.elements import ELEMENTS
+from hifi.response import compliance
+from lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
+from meshes.parts import Material
+from tests.helpers import relative
+
+STEEL = Material(210e9, 0.28)
+BORE, OUTER, LENGTH, WIDTH = 17.4e-3, 24e-3, 54e-3, 3e-3
+AZIMUTH = np.array([0.3, 0.3, 2.1, -1.7, -2.84, 1.2, -0.6])
+Z = 1e-3 * np.array([14.0, 30.0, 22.0, 40.0, 27.0, 33.0, 18.0])
+
+
+def hexahedra(counts):
+    """Points, cells and faces of the bore of the tube; elements around, along and across the wall."""
+    around, along, across = counts
+    element = ELEMENTS["Q2"]
+    t = 2.0 * np.pi * np.arange(2 * around) / (2 * around)
+    z = np.linspace(0.0, LENGTH, 2 * along + 1)
+    r = BORE + (OUTER - BORE) * np.linspace(0.0, 1.0, 2 * across + 1) ** 1.3
+    R, T, height = np.meshgrid(r, t, z, indexing="ij")
+    points = np.stack([R * np.cos(T), R * np.sin(T), height], axis=-1).reshape(-1, 3)
+    where = np.rint(element.local + 1.0).astype(int)
+    origin = 2 * np.stack(np.meshgrid(*(np.arange(k) for k in (across, around, along)), indexing="ij"), axis=-1)
+    place = origin.reshape(-1, 1, 3) + where
+    place[..., 1] %= 2 * around
+    cells = np.ravel_multi_index(np.moveaxis(place, -1, 0), R.shape)
+    inner = cells[: around * along]
+    side = next(f for f in element.face_nodes() if np.all(element.local[f, 0] == -1.0))
+    return points, cells, inner[:, side]
+
+
+def patch_rows(points, faces):
+    """Loads (3 c, 3 n) of unit forces along r, t and z, spread with the density of a Gaussian in z and in angle."""
+
+    def spread(azimuth, z, axis):
+        def traction(x):
+            t = np.arctan2(x[:, 1], x[:, 0])
+            off = np.angle(np.exp(1j * (t - azimuth)))
+            density = np.exp(-0.5 * ((x[:, 2] - z) ** 2 + (BORE * off) ** 2) / WIDTH**2) / (2.0 * np.pi * WIDTH**2)
+            c, s = np.cos(t), np.sin(t)
+            return density[:, None] * np.stack([[c, s, 0 * c], [-s, c, 0 * c], [0 * c, 0 * c, 1 + 0 * c]][axis], axis=-1)
+
+        return traction_vector(points, faces, "quad9", traction, degree=9)
+
+    return np.stack([spread(t, z, axis) for t, z in zip(AZIMUTH, Z, strict=True) for axis in range(3)])
+
+
+@cache
+def solid(counts):
+    """Compliance (3 c, 3 c) of the 3D tube."""
+    points, cells, faces = hexahedra(counts)
+    K = stiffness(points, cells, "Q2", STEEL.youngs_modulus, STEEL.poissons_ratio)
+    free = np.flatnonzero(np.repeat(points[:, 2] > 0.0, 3))
+    return compliance(K[free][:, free], sp.csr_matrix(patch_rows(points, faces)[:, free]))
+
+
+@cache
+def kernel(harmonics=2.6, size=1.0):
+    """Compliance (3 c, 3 c) of the Fourier kernel, with a scene's choice of harmonics and mesh at 1."""
+    tube = Tube(
+        BORE, OUTER, (0.0, LENGTH), "low", BORE, WIDTH, int(np.ceil(harmonics * BORE / WIDTH)),
+        (1.25 * WIDTH * size, 0.6 * WIDTH * size), STEEL,
+    )  # fmt: skip
+    found = tube_compliance(tube, (0.0, LENGTH))
+    unit = np.eye(3)
+    axes = np.concatenate([np.tile(unit[[0, 1]], (Z.size, 1, 1)), np.tile(unit[[2, 0]], (Z.size, 1, 1))])
+    G = contact_compliance(found, Points(np.tile(AZIMUTH, 2), np.tile(Z, 2), axes))
+    k = 2 * np.arange(Z.size)
+    pick = np.stack([k, k + 1, k + 2 * Z.size], axis=1).ravel()
+    return G[np.ix_(pick, pick)]
+
+
+MESHES = (24, 12, 2), (36, 18, 3)
+
+
+def test_solid_has_converged():
+    coarse, fine = (solid(counts) for counts in MESHES)
+    assert relative(coarse, fine) < 5e-3
+    assert np.all(np.diag(coarse) < np.diag(fine))
+
+
+@pytest.mark.parametrize("choice", [(2.6, 1.0), (4.0, 0.5)], ids=["as chosen", "finer"])
+def test_kernel_is_the_solid(choice):
+    """Every pair of contacts and directions within half a per cent of the largest of its kind, and of its own motion."""
+    found, expected = kernel(*choice), solid(MESHES[1])
+    for a in range(3):
+        for b in range(3):
+            assert relative(found[a::3, b::3], expected[a::3, b::3]) < 3e-3
+    np.testing.assert_allclose(np.diag(found), np.diag(expected), rtol=5e-3)
+    own = np.sqrt(np.diag(expected))
+    assert np.abs((found - expected) / np.outer(own, own)).max() < 5e-3
+
+
+def test_opposite_contacts_ovalise_the_tube():
+    """The radial motion a third of a turn and half a turn away, of either sign, is in both to a per cent of itself."""
+    found, expected = kernel(), solid(MESHES[1])
+    pairs = [(0, 2), (0, 4), (1, 4), (2, 6)]
+    values = np.array([[G[3 * i, 3 * j] for i, j in pairs] for G in (found, expected)])
+    np.testing.assert_allclose(values[0], values[1], rtol=0.01)

@@ -1,0 +1,207 @@
+"""Printed numbers of Lin (2019), section 3.4: each entry is data, each is a test."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from compare.printed_data import Printed, load_table
+from lowfi.friction.screw_pair import (
+    BOTH,
+    INFERRED_OVERSIZE,
+    SHIFTED,
+    Pair,
+    PairResult,
+    implied_load,
+    inferred,
+    plain,
+    sliding_speed,
+    solve_pair,
+    table_3_6,
+)
+from lowfi.friction.screw_run import RunSummary, groups, lin_3_4_4, simulate, summarise
+
+THETA = {"a": np.radians(2.0), "b": np.radians(3.0)}
+AMPLITUDES = (2.0, 3.0)
+
+
+def rows(table: str) -> dict[str, Printed]:
+    return {r.key: r for r in load_table(table)}
+
+
+@cache
+def reading(name: str, case: str) -> PairResult:
+    theta = THETA[case]
+    if name == "radial":
+        return solve_pair(replace(plain(theta), free="r", force=(100.0,), coupling="none"))
+    return solve_pair(plain(theta) if name == "plain" else inferred(theta))
+
+
+def quantity(r: PairResult, kind: str) -> float:
+    return r.force if kind == "force" else 100.0 * r.friction_increase
+
+
+def test_inputs_are_those_of_table_3_6() -> None:
+    v, s = {key: row.value for key, row in rows("lin-3.6").items()}, table_3_6()
+    assert 1e3 * s.ball_radius == pytest.approx(v["R_B"], rel=1e-14)
+    assert 0.5 * s.groove_radius / s.ball_radius == pytest.approx(v["conformity"], rel=1e-14)
+    assert 1e3 * s.pitch_radius == v["R_P"]
+    assert 1e3 * s.lead == v["lead"]
+    assert np.degrees(s.contact_angle) == v["beta"]
+    assert s.speed / np.pi == v["omega_N"]
+    assert (s.mu, s.poisson, s.young / 1e9) == (v["mu"], v["nu"], v["E"])
+    assert plain(0.0).force == (v["force"],)
+
+
+@pytest.mark.parametrize("key", ["force_a", "force_b", "increase_a", "increase_b"])
+def test_readings_of_table_3_7(key: str) -> None:
+    """The band runs from the plain reading to four contacts loaded radially; the printed number lies inside."""
+    row, (kind, case) = rows("lin-3.7")[key], key.split("_")
+    assert row.low is not None
+    assert row.high is not None
+    found = {name: quantity(reading(name, case), kind) for name in ("plain", "inferred", "radial")}
+    for name, value in found.items():
+        assert reading(name, case).converged, name
+        assert row.low <= value <= row.high, name
+    assert row.low <= row.value <= row.high
+
+
+@pytest.mark.parametrize(
+    ("case", "force", "increase"), [("a", 0.98316, 0.37848), ("b", 1.29143, 0.49858)]
+)  # fmt: skip
+def test_plain_reading(case: str, force: float, increase: float) -> None:
+    """No oversize: about half the printed forces, and only because friction brings a third contact."""
+    r = reading("plain", case)
+    assert r.force == pytest.approx(force, rel=2e-5)
+    assert r.friction_increase == pytest.approx(increase, rel=1e-4)
+    printed = rows("lin-3.7")[f"force_{case}"].value
+    assert 0.44 < r.force / printed < 0.52
+    decoupled = solve_pair(replace(plain(THETA[case]), coupling="none"))
+    assert decoupled.force < 0.4 * printed
+
+
+@pytest.mark.parametrize("case", ["a", "b"])
+def test_inferred_reading(case: str) -> None:
+    """With 1.7 um of oversize forces come out within 2.5 %, increases within half a per cent point."""
+    table = rows("lin-3.7")
+    for coupling in ("none", "ball"):
+        r = solve_pair(replace(inferred(THETA[case]), coupling=coupling))  # type: ignore[arg-type]
+        assert r.force == pytest.approx(table[f"force_{case}"].value, rel=0.025)
+        assert 100.0 * r.friction_increase == pytest.approx(table[f"increase_{case}"].value, abs=0.8)
+    assert np.all(r.free.load.force > 0.0)
+
+
+def test_ratio_of_the_printed_forces_tells_the_pattern() -> None:
+    """Of the sign patterns with theta on the screw, ball 1 catches ball 2 in four; both angles growing fits best."""
+    table = rows("lin-3.7")
+    printed = table["force_b"].value / table["force_a"].value
+    off = {}
+    for pattern in (BOTH, (1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), SHIFTED):
+        two = [solve_pair(replace(inferred(t), pattern=(pattern, pattern))).force for t in THETA.values()]
+        off[pattern] = abs(two[1] / two[0] - printed)
+    assert min(off, key=lambda p: off[p]) == BOTH
+    assert off[BOTH] < 0.005
+    for pattern in ((-1.0, 1.0, 0.0, 0.0), (-1.0, -1.0, 0.0, 0.0)):
+        assert solve_pair(replace(inferred(THETA["a"]), pattern=(pattern, pattern))).closing < 0.0
+
+
+def test_printed_numbers_imply_four_loaded_contacts() -> None:
+    """mu F v over the printed increase is the loss of grooves with 140 N of contact load a ball; two contacts give 72 N.
+
+    50 N along the axis alone cannot: cos and sin of lead and contact angle fix the sum. 1.7 um of oversize does.
+    """
+    table = rows("lin-3.7")
+    for case in THETA:
+        force, increase = table[f"force_{case}"].value, 1e-2 * table[f"increase_{case}"].value
+        implied = implied_load(inferred(THETA[case]), force, increase)
+        assert implied == pytest.approx(141.0, abs=2.0)
+        assert reading("inferred", case).load.mean() == pytest.approx(implied, rel=0.03)
+        assert implied > 1.7 * reading("plain", case).load.mean()
+    assert sliding_speed(inferred(THETA["a"])) == pytest.approx(sliding_speed(plain(THETA["a"])), rel=0.02)
+
+
+def test_oversize_is_what_matters() -> None:
+    """Half and one and a half times the oversize miss the forces by 20 % and more, the load along the axis by little."""
+    base = inferred(THETA["a"])
+    printed = rows("lin-3.7")["force_a"].value
+    for factor in (0.5, 1.5):
+        assert abs(solve_pair(replace(base, oversize=factor * INFERRED_OVERSIZE)).force / printed - 1.0) > 0.2
+    for force in (25.0, 100.0):
+        assert solve_pair(replace(base, force=(force,))).force == pytest.approx(printed, rel=0.03)
+
+
+def test_hertz_constants_of_the_source_change_little() -> None:
+    exact = inferred(THETA["a"])
+    printed = replace(exact, groove=table_3_6(hertz="as printed"))
+    assert isinstance(printed, Pair)
+    assert solve_pair(printed).force == pytest.approx(solve_pair(exact).force, rel=0.13)
+    b1 = rows("lin-B1")
+    h = printed.groove.constants
+    for key, value in (("C_S", h.C[0]), ("C_N", h.C[2]), ("C_aS", h.C_a[0]), ("C_bN", h.C_b[2])):
+        assert value == pytest.approx(b1[key].value, rel=1e-3)
+
+
+def test_differences_from_ansys_follow_from_the_table() -> None:
+    table = rows("lin-3.7")
+    for case in THETA:
+        row = table[f"difference_{case}"]
+        off = 100.0 * (table[f"force_{case}"].value / table[f"ansys_{case}"].value - 1.0)
+        assert off == pytest.approx(row.value, abs=row.tolerance)
+
+
+@cache
+def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
+    return summarise(simulate(lin_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
+
+
+def test_inputs_of_3_4_4() -> None:
+    v, run = {key: row.value for key, row in rows("lin-3.4.4").items()}, lin_3_4_4()
+    assert (run.count, run.turns, run.force[0], run.duration, run.steps) == (
+        v["balls"], v["turns"], v["force"], v["duration"], v["steps"]
+    )  # fmt: skip
+
+
+def test_occupation_means_no_volume_of_the_tube() -> None:
+    row = rows("lin-3.4.4")["occupation"]
+    assert 100.0 * lin_3_4_4().occupation == pytest.approx(row.value, abs=row.tolerance)
+    assert lin_3_4_4().tube == 0.0
+
+
+@pytest.mark.parametrize("key", ["largest", "largest_at", "none_at"])
+def test_bands_of_3_4_4(key: str) -> None:
+    row = rows("lin-3.4.4")[key]
+    scale, name = {"largest": (100.0, "largest"), "largest_at": (1.0, "at"), "none_at": (1.0, "none_at")}[key]
+    assert row.low is not None
+    assert row.high is not None
+    values = [scale * getattr(run_summary(a), name) for a in AMPLITUDES]
+    values += [scale * getattr(run_summary(3.0, p), name) for p in (0.5 * np.pi, np.pi)]
+    assert row.low <= min(values)
+    assert max(values) <= row.high
+    if key == "largest":
+        assert values[0] < row.value < values[1]
+    else:
+        assert max(values) < row.value, "both events come earlier here than printed"
+
+
+def test_statements_of_3_4_4() -> None:
+    """Four groups; contact builds up, ends and builds up again; grooves' torque hardly varies."""
+    for amplitude in AMPLITUDES:
+        s = run_summary(amplitude)
+        assert s.groups == 4
+        assert s.groove_variation < 0.03
+    r = simulate(lin_3_4_4())
+    any_contact = r.contact.any(axis=1)
+    switches = np.flatnonzero(np.diff(any_contact.astype(int)))
+    assert not any_contact[0]
+    assert list(any_contact[switches[:3] + 1]) == [True, False, True]
+    assert groups(r.contact).max() == 4
+
+
+def test_without_oversize_only_coupled_friction_makes_contact() -> None:
+    """Two contacts leave the balls' speeds nearly alike; the third contact that friction brings makes them differ."""
+    short = {"oversize": 0.0, "steps": 70, "duration": 0.7}
+    assert not simulate(lin_3_4_4(**short)).contact.any()
+    coupled = simulate(lin_3_4_4(coupling="ball and screw", **short))
+    assert coupled.contact.any()
+    assert summarise(coupled).groove_variation > 0.1

@@ -1,0 +1,197 @@
+"""Lin (2019), section 4.3: friction of two bearings, geometric errors and ball-to-ball contact."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from compare.catalogue import scene
+from compare.printed_data import Printed, load_table
+from lowfi.friction.bearing_pairs import (
+    ALL,
+    DIAGONAL,
+    OTHER,
+    Row,
+    TorqueCurve,
+    double_row,
+    four_point,
+    ring_rows,
+    solve_bearing,
+    torque_curve,
+    vary,
+)
+from lowfi.friction.screw_errors import Onset, contact_onset, groove_of
+from lowfi.static import solve_static
+
+ANGLES = np.radians(np.arange(0.0, 18.1, 2.0))
+
+
+def rows(table: str) -> dict[str, Printed]:
+    return {r.key: r for r in load_table(table)}
+
+
+@cache
+def curve(name: str, tilt: bool, **changes) -> TorqueCurve:
+    make = four_point if name == "4P" else double_row
+    return torque_curve(make(tilt=tilt, **changes), ANGLES)
+
+
+def test_inputs_are_those_of_table_4_2() -> None:
+    v = {key: row.value for key, row in rows("lin-4.2").items()}
+    for key, case in (("4p", four_point()), ("dr", double_row())):
+        g = case.groove
+        assert 2e3 * g.pitch_radius == v["pitch_diameter"]
+        assert 1e3 * g.ball_radius == pytest.approx(v[f"ball_{key}"], rel=1e-14)
+        assert 1e3 * g.groove_radius == pytest.approx(v[f"groove_{key}"], rel=1e-14)
+        assert case.count == v[f"balls_{key}"]
+        assert (case.force, g.poisson, g.young / 1e9) == (v["force"], v["nu"], v["E"])
+        assert g.screw_speed / (2.0 * np.pi) == pytest.approx(v["speed"], rel=1e-14)
+        assert np.degrees(g.contact_angle) == v["beta"]
+
+
+def assumptions() -> list[float]:
+    ratios = []
+    for phase in (0.0, 0.25, 0.5):
+        for clearance in (0.0, 5e-6, -1e-6):
+            for hertz in ("right", "as printed"):
+                case = four_point(tilt=True, phase=phase, clearance=clearance)
+                case = replace(case, groove=replace(case.groove, hertz=hertz))  # type: ignore[arg-type]
+                found = torque_curve(case, ANGLES)
+                assert found.converged.all()
+                ratios.append(found.ratio)
+    return ratios
+
+
+def test_ratio_of_the_four_point_bearing() -> None:
+    row = rows("lin-4.3")["ratio_4p"]
+    found = assumptions()
+    assert row.low is not None
+    assert row.high is not None
+    assert row.low <= min(found) < row.value < max(found) <= row.high
+    assert curve("4P", True).ratio == pytest.approx(5.573, abs=2e-3)
+
+
+def test_an_inner_ring_that_cannot_tilt_shows_no_transition() -> None:
+    assert curve("4P", False).ratio < 1.03
+    assert np.all(curve("4P", False).four == 0)
+    later = torque_curve(four_point(), np.radians([0.0, 30.0, 45.0]))
+    assert later.ratio > 3.0
+    assert later.four[-1] > 0
+
+
+def test_transition_with_the_angle() -> None:
+    found = curve("4P", True)
+    assert found.four[0] == 0
+    assert found.four[-1] == 3
+    assert np.all(np.diff(found.torque) > 0.0)
+
+
+def test_double_row_varies_less() -> None:
+    for tilt, most in ((False, 1.03), (True, 1.28)):
+        dr = curve("DR", tilt)
+        assert dr.converged.all()
+        assert np.all(dr.four == 0)
+        assert dr.ratio < most
+    face = torque_curve(double_row(rows=(Row(-6e-3, DIAGONAL), Row(6e-3, OTHER)), tilt=True), ANGLES)
+    assert face.ratio < 1.28
+    assert min(assumptions()) > 3.0 * face.ratio
+
+
+def test_vary_is_the_curve_cut_off() -> None:
+    table = vary([("tilt", four_point(tilt=True))], ANGLES, (np.radians(10.0), np.radians(18.0)))
+    assert table[1][2] == pytest.approx(curve("4P", True).ratio, rel=1e-6)
+    assert table[0][2] == pytest.approx(curve("4P", True).torque[5] / curve("4P", True).torque[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("tilt", [False, True])
+@pytest.mark.parametrize("name", ["4P", "DR"])
+def test_bearing_in_equilibrium(name: str, tilt: bool) -> None:
+    """Force and moment on the inner ring, from the contact forces alone; power in is dissipation."""
+    make = four_point if name == "4P" else double_row
+    case = make(tilt=tilt, arm=2e-3)
+    angle = np.radians(12.0)
+    s = solve_bearing(case, angle)
+    assert s.converged
+    assert s.input_power == pytest.approx(s.loss.sum(), rel=1e-9)
+    assert s.torque * case.groove.speed == pytest.approx(-s.loss.sum(), rel=1e-9)
+    n = case.groove.normals(s.load.angle)
+    work = np.einsum("nim,nci,nc->m", ring_rows(case), n[:, :2], s.load.force[:, :2])  # forces from balls on the ring
+    expected = 3000.0 * np.array([np.sin(angle), 0.0, np.cos(angle)])
+    assert -work[:3] == pytest.approx(expected, abs=1e-5)
+    if tilt:
+        moment = np.cross([0.0, 0.0, 2e-3], expected)[:2] / case.groove.pitch_radius
+        assert work[3:] == pytest.approx(-moment, abs=1e-5)
+    assert np.all((s.load.force > 0.0).sum(axis=1) <= (4 if name == "4P" else 2))
+
+
+def test_mirrored_load() -> None:
+    """The force at minus the angle, seen from the other side: the same torque; rows swap."""
+    for make in (four_point, double_row):
+        case = make(tilt=True)
+        one, two = (solve_bearing(case, np.radians(a)) for a in (15.0, -15.0))
+        if case.count % 2:  # half a ball distance turns the pattern of an odd number by half a turn
+            two = solve_bearing(replace(case, phase=0.5), np.radians(-15.0))
+        assert two.torque == pytest.approx(one.torque, rel=1e-8)
+        reverse = solve_bearing(case, np.radians(180.0 - 15.0))
+        assert reverse.torque == pytest.approx(one.torque, rel=1e-8)
+
+
+def test_torque_goes_with_friction_and_not_with_speed() -> None:
+    case = four_point(tilt=True)
+    one = solve_bearing(case, 0.2)
+    double = solve_bearing(replace(case, groove=replace(case.groove, mu=0.2)), 0.2)
+    assert double.torque == pytest.approx(2.0 * one.torque, rel=1e-9)
+    fast = solve_bearing(replace(case, groove=replace(case.groove, screw_speed=200.0)), 0.2)
+    assert fast.torque == pytest.approx(one.torque, rel=1e-9)
+
+
+def test_bad_bearing() -> None:
+    with pytest.raises(ValueError, match="zero lead"):
+        four_point(groove=replace(four_point().groove, lead=1e-3))
+    assert four_point().rows[0].contacts == ALL
+
+
+@cache
+def onset(name: str, idle: float) -> Onset:
+    s = scene(name)
+    return contact_onset(s, solve_static(s), idle=idle)
+
+
+def test_roundness_brings_balls_together_sooner_than_pitch() -> None:
+    """Screw of Table 4.1, errors of 5 um: lost balls are run into, and only roundness errors make them."""
+    pitch, nominal = onset("lin-pitch-4p1", 0.0), onset("lin-nominal-4p1", 0.0)
+    for idle in (0.0, 0.9):
+        round_ = onset("lin-roundness-4p1", idle)
+        assert round_.converged
+        assert (round_.loaded == 0.0).sum() > 10
+        assert round_.first < 0.2 * 2.0 * np.pi
+        assert np.isfinite(round_.meeting).sum() > 0
+        assert round_.first < 0.01 * pitch.first
+    assert (pitch.loaded > 0.0).all()
+    assert nominal.first > pitch.first > 10.0 * 2.0 * np.pi
+    assert np.degrees(onset("lin-roundness-4p1", 0.0).first) == pytest.approx(5.85, abs=0.05)
+
+
+def test_lost_balls_that_roll_along_do_not_meet_sooner() -> None:
+    """The conclusion rests on what lost balls do: at the nominal velocity it is gone."""
+    assert onset("lin-roundness-4p1", 1.0).first > 10.0 * 2.0 * np.pi
+
+
+def test_onset_is_gap_over_closing_speed() -> None:
+    o = onset("lin-roundness-4p1", 0.0)
+    s = scene("lin-roundness-4p1")
+    k = int(np.argmin(o.meeting))
+    g = groove_of(s, 0.1, 2.0 * np.pi)
+    assert o.loaded[k] > 0.0
+    assert o.loaded[k + 1] == 0.0
+    assert o.first == pytest.approx(o.gap / (o.omega[k] / g.nut_speed), rel=1e-12)
+    assert o.gap == pytest.approx(2.0 * np.pi * 3.75 / 71 - g.pair.spacing, rel=1e-9)
+
+
+def test_scenes_that_friction_cannot_take() -> None:
+    s = scene("lin-roundness-4p1")
+    with pytest.raises(ValueError, match="right-hand"):
+        groove_of(replace(s, track=replace(s.track, hand="left")), 0.1, 1.0)
+    with pytest.raises(ValueError, match="one groove radius"):
+        groove_of(replace(s, nut=replace(s.nut, groove_radius=2.2e-3)), 0.1, 1.0)
