@@ -26,7 +26,7 @@ def test_json_is_exactly_one_object(capsys: pytest.CaptureFixture[str]) -> None:
     assert set(data) >= {
         "scene", "model", "status", "balls", "summary", "centreline", "equilibrium", "solver", "assumed", "left_out",
     }  # fmt: skip
-    assert (data["scene"], data["model"], data["status"]) == ("lin-case1", "lin", "converged")
+    assert (data["scene"], data["model"], data["status"]) == ("lin-case1", "refined", "converged")
     assert len(data["balls"]) == 32
     ball = data["balls"][0]
     assert set(ball) == {"index", "azimuth_deg", "z_mm", "load_N", "contact_angle_deg"}

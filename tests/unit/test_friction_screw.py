@@ -14,7 +14,7 @@ from lowfi.friction.rotary import Bearing, solve_ball
 from lowfi.friction.screw_chain import Chain, _Solver, solve_chain
 from lowfi.friction.screw_groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, frame
 from lowfi.friction.screw_load import Cell, _evaluate, screw_rows, settle
-from lowfi.friction.screw_motion import ball_cell, ball_motion, coupled_ball
+from lowfi.friction.screw_motion import ball_cell, ball_motion, ball_motion_by_root, coupled_ball, source_law
 from lowfi.friction.screw_pair import BOTH, Pair, inferred, oversize_map, plain, solve_pair, table_3_6
 
 SCREW = table_3_6()
@@ -226,6 +226,20 @@ def test_motion_is_the_least_dissipation(name: str) -> None:
     assert best.fun <= one.motion.loss * (1.0 + 1e-3)
 
 
+def test_root_of_the_sources_law() -> None:
+    """In four-point contact it spends what the least dissipation does; near two-point contact most starts fail."""
+    one = ball_motion(SCREW, *STATES["four"])
+    for sharpness, off in ((100.0, 1e-3), (1e4, 1e-9)):
+        root = ball_motion_by_root(one, source_law(SCREW, sharpness), one.motion.q)
+        assert root.status == "exact"
+        assert root.loss == pytest.approx(one.motion.loss, rel=off)
+    assert source_law(SCREW).reference == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
+    two = ball_motion(SCREW, *STATES["two"])
+    starts = [two.motion.q * (1.0 + 0.3 * RNG.normal(size=4)) for _ in range(20)]
+    failed = sum(ball_motion_by_root(two, source_law(SCREW, 1e3), s).status == "failed" for s in starts)
+    assert failed > 10
+
+
 @pytest.mark.parametrize("u_y", [0.0, 5.2e-6, 8.0e-6])
 def test_zero_lead_is_the_rotary_bearing(u_y: float) -> None:
     """Its x, y, z (axis, radius, path) are z3, x3, y3 here; its inner ring is the screw."""
@@ -411,7 +425,7 @@ def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
     assert best.x[::4] == pytest.approx(r.q[:, 0] * s.units[0] / s.speed, rel=1e-5)
 
 
-@pytest.mark.parametrize("count", [2, 10, 60])
+@pytest.mark.parametrize("count", [2, 10, 60, 200])
 @pytest.mark.parametrize("load", [2e-5, 1.0, 2e3])
 def test_chains_converge(count: int, load: float) -> None:
     force = load * np.tile(STATES["four"][0], (count, 1))

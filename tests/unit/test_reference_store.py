@@ -9,9 +9,24 @@ import pytest
 from compare import catalogue, comparison, gate, jobs, reference
 from compare.comparison import CONTENDERS, from_model, gate_points, reference_answers, rows
 from compare.errors import InputError
-from compare.reference import LEVELS, Run, Task, geometry_of, groups, key_of, load, needed_sides, path_in, save
+from compare.ladder import UNSEEN
+from compare.reference import (
+    LEVELS,
+    Run,
+    Task,
+    bodies_path,
+    geometry_of,
+    groups,
+    key_of,
+    load,
+    needed_sides,
+    path_in,
+    save,
+)
 from compare.study import Study
 from compare.study_command import parse_levels, study_table
+from meshes.condensed import CondensedBodies, geometry_digest, load_condensed
+from meshes.parts import Scene
 
 
 def run_of(scene_name: str, level: int, load_: np.ndarray, variant: str = "") -> Run:
@@ -70,6 +85,47 @@ def test_scenes_of_the_same_parts_share_a_set_up() -> None:
     assert geometry_of(scenes[0]) != geometry_of(replace(scenes[0], solid=replace(scenes[0].solid, nut="rigid")))
 
 
+def bodies_of(scene: Scene, level: int, sides: tuple[int, ...] = (0, 3)) -> CondensedBodies:
+    k = len(sides)
+    eye = np.eye(scene.ball_count * k // 2)
+    return CondensedBodies(
+        geometry_digest(scene), level, np.array(sides, dtype=float), 0.3, eye, eye, np.eye(k), np.ones((k, 2)),
+        np.array([100.0, 200.0]),
+    )  # fmt: skip
+
+
+def test_condensed_bodies_survive_the_file_and_refuse_a_foreign_one(tmp_path: Path) -> None:
+    scene = catalogue.scene("lin-case1")
+    made = bodies_of(scene, 2)
+    made.save(tmp_path / "a.npz")
+    read = load_condensed(tmp_path / "a.npz")
+    assert (read.geometry, read.level, read.base) == (made.geometry, 2, 0.3)
+    assert np.array_equal(read.screw, made.screw)
+    (tmp_path / "b.npz").write_bytes((tmp_path / "a.npz").read_bytes()[:-200])
+    with pytest.raises(ValueError, match="damaged"):
+        load_condensed(tmp_path / "b.npz")
+    np.savez(tmp_path / "c.npz", format=99)
+    with pytest.raises(ValueError, match="format 99"):
+        load_condensed(tmp_path / "c.npz")
+
+
+def test_bodies_with_more_sides_are_kept(tmp_path: Path) -> None:
+    scene = catalogue.scene("lin-case1")
+    task = Task((scene,), 1)
+    jobs.keep_bodies(tmp_path, task, bodies_of(scene, 1, (0, 1, 2, 3)))
+    jobs.keep_bodies(tmp_path, task, bodies_of(scene, 1))
+    assert load_condensed(bodies_path(tmp_path, scene, 1)).sides.size == 4
+
+
+def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
+    scene = catalogue.scene("lin-case1")
+    task = Task((scene,), 1)
+    save(tmp_path, scene, run_of("lin-case1", 1, np.ones((32, 4))))
+    assert jobs.missing([task], (tmp_path,)) == [task]
+    jobs.keep_bodies(tmp_path, task, bodies_of(scene, 1))
+    assert jobs.missing([task], (tmp_path,)) == []
+
+
 def test_plan_and_what_is_missing(tmp_path: Path) -> None:
     scenes = [catalogue.scene(n) for n in ("lin-case1", "lin-case2")]
     tasks = jobs.plan(scenes, (1, 2), ("land",), ablate=True)
@@ -87,16 +143,17 @@ def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.
     scenes = [catalogue.scene("lin-case1")]
     said: list[str] = []
 
-    def fake(task: Task) -> list[Run]:
+    def fake(task: Task) -> tuple[list[Run], CondensedBodies]:
         if task.level == 2:
             raise KeyboardInterrupt
-        return [run_of("lin-case1", task.level, np.ones((32, 4)))]
+        return [run_of("lin-case1", task.level, np.ones((32, 4)))], bodies_of(scenes[0], task.level)
 
-    monkeypatch.setattr(jobs, "compute", fake)
+    monkeypatch.setattr(jobs, "compute_with_bodies", fake)
     tasks = [Task((scenes[0],), level) for level in (1, 2)]
     with pytest.raises(KeyboardInterrupt):
         jobs.ensure(tasks, tmp_path, jobs.Engine(), said.append)
-    assert [p.name for p in tmp_path.iterdir()] == [path_in(tmp_path, scenes[0], 1).name]
+    kept = {path_in(tmp_path, scenes[0], 1).name, bodies_path(tmp_path, scenes[0], 1).name}
+    assert {p.name for p in tmp_path.iterdir()} == kept
     assert jobs.missing(tasks, (tmp_path,)) == [tasks[1]]
     assert any("[1/2]" in line and "s left" in line for line in said)
 
@@ -130,17 +187,18 @@ def test_shipped_runs_are_converged_and_in_balance(name: str) -> None:
 def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     """The gate sees a low-order shaft, or a low-order contact, whose stiffness is off by 20 per cent."""
     assert [row.name for row in gate.reference_rows(Study(), 7.0) if not row.passed] == []
+    import lowfi.elastic
     import lowfi.problem
     from meshes.section import BeamSection
 
-    right = lowfi.problem.screw_section
+    right = lowfi.elastic.grooved_section
 
-    def soft(scene):  # type: ignore[no-untyped-def]
-        s = right(scene)
+    def soft(geometry, screw):  # type: ignore[no-untyped-def]
+        s = right(geometry, screw)
         return BeamSection(0.8 * s.EA, 0.8 * s.EI, 0.8 * s.GJ, 0.8 * s.kGA)
 
     with monkeypatch.context() as patch:
-        patch.setattr(lowfi.problem, "screw_section", soft)
+        patch.setattr(lowfi.elastic, "grooved_section", soft)
         assert any(not row.passed for row in gate.reference_rows(Study(), 7.0))
     stiff = lowfi.problem.hertz_C
     with monkeypatch.context() as patch:
@@ -158,12 +216,12 @@ def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatc
     points = gate_points(catalogue.scene("lin-case1"), _found("lin-case1"), 7.0)
     worst = max(points, key=lambda p: abs(p.error_percent) - p.uncertainty_percent)
     limit = abs(worst.error_percent) - worst.uncertainty_percent - 0.01
-    failed = [r for r in gate.reference_rows(Study(), limit) if not r.passed]
-    assert any(f"lin-case1: ball {worst.ball} {worst.side}" in r.name for r in failed)
+    failed = [r for r in gate.source_rows(Study(), limit) if not r.passed]
+    assert any(f"ball {worst.ball} {worst.side} is beyond the line and not named" in r.detail for r in failed)
     gone = comparison.Exceedance("lin-case1", 5, "SL", "no cause")
     known = comparison.known_exceedances()
     monkeypatch.setattr(comparison, "known_exceedances", lambda: [*known, gone])
-    assert any("has gone" in r.detail for r in gate.reference_rows(Study(), 7.0))
+    assert any("ball 5 SL is named and no longer" in r.detail for r in gate.source_rows(Study(), 7.0))
 
 
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
@@ -209,5 +267,7 @@ def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     full, quick = asked
     assert {t.level for t in full if not t.variant} == {0, 1, 2, 3}
     assert {t.variant for t in full} == {"", *reference.VARIANTS}
-    assert [t.ablate for t in full if t.level == 1 and not t.variant] == [True]
+    cases = [t for t in full if not t.scenes[0].name.startswith("unseen")]
+    assert [t.ablate for t in cases if t.level == 1 and not t.variant] == [True]
+    assert {(t.level, s.name) for t in full for s in t.scenes if s.name in UNSEEN} == {(k, n) for k in (1, 2) for n in UNSEEN}
     assert [(t.level, [s.name for s in t.scenes]) for t in quick] == [(1, ["lin-case1", "lin-case2"])]

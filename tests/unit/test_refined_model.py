@@ -1,0 +1,167 @@
+"""The refined model on the command line, condensed bodies as a file, the ladder and what a result may be worth."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare import catalogue, ladder, model_form
+from compare.cli import main
+from compare.errors import InputError
+from compare.models import DEFAULT, Options, run_model
+from compare.reference import bodies_path, reference, shipped_store
+from compare.study import Study
+from lowfi.compliance.bodies import LADDER, REFINED
+from lowfi.compliance.imported import Condensed
+from lowfi.elastic import solve_elastic
+from meshes.condensed import load_condensed
+from meshes.helix import ball_layout
+
+QUIET = Options(discretisation=False, engine="interpreted", estimate=False)
+
+
+def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as stop:
+        main(list(tokens))
+    out, err = capsys.readouterr()
+    return int(stop.value.code or 0), out, err
+
+
+def bodies(name: str = "lin-case1", level: int = 3) -> Path:
+    return bodies_path(shipped_store(), catalogue.scene(name), level)
+
+
+def test_the_default_is_refined_and_says_what_it_is_worth(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "solve", "lin-case1", "--json")
+    data = json.loads(out)
+    assert (code, data["model"]) == (0, DEFAULT)
+    worth = data["model_form"]
+    assert 0.5 < worth["largest_percent_of_mean"] < 4.0
+    assert worth["rms_percent_of_mean"] < worth["largest_percent_of_mean"]
+    assert worth["nearest"] in ("lin-case1", "lin-case2")
+    assert "elastic" in worth["words"][0]
+    code, out, _ = run(capsys, "solve", "lin-case1", "--model", "mei", "--json")
+    assert json.loads(out)["model_form"] is None
+
+
+def test_condensed_bodies_from_a_file(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "solve", "lin-case1", "--condensed", str(bodies()), "--json")
+    assert (code, err) == (0, "")
+    data = json.loads(out)
+    assert data["model"] == "condensed"
+    assert any("condensed 3D model (mesh level 3" in line for line in data["assumed"])
+
+
+@pytest.mark.parametrize(
+    ("tokens", "words"),
+    [
+        (("solve", "lin-case1", "--condensed", "nowhere.npz"), "No such file"),
+        (("solve", "lin-case1", "--model", "condensed"), "--condensed FILE"),
+        (("solve", "lin-case1", "--model", "lin", "--condensed", "x.npz"), "the model condensed"),
+        (("condense", "lin-case1", "--level", "9"), "--level"),
+        (("condense", "lin-case1", "--out", "."), "a folder"),
+    ],
+)
+def test_bad_files_and_options_are_one_line(
+    capsys: pytest.CaptureFixture[str], tokens: tuple[str, ...], words: str
+) -> None:
+    code, out, err = run(capsys, *tokens)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert words in err
+
+
+def test_bodies_of_other_parts_are_refused() -> None:
+    with pytest.raises(InputError, match="other parts"):
+        run_model(catalogue.scene("unseen-lead10"), "condensed", replace(QUIET, condensed=bodies()))
+
+
+def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_ones() -> None:
+    scene = catalogue.scene("lin-case1")
+    found = reference(scene)
+    assert found is not None
+    rung = {r.model: r for r in ladder.climb(scene, found)}
+    assert rung["condensed"].error.max_percent < 0.5
+    assert rung["condensed"].error.rms_percent < 0.25
+    assert rung["refined"].error.max_percent < 1.2
+    assert rung["refined"].error.rms_percent < 0.45
+    assert rung["lin"].error.max_percent > rung["lin-cell"].error.max_percent > rung["lin-nut"].error.max_percent
+    assert rung["lin-nut"].error.max_percent > 2.0 * rung["refined"].error.max_percent
+
+
+def test_unseen_screws_hold() -> None:
+    study = Study()
+    for name in ladder.UNSEEN:
+        found = reference(study.scene(name))
+        assert found is not None
+        rungs = {r.model: r for r in ladder.climb(study.scene(name), found)}
+        bar = rungs["refined"].uncertainty
+        assert bar is not None
+        assert rungs["refined"].error.max_percent - bar < 1.3
+        assert rungs["lin"].error.max_percent > 3.0 * rungs["refined"].error.max_percent
+        assert rungs["condensed"].error.max_percent <= max(0.7, 1.1 * bar)
+
+
+def test_what_the_file_says_along_the_normals_is_taken_over() -> None:
+    from lowfi.compliance.imported import directions, normal_rows
+    from lowfi.compliance.bodies import whole_body
+
+    scene = catalogue.scene("lin-case1")
+    layout = ball_layout(scene)
+    sides = [3]
+    condensed = Condensed(load_condensed(bodies()))
+    N = layout.z.size
+    whole = whole_body(scene, layout, False, REFINED)
+    order = np.array([(N + i) * 2 + a for i in range(N) for a in range(2)])
+    low = whole[np.ix_(order, order)]
+    got = condensed.correct(scene, layout, sides, low, REFINED)
+    along, _ = directions(scene, N, sides, sides)
+    own = [i * 2 + 1 for i in range(N)]  # NR of NL, NR
+    assert normal_rows(scene, N, [2, 3]).shape == (2 * N, 4 * N)
+    np.testing.assert_allclose(along @ got @ along.T, condensed.bodies.nut[np.ix_(own, own)], rtol=0, atol=1e-14)
+    assert np.linalg.eigvalsh(got).min() > -1e-3 * np.linalg.eigvalsh(got).max()
+
+
+def test_kept_points_are_what_the_ladder_gives_now() -> None:
+    study = Study()
+    kept = {(p.scene, p.model): p for p in model_form.shipped_points()}
+    assert {m for _, m in kept} == set(ladder.RUNGS)
+    for name in ("lin-case1", "unseen-flange"):
+        found = reference(study.scene(name))
+        assert found is not None
+        for p in ladder.points(study, ladder.climb(study.scene(name), found)):
+            old = kept[p.scene, p.model]
+            assert p.percent == pytest.approx(old.percent, abs=2e-3)
+            assert p.features == pytest.approx(old.features, abs=2e-3)
+
+
+def test_an_estimate_grows_with_the_distance_and_names_what_is_unlike() -> None:
+    scene = catalogue.scene("lin-case1")
+    result = run_model(scene, "refined", QUIET)
+    near = model_form.estimate(scene, result)
+    thick = replace(scene, nut=replace(scene.nut, outer_diameter=0.070))
+    far = model_form.estimate(thick, result)
+    assert near is not None
+    assert far is not None
+    assert near.percent is not None
+    assert far.percent is not None
+    assert far.percent > 2.0 * near.percent
+    assert any("wall of the nut" in w for w in far.words)
+    assert model_form.estimate(scene, result, []) == replace(near, **_nothing(near))  # type: ignore[arg-type]
+
+
+def _nothing(near: object) -> dict[str, object]:
+    return {
+        "percent": None, "rms_percent": None, "distance": float("inf"), "nearest": "", "compared": 0,
+        "words": ("screw, nut and balls elastic, by kernels", "no scene was compared with the 3D reference"),
+    }  # fmt: skip
+
+
+def test_every_rung_of_the_ladder_is_a_model() -> None:
+    assert set(LADDER) < set(ladder.RUNGS)
+    scene = catalogue.scene("lin-case1")
+    for name, backend in LADDER.items():
+        a, b = run_model(scene, name, QUIET), solve_elastic(scene, backend=backend, engine="interpreted")
+        np.testing.assert_allclose(a.load, b.load, rtol=1e-9, atol=1e-6)
