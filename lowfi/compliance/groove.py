@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.sparse.linalg import spsolve
 
 from lowfi.compliance.cell import cell_grid
-from lowfi.compliance.fourier import Body, Grid, quadratic, refine_lines, tube_grid
+from lowfi.compliance.fourier import Body, Grid, factor_c, quadratic, refine_lines, tube_grid
 from lowfi.compliance.sphere import expansion
 from lowfi.compliance.tube import Tube, patch_weights, radial_ends
 from meshes.groove_map import GrooveMap
@@ -126,12 +126,17 @@ def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float
         if not flank.screw:
             held[:, -1] = True
         values = np.empty(n.size)
+        kept: dict[bytes, tuple[sp.csc_matrix, ...]] = {}
         for k, harmonic in enumerate(n):
             free = ~held.ravel() & body.axis_free(int(harmonic))
-            K = body.stiffness(int(harmonic))[free][:, free]
+            key = free.tobytes()
+            if key not in kept:
+                kept[key] = tuple(part[free][:, free].tocsc() for part in body.parts)
+            p0, p1, p2 = kept[key]
+            K = factor_c(int(harmonic)) * (p0 + harmonic * p1 + harmonic**2 * p2)
             f = force.ravel()[free]
             share = np.exp(-((harmonic * width / radius) ** 2)) if harmonic > 1 else 1.0
-            values[k] = f @ spsolve(sp.csc_matrix(K), f) * share
+            values[k] = f @ spsolve(K, f, permc_spec="MMD_AT_PLUS_A") * share
         total += 0.5 * series(n, values)
     return total
 

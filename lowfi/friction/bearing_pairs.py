@@ -69,7 +69,7 @@ class BearingState:
 
 
 def ring_rows(case: BearingCase) -> Array:
-    """Motion (N, 3, m) at each ball by the inner ring's translations along x, y, z and, with tilt, rotations about x, y.
+    """Motion (N, 3, m) at each ball by the inner ring's translations x, y, z and, with tilt, rotations about x, y.
 
     Rotations are scaled by the pitch radius, so that all unknowns are lengths [m].
     """
@@ -147,7 +147,7 @@ def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
 
 
 def four_point(**changes: object) -> BearingCase:
-    """Four-point bearing of Table 4.2 (Young's modulus in kN/mm^2); mu = 0.1 is not printed; ``changes``: of the case."""
+    """Four-point bearing of Table 4.2 (E in kN/mm^2); mu = 0.1 is not printed; ``changes``: of the case."""
     groove = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 210e9, 0.28, 0.1, 0.0, 20.0 * np.pi)
     return replace(BearingCase(groove, 9, (Row(0.0, ALL),)), **changes)  # type: ignore[arg-type]
 
@@ -159,7 +159,9 @@ def double_row(**changes: object) -> BearingCase:
     return replace(BearingCase(groove, 9, rows), **changes)  # type: ignore[arg-type]
 
 
-def vary(make: list[tuple[str, BearingCase]], angle: Array, ranges: tuple[float, ...]) -> list[tuple[str, float, float]]:
+def vary(
+    make: list[tuple[str, BearingCase]], angle: Array, ranges: tuple[float, ...]
+) -> list[tuple[str, float, float]]:  # fmt: skip
     """Ratios of largest to smallest torque: rows of a case's label, end of the range of angles [rad], ratio."""
     out = []
     for label, case in make:

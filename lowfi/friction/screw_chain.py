@@ -57,8 +57,8 @@ class ChainMotion:
     """Motions q (N, 4) [rad/s]; ball_force (N,) [N] of ball k on k + 1; friction on the balls (N, 4, 6) [N, N m].
 
     ball_push (N, 3): all forces from neighbours on each ball in x3, y3, z3 [N]; groove_loss (N, 4), ball_loss (N,) by
-    sliding and closing_loss (N,) by gaps that close under force [W]; input_power [W]; left: largest force out of balance
-    [N]; violation: largest rate beyond the slack [rad/s].
+    sliding and closing_loss (N,) by gaps that close under force [W]; input_power [W]; left: largest force out of
+    balance [N]; violation: largest rate beyond the slack [rad/s].
     """
 
     q: Array
@@ -138,7 +138,7 @@ class _Solver:
         return gradient, hessian
 
     def rubbing(self, x: Array, eps: float) -> tuple[Array, Array, Array]:
-        """Direction of sliding (N, 2) between ball k and k + 1, its derivative (N, 2, 2), speed times direction (N,)."""
+        """Direction of sliding (N, 2) of ball k on k + 1, its derivative (N, 2, 2), speed times direction (N,)."""
         w = x @ self.first.T - x[self.ahead] @ self.second.T
         size = np.sqrt(np.sum(w * w, axis=1) + eps * eps)
         unit = w / size[:, None]

@@ -211,7 +211,7 @@ def frame(screw: ScrewGroove, azimuth: float) -> Array:
 
 
 def pair_geometry(screw: ScrewGroove) -> PairGeometry:
-    """Geometry of ball-to-ball contact on the exact helix (mends Lin 3.73-3.75, which turn a circle of radius L/2pi)."""
+    """Ball-to-ball contact on the exact helix (mends Lin 3.73-3.75, which take a circle of radius L / 2 pi)."""
     spacing = contact_spacing(screw)
     frames = [frame(screw, -0.5 * spacing), frame(screw, 0.5 * spacing)]
     centres = [screw.pitch_radius * f[0] + np.array([0.0, 0.0, screw.ratio * s * 0.5 * spacing])

@@ -12,7 +12,8 @@ from typing import Literal
 import numpy as np
 
 from .ellipse import Array, Contacts, contacts
-from .motion import Motion, Problem, least_dissipation
+from .laws import Law, Sigmoid
+from .motion import Motion, Problem, balance_by_root, least_dissipation
 from .screw_groove import ON_SCREW, ScrewGroove, contact_axes
 from .screw_load import Cell, ScrewLoad, screw_rows, settle
 
@@ -24,7 +25,7 @@ AGREED, ROUNDS = 1e-10, 100
 
 @dataclass(frozen=True)
 class BallMotion:
-    """A ball's contacts (4,), problem, motion of least dissipation and the screw's contact angles; SI.
+    """A ball's contacts (4,), directions to them (4, 3), problem and motion of least dissipation; SI.
 
     input_power [W]: of the body that drives, helical motion times friction; equals ``motion.loss``.
     """
@@ -85,6 +86,21 @@ def ball_motion(
     at = screw_contacts(groove, np.asarray(force, dtype=float))
     problem = Problem(at, maps, drives, np.zeros(4) if push is None else np.asarray(push, dtype=float))
     return BallMotion(groove, at, normals, problem, least_dissipation(problem, start, fast))
+
+
+def source_law(groove: ScrewGroove, sharpness: float = 100.0) -> Sigmoid:
+    """The source's sigmoid for a ball screw: k_S and the relative spin of a diagonal pair (Lin 3.20, 3.70)."""
+    spin = abs(groove.speed) * float(np.cos(groove.lead_angle) * np.sin(groove.contact_angle))
+    return Sigmoid(sharpness, spin)
+
+
+def ball_motion_by_root(one: BallMotion, law: Law, start: Array | None = None, fast: bool = True) -> Motion:
+    """The source's way at the same loads, kept for comparison: a root of the balance under ``law`` (Lin 3.69, 3.71).
+
+    start (4,): rolling at the nominal contact angle where None. "failed" from most starts near two-point contact.
+    """
+    first = np.array([one.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
+    return balance_by_root(one.problem, law, first, fast)
 
 
 @dataclass(frozen=True)

@@ -107,7 +107,7 @@ def test_ratio_of_the_printed_forces_tells_the_pattern() -> None:
 
 
 def test_printed_numbers_imply_four_loaded_contacts() -> None:
-    """mu F v over the printed increase is the loss of grooves with 140 N of contact load a ball; two contacts give 72 N.
+    """mu F v over the printed increase is the loss of grooves with 140 N of contact load a ball; two give 72 N.
 
     50 N along the axis alone cannot: cos and sin of lead and contact angle fix the sum. 1.7 um of oversize does.
     """
@@ -122,7 +122,7 @@ def test_printed_numbers_imply_four_loaded_contacts() -> None:
 
 
 def test_oversize_is_what_matters() -> None:
-    """Half and one and a half times the oversize miss the forces by 20 % and more, the load along the axis by little."""
+    """Half and one and a half times the oversize miss the forces by 20 % and more; half the axial load hardly."""
     base = inferred(THETA["a"])
     printed = rows("lin-3.7")["force_a"].value
     for factor in (0.5, 1.5):

@@ -49,7 +49,7 @@ def material_velocity(screw, q, offset, azimuth, h=1e-6):
 
 
 def test_maps_against_finite_differences_of_the_rigid_motions() -> None:
-    """Each contact's sliding and spin, from positions of material points of ball, screw and nut (3.57-3.68, F.4-F.6)."""
+    """Sliding and spin from positions of material points of ball, screw and nut (3.57-3.68, F.4-F.6)."""
     screw = replace(SCREW, nut_speed=5.0, screw_speed=-1.5)
     angle, q = np.array([0.6, 0.8, 0.9, 0.7]), np.array([2.0, -3.0, 0.7, 8.0])
     normals = screw.normals(angle)
