@@ -152,8 +152,8 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
         outer, ends = flank.far, (position - half, position + half)
     radius = flank.contact()[0]
     width = backend.width * geometry.balls.radius * np.cos(geometry.track.contact_angle)
-    count = int(np.ceil(backend.harmonics * 2.6 * radius / width))
-    size = (1.25 * width / backend.mesh, 0.6 * width / backend.mesh)
+    count = int(np.ceil(backend.harmonics * 2.2 * radius / width))
+    size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
     return Tube(bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material)
 
 
