@@ -28,12 +28,12 @@ from compare.catalogue import scene as shipped
 from compare.ensemble import run_ensemble
 from compare.stability import with_balls
 from lowfi import source as lin
-from lowfi.problem import Problem, build
-from lowfi.selection import choose_sides
-from lowfi.static import TOLERANCE as OWN_TOLERANCE
 from lowfi.compliance.bodies import REFINED, grooved_section, own_flank, smooth_compliance
 from lowfi.elastic import Rebuild
 from lowfi.elastic import run as run_elastic
+from lowfi.problem import Problem, build
+from lowfi.selection import choose_sides
+from lowfi.static import TOLERANCE as OWN_TOLERANCE
 from lowfi.static import Prepared, pick_engine, prepare, run, solve_static
 from meshes.errors import specimen
 from meshes.helix import ball_layout
@@ -313,9 +313,11 @@ def _refined_jobs(repeats: int) -> Iterator[Job]:
     scene = shipped("lin-case1")
     slow = _source_seconds(Source(scene), repeats)
     setup = timed(lambda: Refined(scene), max(1, repeats // 3), _forget_bodies)
-    yield Job("refined, bodies of a new geometry", setup, None, None, peak_MB(), "cell, kernels, flanks, beam, packed arrays")
+    note = "cell, kernels, flanks, beam, arrays"
+    yield Job("refined, bodies of a new geometry", setup, None, None, peak_MB(), note)
     again = timed(lambda: Refined(scene), repeats)
-    yield Job("refined, set-up of a known geometry", again, None, None, peak_MB(), "bodies kept: beam, supports, packed arrays")
+    note = "bodies kept: beam, supports, arrays"
+    yield Job("refined, set-up of a known geometry", again, None, None, peak_MB(), note)
     for label, everything in (("refined, cold solve, case 1", False), ("refined, cold solve, all sides", True)):
         ours = Refined(scene, everything=everything)
         fast = timed(ours.cold, 40 * repeats)

@@ -67,7 +67,8 @@ def suited(scene: Scene) -> list[Contender]:
     """Contenders that can describe a scene: Mei's model knows axial loads without preload or lateral support only."""
     axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
     plain = axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1
-    return [c for c in CONTENDERS.values() if c.model in ("refined", "lin") or (plain and scene.ingredients.screw == "beam")]
+    any_scene = ("refined", "lin")
+    return [c for c in CONTENDERS.values() if c.model in any_scene or (plain and scene.ingredients.screw == "beam")]
 
 
 def contenders(names: tuple[str, ...]) -> list[Contender]:

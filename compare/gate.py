@@ -190,8 +190,8 @@ def source_rows(study: Study, max_error: float) -> list[GateRow]:
         wrong += [f"ball {b} {side} is named and no longer beyond the line" for _, b, side in sorted(named - over)]
         side = "over" if over else "under"
         label = (
-            f"{name}: the source's model, reported: {side} the line ({len(over)} of {len(points)} contacts beyond; worst ball "
-            f"{top.ball} {top.side})"
+            f"{name}: the source's model, reported: {side} the line ({len(over)} of {len(points)} contacts beyond; worst "
+            f"ball {top.ball} {top.side})"
         )
         rows.append(
             GateRow(label, "source's model", None, None, top.error_percent, max_error, not wrong, "; ".join(wrong[:3]))

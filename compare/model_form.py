@@ -1,8 +1,8 @@
 """What a low-order result may be worth: the same model's errors against the 3D reference on scenes like it.
 
 A scene is a point of dimensionless features; the compared scenes are points with measured errors. The estimate is the
-largest error among the nearest points, grown by one part per unit of distance to the nearest one: no fit, and no claim beyond what was
-compared. `rollbench report` writes the points (model_form.json in its store) from the ladder.
+largest error among the nearest points, grown by one part per unit of distance to the nearest one: no fit, and no claim
+beyond what was compared. `rollbench report` writes the points (model_form.json in its store) from the ladder.
 """
 
 from __future__ import annotations
@@ -20,8 +20,6 @@ from compare.reference import shipped_store
 from compare.writing import replace_file
 from lowfi.problem import nominal_hertz
 from lowfi.result import ModelForm, StaticResult
-from meshes.errors import specimen
-from meshes.helix import ball_layout
 from meshes.parts import Scene
 from meshes.solid import dimensions
 
@@ -123,7 +121,7 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     if model not in WORDS:
         return None
     own = [p for p in (shipped_points() if points is None else points) if p.model == model]
-    words = (WORDS[model],)
+    words: tuple[str, ...] = (WORDS[model],)
     try:
         here = features(scene, result.load)
     except ValueError as error:

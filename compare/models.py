@@ -50,13 +50,15 @@ def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     if name == "condensed":
         if options.condensed is None:
             raise InputError(
-                scene.name, "model", '"condensed"', "a file of condensed bodies", "rollbench condense makes one: --condensed FILE"
-            )
+                scene.name, "model", '"condensed"', "a file of condensed bodies",
+                "rollbench condense makes one: --condensed FILE",
+            )  # fmt: skip
         try:
             condensed = Condensed.read(options.condensed, scene)
         except OSError as error:
             reason = error.strerror or str(error)
-            raise InputError(str(options.condensed), "file", reason, "a file of condensed bodies", "check the path") from None
+            name_ = str(options.condensed)
+            raise InputError(name_, "file", reason, "a file of condensed bodies", "check the path") from None
         except ValueError as error:
             raise InputError(
                 str(options.condensed), "file", str(error), "a file that rollbench condense made of this scene's parts",

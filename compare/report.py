@@ -26,8 +26,8 @@ Step = Callable[[str], None]
 LONG = ("pictures", "stability", "timing")
 #: Sections by name, in order.
 SECTIONS = (
-    "overview", "ladder", "reference", "reference-mesh", "pictures", "hertz", "cases", "errors", "manufacturing", "formulations",
-    "verification", "stability", "timing", "notes",
+    "overview", "ladder", "reference", "reference-mesh", "pictures", "hertz", "cases", "errors", "manufacturing",
+    "formulations", "verification", "stability", "timing", "notes",
 )  # fmt: skip
 
 
@@ -115,8 +115,8 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
     from compare.sections import (
         cases,
         formulations,
-        ladder,
         hertz,
+        ladder,
         notes,
         overview,
         pictures,

@@ -154,7 +154,7 @@ def flanks_of(
         own = body.G[np.ix_(order, order)]
         if screw:
             beam, moved, rigid = flank_response(shaft, sides)
-            order = by_ball(N, np.arange(len(sides)))
+            order = by_ball(N, range(len(sides)))
             own = own + beam[np.ix_(order, order)]
             v0[:, [s % 2 for s in sides]] = moved[order].reshape(N, len(sides), 2)
             R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
@@ -249,7 +249,7 @@ def run(elastic: Elastic, *, start: bool = True) -> Outcome:
     """Solve from the linear start, or from the state as it is: status, iterations, evaluations, residual, scale."""
     bodies, contacts, state, options = elastic.bodies, elastic.contacts, elastic.state, elastic.options
     if start:
-        elastic.engine.start_forces(bodies, contacts, state, elastic.springs, options)
+        elastic.engine.start_forces(bodies, state, elastic.springs, options)
     status, it, evaluations, residual, _, scale = elastic.engine.solve_forces(
         bodies, contacts, state, options, elastic.arms, elastic.history
     )

@@ -14,6 +14,7 @@ from lowfi.selection import flank_motions
 from lowfi.shape import motion_matrix, rigid_transport
 from meshes.section import groove_section, nut_groove_range
 
+
 @dataclass(frozen=True)
 class Support:
     """What the solver knows of supports ``(n, 6)`` [N, N m] and flanks ``(N, 4, 2)`` [m] where bodies are elastic."""
@@ -168,13 +169,13 @@ def assemble_result(
     z, motion = centreline(problem, q)
     semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
     notes = warnings_of(problem, force, raw, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
+    idealised = MODEL_ASSUMPTIONS if support is None else ELASTIC_ASSUMPTIONS
     return StaticResult(
         model=model, status=status, azimuth=problem.layout.azimuth, z=problem.layout.z, load=force,
         contact_angle=gamma, contact_point=points, force_direction=on_ball, centre_shift=p.copy(),
         hertz_C=problem.C.copy(), centreline_z=z, centreline=motion,
         equilibrium=equilibrium(prepared, points, on_ball, support.reactions if support else None), solver=report,
-        assumed=(*problem.scene.assumed, *(MODEL_ASSUMPTIONS if support is None else ELASTIC_ASSUMPTIONS)), left_out=left_out,
-        warnings=notes,
+        assumed=(*problem.scene.assumed, *idealised), left_out=left_out, warnings=notes,
     )  # fmt: skip
 
 

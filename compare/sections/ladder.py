@@ -125,7 +125,7 @@ def estimate_table(study: Study, rungs: Sequence[Rung]) -> Table:
         Column("rms", "RMS, measured", "% of mean", ".2f"), Column("expected_rms", "RMS, expected", "% of mean", ".2f"),
         Column("distance", "distance", "", ".2f"), Column("nearest", "nearest other scene", "", "s"),
     )  # fmt: skip
-    held = sum(float(r["measured"] or 0.0) <= float(r["expected"] or 0.0) for r in rows)  # type: ignore[arg-type]
+    held = sum(float(r["measured"] or 0.0) <= float(r["expected"] or 0.0) for r in rows)
     note = (
         f"Every scene estimated from the others alone: {held} of {len(rows)} measured errors lie within what was expected. "
         "The estimate is the largest error among the three nearest compared scenes, times one plus the distance to the "
@@ -162,10 +162,11 @@ def section(
         save_points(keep, points(study, rungs))
     text = (
         "The refined model keeps the source's contact mechanics and energy, and lets screw, nut and balls answer contact "
-        "forces: the beam takes the section of half a lead of grooved shaft (axisymmetric elements, harmonics 0 and 1), the "
-        "nut is a beam too, and both get what a smooth body of revolution does beyond a beam (Fourier harmonics around the "
-        "axis: ovalisation, ends, the clamped face), what the true flank does beyond that, less the half space that Hertz's "
-        "law holds already; the balls are elastic spheres (Lur'e's series). No 3D solve, and nothing fitted to one.",
+        "forces: the beam takes the section of half a lead of grooved shaft (axisymmetric elements, harmonics 0 and 1), "
+        "the nut is a beam too, and both get what a smooth body of revolution does beyond a beam (Fourier harmonics around "
+        "the axis: ovalisation, ends, the clamped face), what the true flank does beyond that, less the half space that "
+        "Hertz's law holds already; the balls are elastic spheres (Lur'e's series), the rings of a bearing bodies of "
+        "revolution with their groove. No 3D solve, and nothing fitted to one.",
         headline(rungs),
     )
     items: list[Any] = [Text(text), ladder_table(rungs)]

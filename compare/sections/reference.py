@@ -176,7 +176,8 @@ def line_table(study: Study, found: References) -> Table:
     columns = [Column("scene", "scene", "", "s"), Column("z", "station", "mm", ".1f")]
     for axis in "xyz":
         columns += [
-            Column(f"r{axis}", f"u{axis}, reference", "um", ".2f"), Column(f"l{axis}", f"u{axis}, refined model", "um", ".2f")
+            Column(f"r{axis}", f"u{axis}, reference", "um", ".2f"),
+            Column(f"l{axis}", f"u{axis}, refined model", "um", ".2f"),
         ]
     note = "Mean motion of the meshed screw's hole inside the nut's reach, of the beam's nodes outside."
     return Table("reference-centreline", "Centreline of the screw", columns, rows, note)
@@ -308,7 +309,7 @@ def time_items(study: Study, found: References, stores: Sequence[Any] | None) ->
         "memory is the whole process's.",
     )  # fmt: skip
     speed = Table(
-        "reference-speed", "Speed ratio, 3D reference : the source's low-order model (the source: over 6,800, ANSYS : its model)",
+        "reference-speed", "Speed ratio, 3D reference : the source's model (the source: over 6,800, ANSYS : its model)",
         (
             Column("scene", "scene", "", "s"), Column("low", "low-order, cold", "s", "g3"),
             Column("low_warm", "low-order, compiled", "s", "g3"), Column("ref", "3D reference, cold", "s", ".1f"),
@@ -361,8 +362,8 @@ def gate_text(found: References, study: Study, limit: float = 7.0) -> str:
             f"{len(over)} of {len(points)} contacts beyond {limit:g} %"
         )
     return (
-        "The source's model at the gate (per cent of each load, of the mean for loads below a tenth of it; the reference's uncertainty is "
-        f"deducted): {'; '.join(worst)}. Known exceedances named in the gate's data: {len(known_exceedances())}."
+        "The source's model at the gate (per cent of each load, of the mean for loads below a tenth of it; the reference's "
+        f"uncertainty is deducted): {'; '.join(worst)}. Known exceedances named in the gate's data: {len(known_exceedances())}."
     )
 
 

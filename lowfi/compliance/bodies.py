@@ -14,7 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.compliance.cell import cell_section
-from lowfi.compliance.groove import Flank, at_size, flank_correction, half_space, smooth_radius
+from lowfi.compliance.groove import (
+    NARROW,
+    Flank,
+    RingCompliance,
+    at_size,
+    flank_correction,
+    half_space,
+    ring_compliance,
+    ring_contacts,
+    smooth_radius,
+)
 from lowfi.compliance.sphere import own_compliance, sphere_compliance
 from lowfi.compliance.tube import (
     Tube,
@@ -136,7 +146,8 @@ def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
     flank = flank_of(geometry, screw)
     if geometry.track.lead == 0.0:
-        return screw_section(geometry) if screw else tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
+        plain = tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
+        return screw_section(geometry) if screw else plain
     return cell_section(flank.map, flank.land, flank.far, screw, flank.material).section
 
 
@@ -164,15 +175,28 @@ def smooth_compliance(geometry: Scene, screw: bool, backend: Backend) -> TubeCom
     return tube_compliance(smooth_body(geometry, screw, backend), (position - half, position + half))
 
 
+@lru_cache(maxsize=32)
+def whole_ring(geometry: Scene, screw: bool) -> RingCompliance:
+    """Compliance of a ring with its groove, kept for all scenes of one geometry."""
+    return ring_compliance(flank_of(geometry, screw), held_at(geometry, screw))
+
+
 @lru_cache(maxsize=64)
 def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
     """e [m/N] of a contact on the true flank, for a narrow patch (`flank_correction`)."""
-    tube = smooth_body(geometry, screw, backend)
     flank = flank_of(geometry, screw)
+    if is_ring(geometry, screw):
+        return -half_space(NARROW * flank.map.ball, flank.material)
+    tube = smooth_body(geometry, screw, backend)
     surface = tube.outer if screw else tube.bore
     if not backend.flank:  # the half space at the smooth body's own patch only
         return -half_space(tube.width, tube.material)
     return flank_correction(flank, surface, tube.width)
+
+
+def is_ring(geometry: Scene, screw: bool) -> bool:
+    """Whether a body is a ring with one groove around it, and so a body of revolution as it is."""
+    return geometry.track.lead == 0.0 and held_at(geometry, screw) not in ("rigid", "section")
 
 
 def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:
@@ -188,13 +212,13 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend)
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
         G = G - spring_compliance(tube, x, axes) - clamped(rows, stations, tube.ends, "low", plain)
-    elif tube.held in ("low", "high", "both") and scene.track.lead != 0.0:
+    elif tube.held in ("low", "high", "both"):
         G = G - clamped(rows, stations, tube.ends, tube.held, plain)
     return G
 
 
 def nut_beam(scene: Scene, layout: BallLayout) -> Array:
-    """Compliance ``(4 N, 4 N)`` [m/N] of the nut as a Timoshenko tube clamped at its faces; zero where it is held outside."""
+    """Compliance ``(4 N, 4 N)`` [m/N] of the nut as a Timoshenko tube clamped at its faces; zero if held outside."""
     geometry = geometry_only(scene)
     x, axes = contact_frames(scene, layout, False)
     held = held_at(geometry, False)
@@ -232,8 +256,10 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) 
     held = held_at(geometry_only(scene), screw)
     if held == "rigid":
         return np.zeros((4 * layout.z.size,) * 2)
+    if is_ring(geometry_only(scene), screw):
+        return ring_contacts(whole_ring(geometry_only(scene), screw), layout.azimuth)
     G = kernel_part(scene, layout, screw, backend)
-    if not screw and held != "outer" and scene.track.lead != 0.0:
+    if not screw and held != "outer":
         G = G + nut_beam(scene, layout)
     return 0.5 * (G + G.T)
 

@@ -1,4 +1,4 @@
-"""Elastic bodies of revolution under any load: quadratic elements in (r, z), Fourier harmonics around the axis (Wilson 1965).
+"""Elastic bodies of revolution under any load: quadratic elements in (r, z), harmonics around the axis (Wilson 1965).
 
 Harmonic n has u_r = U cos n t, u_t = V sin n t, u_z = W cos n t; the set turned by a quarter wave has the same stiffness.
 With B = B_0 + n B_1 the stiffness is K_n = c (K_0 + n K_1 + n^2 K_2), c = pi (2 pi for n = 0), so that the generalised
@@ -136,6 +136,7 @@ class Body:
     """A body of revolution, assembled once for all harmonics."""
 
     def __init__(self, grid: Grid, young: float, poisson: float) -> None:
+        """Assemble the parts of K. Raises ValueError for an element turned inside out."""
         self.grid = grid
         cells = grid.cells()
         dof = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
@@ -148,7 +149,7 @@ class Body:
         )
 
     def blocks(self, held: NDArray[np.bool_]) -> list[Block]:
-        """The parts of K by pairs of grid lines along z: own freedoms that are not held, own block, block to the one before.
+        """The parts of K by pairs of grid lines along z: freedoms that are not held, own block, block to the one before.
 
         Line 0 alone, then lines 2 k - 1 and 2 k: elements join neighbouring blocks only.
         """

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu, spsolve
 
 from lowfi.compliance.cell import cell_grid
 from lowfi.compliance.fourier import Body, Grid, factor_c, quadratic, refine_lines, tube_grid
@@ -181,6 +181,55 @@ def smooth_motion(flank: Flank, surface: float, width: float) -> float:
 def half_space(width: float, material: Material) -> float:
     """Mean motion [m/N] of a round Gaussian patch on a half space by its own normal load: (1 - nu^2)/(2 sqrt(pi) E s)."""
     return float((1.0 - material.poissons_ratio**2) / (2.0 * np.sqrt(np.pi) * material.youngs_modulus * width))
+
+
+@dataclass(frozen=True)
+class RingCompliance:
+    """Motion of both flanks of a grooved ring by loads on them, ``(harmonics, 4, 4)`` [m/N]: left r, z, right r, z; a ring
+    is a body of revolution with its groove, so nothing is left out. width: of the patches [m]; radius: of the contacts."""
+
+    S: Array
+    width: float
+    radius: float
+
+
+def ring_compliance(flank: Flank, held: str) -> RingCompliance:
+    """Compliance of a ring on its narrow patches, held at its "bore", "outer" surface, or "low", "high", "both" faces."""
+    half = flank.grid()
+    grid = Grid(np.concatenate([half.r[:0:-1], half.r]), np.concatenate([-half.z[:0:-1], half.z]))
+    body = Body(grid, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    fixed = np.zeros((*grid.shape, 3), dtype=bool)
+    fixed[0 if held == "low" else slice(0, 0)] = True
+    fixed[[0, -1] if held == "both" else -1 if held == "high" else slice(0, 0)] = True
+    fixed[:, 0 if held == "bore" else -1 if held == "outer" else slice(0, 0)] = True
+    radius, zeta = flank.contact()
+    line, width = (grid.shape[1] - 1 if flank.screw else 0), NARROW * flank.map.ball
+    share, _ = flank_weights(half, line, zeta, width)
+    rows = np.zeros((4, *grid.shape, 3))
+    count = half.shape[0]
+    rows[0, :count, line, 0] = rows[1, :count, line, 2] = share[::-1]
+    rows[2, count - 1 :, line, 0] = rows[3, count - 1 :, line, 2] = share
+    n = harmonics_to(2.6 * radius / width)
+    free = ~fixed.ravel()
+    p0, p1, p2 = (part[free][:, free].tocsc() for part in body.parts)
+    loads = rows.reshape(4, -1)[:, free].T
+    found = np.empty((n.size, 4, 4))
+    for k, harmonic in enumerate(n):
+        K = factor_c(int(harmonic)) * (p0 + harmonic * p1 + harmonic**2 * p2)
+        found[k] = loads.T @ splu(K, permc_spec="MMD_AT_PLUS_A").solve(loads)
+    every = np.arange(n[-1] + 1)
+    return RingCompliance(np.asarray(CubicSpline(n, found)(every)), width, radius)
+
+
+def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
+    """Compliance ``(4 N, 4 N)`` between the contacts of a ring at the balls' azimuths, all left ones first; axes r, z."""
+    N = azimuth.size
+    angle = azimuth[:, None] - azimuth[None, :]
+    G = np.zeros((2, N, 2, 2, N, 2))
+    for n, S in enumerate(ring.S):
+        share = np.exp(-((n * ring.width / ring.radius) ** 2)) if n > 1 else 1.0
+        G += share * np.einsum("ij,satb->siatjb", np.cos(n * angle), S.reshape(2, 2, 2, 2))
+    return np.asarray(G.reshape(4 * N, 4 * N))
 
 
 def flank_correction(flank: Flank, surface: float, wide: float) -> float:

@@ -56,9 +56,9 @@ class Condensed:
         """Compliance of a body with its part along the normals from the file; ``total``: the low-order one on these sides,
         ball after ball, supports and beam included.
 
-        What the file does not know, across the normals and on other sides, follows what all contacts move along theirs as
-        in the low-order body, so that the result stays positive semidefinite: with A, B, D the blocks along, between and across, A' for A gives
-        B' = A' A^-1 B and D' = D + B^T A^-1 (A' - A) A^-1 B.
+        What the file does not know, across the normals and on other sides, follows what all contacts move along theirs
+        as in the low-order body, so that the result stays positive semidefinite: with A, B, D the blocks along, between
+        and across, A' for A gives B' = A' A^-1 B and D' = D + B^T A^-1 (A' - A) A^-1 B.
         """
         N, screw = layout.z.size, sides[0] < 2
         geometry = geometry_only(scene)
@@ -100,7 +100,8 @@ class Condensed:
     def describe(self) -> str:
         """What it is, for the record."""
         names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
-        return f"screw, nut and balls from a condensed 3D model (mesh level {self.bodies.level}, sides {names}) along the contact normals"
+        level = self.bodies.level
+        return f"screw, nut and balls from a condensed 3D model (mesh level {level}, sides {names}), along the normals"
 
 
 def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:
@@ -119,7 +120,8 @@ def directions(scene: Scene, N: int, sides: list[int], known: list[int]) -> tupl
     """Rows along the nominal normals of the ``known`` sides, and everything across them, on arrays that go ball after ball
     and side after side, ``(N known, 2 N sides)`` and the rest."""
     beta = scene.track.contact_angle
-    along, across = [], []
+    along: list[Array] = []
+    across: list[Array] = []
     for i in range(N):
         for k, s in enumerate(sides):
             first = 2 * (i * len(sides) + k)

@@ -1,4 +1,4 @@
-"""The screw as a beam with its supports and loads, condensed to the motions of the flanks: small, and exact for the beam."""
+"""The screw as a beam with its supports and loads, condensed to the motions of the flanks: exact for the beam."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def expansion(poisson: float) -> tuple[float, float]:
 def smooth_part(cosine: float, poisson: float) -> float:
     """Series at angle arccos(cosine) without its first two terms' sums in closed form (both vanish at the contact)."""
     a, b = expansion(poisson)
-    n = np.arange(2, TERMS)
+    n = np.arange(2.0, TERMS)
     terms = (2 * n + 1) * legendre_compliance(n, poisson) - 2.0 * a - (a + 2.0 * b) / n
     total = float(terms @ eval_legendre(n, cosine))
     # n = 0 and 1 of the closed sums: 2 A sum P_n over n >= 0, (A + 2 B) sum P_n / n over n >= 1

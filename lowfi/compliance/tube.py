@@ -17,8 +17,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Tube:
     """Plain body of revolution that stands for screw or nut: bore and outer radius, ends [m], where it is held ("low",
-    "high", "both" faces, "bore", "outer", or "section": its low end on springs by its mean motions), radius at which contacts load it, patch width (standard deviation) [m], number of
-    harmonics, element sizes in z and r [m]."""
+    "high", "both" faces, "bore", "outer", or "section": its low end on springs by its mean motions), radius at which
+    contacts load it, patch width (standard deviation) [m], number of harmonics, element sizes in z and r [m]."""
 
     bore: float
     outer: float
@@ -66,7 +66,7 @@ def radial_ends(tube: Tube) -> tuple[Array, int]:
 
     def graded(length: float) -> Array:
         count = max(1, round(2.0 * (np.sqrt(1.0 + length / h) - 1.0)))
-        return length * (np.arange(count + 1) / count) ** 1.6
+        return np.asarray(length * (np.arange(count + 1) / count) ** 1.6)
 
     inner = at - graded(at - low)[::-1] if at > low else np.array([at])
     outer = at + graded(high - at) if high > at else np.array([at])
@@ -142,10 +142,9 @@ def patch_weights(z: Array, at: Array, width: float) -> Array:
 def harmonic_rows(n: int, points: Points, weights: Array) -> Array:
     """Work of unit loads along the axes of every contact on both sets of harmonic n, ``(2, c, 2, 3 k)``."""
     c, s = np.cos(n * points.azimuth), np.sin(n * points.azimuth)
-    if n == 0:
-        sets = [np.stack([c, c, c], axis=-1)]
-    else:
-        sets = [np.stack([c, s, c], axis=-1), np.stack([s, -c, s], axis=-1)]
+    sets = [np.stack([c, s if n else c, c], axis=-1)]
+    if n:
+        sets.append(np.stack([s, -c, s], axis=-1))
     out = [np.einsum("ck,ct,cat->cakt", weights, one, points.axes) for one in sets]
     return np.stack(out).reshape(len(sets), *points.axes.shape[:2], 3 * weights.shape[1])
 

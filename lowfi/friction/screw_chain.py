@@ -8,8 +8,10 @@ Newton on motions and forces together, with a falling regularising speed of fric
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 
 from .ellipse import Array, Contacts, dissipation
@@ -27,7 +29,7 @@ REACH = 0.3
 #: Force out of balance, as part of the largest friction bound of a ball: aimed at (root of the sum of squares), and
 #: what counts as converged (largest, relative to the largest ball-to-ball force where that is larger).
 GOAL, ACCEPTED = 1e-12, 2e-9
-#: The same between regularising speeds; most Newton steps, and those of a first try.
+#: The same between regularising speeds; most Newton steps, and those of first tries.
 COARSE, STEPS, SHORT = 1e-10, 60, 15
 #: A stage has failed where more than this is left; most halvings of stages.
 MISSED, DEPTH = 1e-8, 12
@@ -112,6 +114,7 @@ class _Solver:
         self.hold = np.where(loaded[:, None], HOLD, HOLD_IDLE) * np.ones(4)
         self.scaled = (self.maps / self.units * self.speed).reshape(self.count, 12, 4)
         self.flat_drives = self.drives.reshape(-1, 3)
+        self.places = _band_places(self.count)
         self.ahead, self.behind = np.roll(np.arange(self.count), -1), np.roll(np.arange(self.count), 1)
 
     def alone(self) -> Array:
@@ -190,12 +193,8 @@ class _Solver:
         start = int(np.argmax(np.where(self.allowed, self.gaps(x) - f, np.inf))) + 1
         order = np.roll(np.arange(self.count), -start)
         band = np.zeros((2 * BAND + 1, 5 * self.count))
-        base = 5 * np.arange(self.count)
-        i, j = np.meshgrid(np.arange(5), np.arange(5), indexing="ij")
-        for part, rows, columns in ((mid[order], base, base), (right[order][:-1], base[:-1], base[1:]),
-                                    (below[order][:-1], base[1:], base[:-1])):  # fmt: skip
-            r, c = rows[:, None, None] + i, columns[:, None, None] + j
-            band[BAND + r - c, c] = part
+        for part, place in zip((mid[order], right[order][:-1], below[order][:-1]), self.places, strict=True):
+            band[place] = part
         side = -np.concatenate([parts.balance, parts.comp[:, None]], axis=1)[order].ravel()
         found = solve_banded((BAND, BAND), band, side, overwrite_ab=True, check_finite=False).reshape(-1, 5)
         out = np.empty_like(found)
@@ -227,9 +226,7 @@ class _Solver:
 
     def balanced(self, x: Array, f: Array) -> bool:
         """Whether (x, f) counts as converged."""
-        parts = self.residual(x, f, SPEEDS[-1])
-        worst = max(np.max(np.abs(parts.balance)), np.max(np.abs(parts.comp)))
-        return bool(worst <= ACCEPTED * max(1.0, float(np.max(f))))
+        return _balanced(self.residual(x, f, SPEEDS[-1]), f)
 
     def by_stages(self, x: Array) -> tuple[Array, Array, int]:
         """Newton from motions x, friction between balls rising at the first regularising speed, then that falling.
@@ -257,17 +254,34 @@ def _size(parts: _Parts) -> float:
     return float(np.sqrt(np.sum(parts.balance**2) + np.sum(parts.comp**2)))
 
 
+def _balanced(parts: _Parts, f: Array) -> bool:
+    worst = max(float(np.max(np.abs(parts.balance))), float(np.max(np.abs(parts.comp))))
+    return worst <= ACCEPTED * max(1.0, float(np.max(f)))
+
+
+@cache
+def _band_places(count: int) -> tuple[tuple[NDArray[np.int64], NDArray[np.int64]], ...]:
+    """Rows and columns in the band of the blocks on the diagonal, right of it and below it."""
+    base = 5 * np.arange(count, dtype=np.int64)
+    i, j = np.meshgrid(np.arange(5), np.arange(5), indexing="ij")
+    out: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
+    for rows, columns in ((base, base), (base[:-1], base[1:]), (base[1:], base[:-1])):
+        r, c = rows[:, None, None] + i, columns[:, None, None] + j
+        out.append((BAND + r - c, c))
+    return tuple(out)
+
+
 def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None) -> ChainMotion:
     """Motions and ball-to-ball forces; start: motions (N, 4) [rad/s] and forces (N,) [N] of a similar chain.
 
     Newton at the last regularising speed from a start with contacts, then from the balls' motions without neighbours,
-    and where both fail by stages.
+    and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls is not determined.
     """
     s = _Solver(chain)
     total = 0
     if start is not None and np.any(start[1] > 0.0):
-        x, f, _, total = s.solve(start[0] * s.units / s.speed, start[1] / s.bound, SPEEDS[-1], GOAL, SHORT)
-        if s.balanced(x, f):
+        x, f, size, total = s.solve(start[0] * s.units / s.speed, start[1] / s.bound, SPEEDS[-1], GOAL, SHORT)
+        if size <= ACCEPTED or s.balanced(x, f):
             return _result(s, x, f, total)
     alone, none = s.alone(), np.zeros(s.count)
     x, f, _, steps = s.solve(alone, none, SPEEDS[-1], GOAL, SHORT)
@@ -281,7 +295,8 @@ def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None) -> Chain
 def _result(s: _Solver, x: Array, f: Array, steps: int) -> ChainMotion:
     """Forces and losses at the solution, in SI."""
     chain, n, eps = s.chain, s.count, SPEEDS[-1]
-    parts, gap, good = s.residual(x, f, eps), s.gaps(x), s.balanced(x, f)
+    parts, gap = s.residual(x, f, eps), s.gaps(x)
+    good = _balanced(parts, f)
     f = np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
     q = x * s.speed / s.units
     motion = s.flat_drives + (s.scaled @ x[:, :, None]).reshape(-1, 3)

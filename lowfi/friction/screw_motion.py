@@ -20,7 +20,7 @@ from .screw_load import Cell, ScrewLoad, screw_rows, settle
 #: What friction may change: nothing; the balls' places (as the source, 3.4.1); those and the screw's.
 Coupling = Literal["none", "ball", "ball and screw"]
 #: Change of friction [of the sum of contact forces] between rounds that counts as agreement, and most rounds.
-AGREED, ROUNDS = 1e-10, 100
+AGREED, ROUNDS = 1e-9, 100
 
 
 @dataclass(frozen=True)

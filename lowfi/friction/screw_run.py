@@ -51,7 +51,7 @@ class Run:
         """Refuse what does not fit."""
         if self.count < 2 or self.steps < 1 or self.duration <= 0.0 or self.tube < 0.0:
             raise ValueError("need count >= 2, steps >= 1, duration > 0 and tube >= 0")
-        if self.count * self.groove.pair.spacing > self.ring:
+        if self.count * self.groove.pair.spacing >= self.ring:
             raise ValueError("more balls than the track holds")
 
     @property

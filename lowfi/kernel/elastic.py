@@ -45,7 +45,9 @@ def contact_law(delta: float, c: float, e: float) -> tuple[float, float, float]:
             x -= step
             if abs(step) <= 1e-16 * x:
                 break
-    return x * x * x, 3.0 * x / (2.0 * c + 3.0 * e * x), x**5 * (0.4 * c + 0.5 * e * x)
+    fifth = x * x * x * x * x
+    fifth = x * x * x * x * x
+    return x * x * x, 3.0 * x / (2.0 * c + 3.0 * e * x), fifth * (0.4 * c + 0.5 * e * x)
 
 
 @kernel
@@ -694,13 +696,13 @@ def solve_forces(
 
 
 @kernel
-def start_forces(bodies: Arrays, contacts: Contacts, state: Arrays, springs: Array, options: Array) -> bool:
+def start_forces(bodies: Arrays, state: Arrays, springs: Array, options: Array) -> bool:
     """Start of the iteration: the bodies on one linear spring between opposite flanks in place of two contacts.
 
     springs (N, w, d): rows sqrt(stiffness) x direction, zero where there is none. Overwrites phi and a.
     """
     phi, amplitude = state[0], state[1]
-    balls, width, d = springs.shape
+    balls, width = springs.shape[0], springs.shape[1]
     R, v0, work = bodies[2], bodies[3], bodies[4]
     counts, starts = np.full(balls, width, dtype=np.int64), np.zeros(balls, dtype=np.int64)
     for i in range(balls):

@@ -269,5 +269,6 @@ def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert {t.variant for t in full} == {"", *reference.VARIANTS}
     cases = [t for t in full if not t.scenes[0].name.startswith("unseen")]
     assert [t.ablate for t in cases if t.level == 1 and not t.variant] == [True]
-    assert {(t.level, s.name) for t in full for s in t.scenes if s.name in UNSEEN} == {(k, n) for k in (1, 2) for n in UNSEEN}
+    unseen = {(t.level, s.name) for t in full for s in t.scenes if s.name in UNSEEN}
+    assert unseen == {(k, n) for k in (1, 2) for n in UNSEEN}
     assert [(t.level, [s.name for s in t.scenes]) for t in quick] == [(1, ["lin-case1", "lin-case2"])]

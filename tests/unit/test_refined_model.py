@@ -105,8 +105,8 @@ def test_unseen_screws_hold() -> None:
 
 
 def test_what_the_file_says_along_the_normals_is_taken_over() -> None:
-    from lowfi.compliance.imported import directions, normal_rows
     from lowfi.compliance.bodies import whole_body
+    from lowfi.compliance.imported import directions, normal_rows
 
     scene = catalogue.scene("lin-case1")
     layout = ball_layout(scene)
@@ -137,6 +137,12 @@ def test_kept_points_are_what_the_ladder_gives_now() -> None:
             assert p.features == pytest.approx(old.features, abs=2e-3)
 
 
+NOTHING = {
+    "percent": None, "rms_percent": None, "distance": float("inf"), "nearest": "", "compared": 0,
+    "words": ("screw, nut and balls elastic, by kernels", "no scene was compared with the 3D reference"),
+}  # fmt: skip
+
+
 def test_an_estimate_grows_with_the_distance_and_names_what_is_unlike() -> None:
     scene = catalogue.scene("lin-case1")
     result = run_model(scene, "refined", QUIET)
@@ -149,14 +155,7 @@ def test_an_estimate_grows_with_the_distance_and_names_what_is_unlike() -> None:
     assert far.percent is not None
     assert far.percent > 2.0 * near.percent
     assert any("wall of the nut" in w for w in far.words)
-    assert model_form.estimate(scene, result, []) == replace(near, **_nothing(near))  # type: ignore[arg-type]
-
-
-def _nothing(near: object) -> dict[str, object]:
-    return {
-        "percent": None, "rms_percent": None, "distance": float("inf"), "nearest": "", "compared": 0,
-        "words": ("screw, nut and balls elastic, by kernels", "no scene was compared with the 3D reference"),
-    }  # fmt: skip
+    assert model_form.estimate(scene, result, []) == replace(near, **NOTHING)  # type: ignore[arg-type]
 
 
 def test_every_rung_of_the_ladder_is_a_model() -> None:
