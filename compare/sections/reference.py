@@ -363,7 +363,7 @@ def gate_text(found: References, study: Study, limit: float = 7.0) -> str:
         )
     return (
         "The source's model at the gate (per cent of each load, of the mean for loads below a tenth of it; the reference's "
-        f"uncertainty is deducted): {'; '.join(worst)}. Known exceedances named in the gate's data: {len(known_exceedances())}."
+        f"uncertainty is deducted): {'; '.join(worst)}. Known exceedances named in its data: {len(known_exceedances())}."
     )
 
 

@@ -46,7 +46,6 @@ def contact_law(delta: float, c: float, e: float) -> tuple[float, float, float]:
             if abs(step) <= 1e-16 * x:
                 break
     fifth = x * x * x * x * x
-    fifth = x * x * x * x * x
     return x * x * x, 3.0 * x / (2.0 * c + 3.0 * e * x), fifth * (0.4 * c + 0.5 * e * x)
 
 
@@ -56,7 +55,7 @@ def press(
 ) -> float:  # fmt: skip
     """Contact forces and stiffnesses with centre and amplitude x (3,); returns the energy [J]. local (4, 2): e [m/N] of
     each contact and what a unit amplitude takes from its approach [m]."""
-    energy = 0.5 * x[2] * x[2]
+    energy: float = 0.5 * x[2] * x[2]
     for s in range(4):
         contact[s, FORCE] = 0.0
         if geometry[s, USE] == 0.0:
