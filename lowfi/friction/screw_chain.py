@@ -35,6 +35,8 @@ COARSE, STEPS, SHORT = 1e-10, 60, 15
 MISSED, DEPTH = 1e-8, 12
 #: Springs to the nominal motion per friction bound, for balls with contacts and without.
 HOLD, HOLD_IDLE = 1e-13, 1e-9
+#: Balls with less than this part of the largest load count as unloaded.
+NEGLIGIBLE = 1e-7
 #: Half bandwidth of the Jacobian with a ball's motion and the force on the next in one block of five.
 BAND = 9
 
@@ -97,18 +99,20 @@ class _Solver:
     def __init__(self, chain: Chain) -> None:
         """Scale everything by the largest friction bound of a ball and the balls' nominal speed."""
         g, pair = chain.groove, chain.groove.pair
+        total = chain.force.sum(axis=1)
+        loaded = total > NEGLIGIBLE * float(total.max())
         self.chain, self.count = chain, chain.force.shape[0]
-        self.at: Contacts = screw_contacts(g, chain.force)
+        self.at: Contacts = screw_contacts(g, np.where(loaded[:, None], chain.force, 0.0))
+        self.loaded = loaded
         self.maps, self.drives = g.maps(chain.normals)
         self.speed = abs(g.speed) * g.radius or 1.0
-        self.bound = max(float((g.mu * chain.force.sum(axis=1)).max()), 1e-30)
+        self.bound = max(g.mu * float(total.max()), 1e-30)
         self.units = np.array([g.radius, g.ball_radius, g.ball_radius, g.ball_radius])
         self.first, self.second = pair.first / self.units, pair.second / self.units
         self.closing = pair.closing / g.radius
         self.allowed = np.isfinite(chain.slack)
         self.slack = np.where(self.allowed, chain.slack, 0.0) * pair.closing / self.speed
         self.nominal = np.array([g.nominal_orbit, 0.0, 0.0, 0.0]) * self.units / self.speed
-        loaded = chain.force.sum(axis=1) > 0.0
         rub = loaded & np.roll(loaded, -1)
         self.mu = np.where(rub, g.mu if g.mu_balls is None else g.mu_balls, 0.0)
         self.hold = np.where(loaded[:, None], HOLD, HOLD_IDLE) * np.ones(4)
@@ -120,7 +124,7 @@ class _Solver:
     def alone(self) -> Array:
         """Scaled motions (N, 4) of the balls without neighbours."""
         x = np.tile(self.nominal, (self.count, 1))
-        for k in np.flatnonzero(self.chain.force.sum(axis=1) > 0.0):
+        for k in np.flatnonzero(self.loaded):
             own = slice(4 * k, 4 * k + 4)
             at = Contacts(self.at.a[own], self.at.b[own], self.at.load[own], self.at.mu[own])
             problem = Problem(at, self.maps[k], self.drives[k], np.zeros(4))

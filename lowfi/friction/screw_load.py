@@ -14,7 +14,7 @@ from .ellipse import Array
 from .screw_groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, frame
 
 #: Round-off limit of the search and what counts as converged, as parts of the sum of forces.
-GOAL, ACCEPTED = 1e-13, 1e-9
+GOAL, ACCEPTED = 1e-13, 1e-8
 STEPS = 200
 
 
@@ -45,7 +45,7 @@ class Cell:
 class ScrewLoad:
     """Contact forces (N, 4) [N], actual contact angles (N, 4) [rad], positions of balls (N, 2) and screw (m,) [m].
 
-    left: largest force out of balance [N]; converged: whether that is below 1e-9 of the sum of forces.
+    left: largest force out of balance [N]; converged: whether that is below 1e-8 of the sum of forces.
     """
 
     force: Array

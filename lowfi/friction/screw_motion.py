@@ -140,26 +140,33 @@ def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tup
 
 
 class Mixer:
-    """Anderson's acceleration of x = g(x) over the last few rounds, for arrays flattened."""
+    """Anderson's acceleration of x = g(x) over the last few rounds, damped and begun anew where it takes many."""
 
-    def __init__(self, depth: int = 3) -> None:
-        """Depth: differences kept."""
-        self.depth, self.x, self.r = depth, list[Array](), list[Array]()
+    def __init__(self, depth: int = 3, patience: int = 20) -> None:
+        """Depth: differences kept; patience: rounds after which steps are halved and the history dropped."""
+        self.depth, self.patience, self.rounds = depth, patience, 0
+        self.x, self.r = list[Array](), list[Array]()
 
     def next(self, x: Array, g: Array) -> Array:
         """Next iterate after x gave g."""
+        if self.rounds % self.patience == 0:
+            self.x, self.r = [], []
+        part = 0.5 ** (self.rounds // self.patience)
+        self.rounds += 1
         self.x, self.r = [*self.x[-self.depth :], x], [*self.r[-self.depth :], g - x]
         if len(self.x) == 1:
-            return g
+            return np.asarray(x + part * (g - x))
         dx, dr = np.diff(self.x, axis=0).T, np.diff(self.r, axis=0).T
-        part = np.linalg.lstsq(dr, self.r[-1], rcond=1e-8)[0]
-        return np.asarray(g - (dx + dr) @ part)
+        share = np.linalg.lstsq(dr, self.r[-1], rcond=1e-8)[0]
+        return np.asarray(x + part * (g - x) - (dx + part * dr) @ share)
 
 
 def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool = True) -> CoupledBall:
     """Loads and motion of the one ball of a cell in agreement, by accelerated rounds of settling and least dissipation.
 
     "ball": the screw stays where it is without friction (Lin 3.4.1); "ball and screw": it keeps balance with friction.
+    The former need not converge for tiny loads and micrometres of clearance, where friction wedges balls against the
+    screw: ``converged`` says so.
     """
     load = settle(cell)
     if coupling == "ball":
