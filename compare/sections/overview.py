@@ -16,8 +16,8 @@ HOW_TO_READ = (
     "stated. open: it contradicts itself, or what it compares with is not printed; shown, never gated on.",
     "An error is 100 (value - reference) / |reference| in per cent, for loads 100 (value - reference) / mean loaded "
     "contact of the reference; both come from one function. No model reads a printed number and nothing is tuned.",
-    "The low-order model is compared with printed values, closed forms, a second solver of the same equations, and this "
-    "project's own 3D elastic-contact reference, which shares no mechanics with it and carries its own error bar.",
+    "The low-order models are compared with printed values, closed forms, a second solver of the same equations, and this "
+    "project's own 3D elastic-contact reference, which shares no mechanics with them and carries its own error bar.",
 )
 
 

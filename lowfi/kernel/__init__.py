@@ -1,10 +1,10 @@
 """Kernels of the static model in a subset of Python that numba compiles; see ``lowfi.jit`` for the two engines."""
 
 from .ball import settle
-from .elastic import contact_law, ensemble_forces, evaluate_balls, rest, solve_forces, start_forces
+from .elastic import contact_law, evaluate_balls, rest, solve_forces, start_forces
 from .newton import ensemble, evaluate, linear_start, solve
 
 __all__ = [
-    "contact_law", "ensemble", "ensemble_forces", "evaluate", "evaluate_balls", "linear_start", "rest", "settle", "solve",
+    "contact_law", "ensemble", "evaluate", "evaluate_balls", "linear_start", "rest", "settle", "solve",
     "solve_forces", "start_forces",
 ]  # fmt: skip

@@ -63,6 +63,16 @@ def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int
 
 
 @kernel
+def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -> tuple[float, float, float, float]:
+    """Approach, normal and curvature term of the ball at (ux, uz) from its nominal place on one flank, arc or not."""
+    if profile.shape[0] == 0:
+        return arc(ux, uz, geometry[WX], geometry[WZ], geometry[SIZE], geometry[APPROACH])
+    return flank(
+        ux, uz, geometry[WX], geometry[WZ], r_ball, geometry[RADIUS], profile, geometry[SX], geometry[SZ],
+    )  # fmt: skip
+
+
+@kernel
 def touch(
     px: float, pz: float, shift: Array, geometry: Array, r_ball: float, profile: Array, contact: Array,
 ) -> float:  # fmt: skip
@@ -72,16 +82,7 @@ def touch(
         contact[s, FORCE] = 0.0
         if geometry[s, USE] == 0.0:
             continue
-        ux, uz = px - shift[s, 0], pz - shift[s, 1]
-        if profile.shape[1] == 0:
-            delta, mx, mz, kt = arc(
-                ux, uz, geometry[s, WX], geometry[s, WZ], geometry[s, SIZE], geometry[s, APPROACH]
-            )  # fmt: skip
-        else:
-            delta, mx, mz, kt = flank(
-                ux, uz, geometry[s, WX], geometry[s, WZ], r_ball, geometry[s, RADIUS], profile[s],
-                geometry[s, SX], geometry[s, SZ],
-            )  # fmt: skip
+        delta, mx, mz, kt = meet(px - shift[s, 0], pz - shift[s, 1], geometry[s], r_ball, profile[s])
         contact[s, MX], contact[s, MZ] = mx, mz
         if delta > 0.0:
             c = geometry[s, HERTZ]

@@ -16,8 +16,7 @@ import numpy as np
 from lowfi.jit import kernel
 
 from .arrays import Array, Arrays, Contacts
-from .ball import APPROACH, FORCE, HERTZ, KN, KT, MX, MZ, RADIUS, SIZE, SX, SZ, USE, WX, WZ, start_centre
-from .contact import arc, flank
+from .ball import FORCE, HERTZ, KN, KT, MX, MZ, USE, meet, start_centre
 from .newton import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
 
 LINEAR, BODY = range(2)
@@ -60,16 +59,7 @@ def press(
         contact[s, FORCE] = 0.0
         if geometry[s, USE] == 0.0:
             continue
-        ux, uz = x[0] - shift[s, 0], x[1] - shift[s, 1]
-        if profile.shape[1] == 0:
-            delta, mx, mz, kt = arc(
-                ux, uz, geometry[s, WX], geometry[s, WZ], geometry[s, SIZE], geometry[s, APPROACH]
-            )  # fmt: skip
-        else:
-            delta, mx, mz, kt = flank(
-                ux, uz, geometry[s, WX], geometry[s, WZ], r_ball, geometry[s, RADIUS], profile[s],
-                geometry[s, SX], geometry[s, SZ],
-            )  # fmt: skip
+        delta, mx, mz, kt = meet(x[0] - shift[s, 0], x[1] - shift[s, 1], geometry[s], r_ball, profile[s])
         contact[s, MX], contact[s, MZ] = mx, mz
         delta -= local[s, BODY] * x[2]
         if delta > 0.0:
@@ -736,26 +726,3 @@ def start_forces(bodies: Arrays, state: Arrays, springs: Array, options: Array) 
     phi[:, :] = 0.0
     forces_of_rows(springs, counts, starts, u, phi)
     return True
-
-
-@kernel
-def ensemble_forces(
-    bodies: Arrays, contacts: Contacts, state: Arrays, options: Array, arms: Array, radii: Array, closures: Array,
-    geometries: Array, forces: Array, statuses: Array, residuals: Array,
-) -> int:  # fmt: skip
-    """Solve many specimens of one screw, all four flanks, from the same start; see ``newton.ensemble``."""
-    local, profile = contacts[2], contacts[4]
-    phi, amplitude, contact = state[0], state[1], state[3]
-    phi0, amplitude0 = phi.copy(), amplitude.copy()
-    history = np.empty(int(options[1]) + 1)
-    total = 0
-    for member in range(radii.shape[0]):
-        phi[:], amplitude[:] = phi0, amplitude0
-        own = (geometries[member], closures[member], local, radii[member], profile, contacts[5])
-        status, it, _, residual, _, _ = solve_forces(bodies, own, state, options, arms, history)
-        statuses[member], residuals[member] = status, residual
-        for i in range(contact.shape[0]):
-            for s in range(4):
-                forces[member, i, s] = contact[i, s, FORCE]
-        total += it
-    return total
