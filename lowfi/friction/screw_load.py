@@ -15,7 +15,7 @@ from .screw_groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, frame
 
 #: Round-off limit of the search and what counts as converged, as parts of the sum of forces.
 GOAL, ACCEPTED = 1e-13, 1e-8
-STEPS = 200
+STEPS = 600
 
 
 @dataclass(frozen=True)
@@ -132,15 +132,16 @@ def settle(cell: Cell, start: tuple[Array, Array] | None = None) -> ScrewLoad:
     steps = 0
     while steps < STEPS and state.worst() > GOAL * (load + float(np.sum(state.force))):
         steps += 1
-        floor = 1e-9 * float(np.max(state.stiff)) + 1e-12 * max(load, 1e-9) / cell.groove.reach
+        floor = 1e-12 * float(np.max(state.stiff)) + 1e-12 * max(load, 1e-9) / cell.groove.reach
         dp, du = _newton(cell, state, floor)
         largest = float(max(np.max(np.abs(dp)), np.max(np.abs(du), initial=0.0)))
         length = min(1.0, 0.3 * cell.groove.reach / largest)
         slope = float(np.sum(state.ball * dp) + state.screw @ du)
+        work = load * float(max(np.max(np.abs(p)), np.max(np.abs(u), initial=0.0)))  # what cancels in the energy
         moved = None
         for _ in range(50):
             new = _evaluate(cell, p + length * dp, u + length * du)
-            flat = -length * slope <= 1e-12 * abs(state.energy)
+            flat = -length * slope <= 1e-12 * (abs(state.energy) + work)
             if new.energy <= state.energy + 1e-4 * length * slope or (flat and new.worst() < state.worst()):
                 moved = new
                 break
