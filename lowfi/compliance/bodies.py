@@ -146,8 +146,9 @@ def grooved_section(geometry: Scene, screw: bool) -> BeamSection:
     """Section constants of the grooved screw or nut (`cell_section`); of the plain body for a track without lead."""
     flank = flank_of(geometry, screw)
     if geometry.track.lead == 0.0:
-        plain = tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
-        return screw_section(geometry) if screw else plain
+        if screw:
+            return screw_section(geometry)
+        return tube_section(2.0 * flank.far, 2.0 * smooth_radius(flank, 2), flank.material)
     return cell_section(flank.map, flank.land, flank.far, screw, flank.material).section
 
 

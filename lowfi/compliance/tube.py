@@ -149,17 +149,18 @@ def harmonic_rows(n: int, points: Points, weights: Array) -> Array:
     return np.stack(out).reshape(len(sets), *points.axes.shape[:2], 3 * weights.shape[1])
 
 
-def contact_compliance(found: TubeCompliance, points: Points) -> Array:
+def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool = True) -> Array:
     """Compliance ``(2 c, 2 c)`` [m/N] between all contacts, each a Gaussian patch; two axes a contact.
 
     Spreading a force around the axis lessens what it does to harmonic n by exp(-(n width / radius)^2 / 2), but for 0 and 1:
-    there a patch must have the resultant of its force, which a beam answers too.
+    there a patch must have the resultant of its force, which a beam answers too (``resultant``; else they are lessened like
+    the others, as a true patch is).
     """
     tube = found.tube
     weights = patch_weights(found.z, points.z, tube.width)
     G = np.zeros((2 * points.z.size,) * 2)
     for n, S in enumerate(found.S):
-        share = np.exp(-((n * tube.width / tube.radius) ** 2)) if n > 1 else 1.0
+        share = np.exp(-((n * tube.width / tube.radius) ** 2)) if n > 1 or not resultant else 1.0
         for one in harmonic_rows(n, points, weights):
             rows = one.reshape(G.shape[0], -1)
             G += share * (rows @ S) @ rows.T

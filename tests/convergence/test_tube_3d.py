@@ -73,7 +73,7 @@ def kernel(harmonics=2.6, size=1.0):
     found = tube_compliance(tube, (0.0, LENGTH))
     unit = np.eye(3)
     axes = np.concatenate([np.tile(unit[[0, 1]], (Z.size, 1, 1)), np.tile(unit[[2, 0]], (Z.size, 1, 1))])
-    G = contact_compliance(found, Points(np.tile(AZIMUTH, 2), np.tile(Z, 2), axes))
+    G = contact_compliance(found, Points(np.tile(AZIMUTH, 2), np.tile(Z, 2), axes), resultant=False)
     k = 2 * np.arange(Z.size)
     pick = np.stack([k, k + 1, k + 2 * Z.size], axis=1).ravel()
     return G[np.ix_(pick, pick)]
