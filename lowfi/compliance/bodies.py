@@ -44,6 +44,8 @@ from meshes.solid import dimensions
 
 Array = NDArray[np.float64]
 
+#: Least width of the kernels' patch over the ball's radius, for steep contact angles.
+LEAST = 0.5
 #: Fixings of the nut by the name of the scene's key.
 HELD = {"left face": "low", "right face": "high", "both faces": "both", "outer surface": "outer"}
 
@@ -53,7 +55,7 @@ class Backend:
     """What answers a contact force. section: of the screw's beam, the scene's (Lin C.8) or the grooved cell's; screw and
     nut: rigid beyond the contacts or beam, and with the Fourier kernel; ball: half spaces (Hertz) or an elastic sphere.
 
-    width: standard deviation of the kernels' patch over the half distance of the two flanks' contacts; bore: which mean of
+    width: standard deviation of the kernels' patch over half the distance of the two flanks' contacts across the groove; bore: which mean of
     the nut's groove the smooth bore keeps, ``"ring"`` (wall^3) or ``"volume"``, or ``"land"``; harmonics, mesh: number
     of harmonics and element size as multiples of the chosen ones.
     """
@@ -163,7 +165,7 @@ def smooth_body(geometry: Scene, screw: bool, backend: Backend) -> Tube:
         bore = flank.land if backend.bore == "land" else smooth_radius(flank, 3 if backend.bore == "ring" else 2)
         outer, ends = flank.far, (position - half, position + half)
     radius = flank.contact()[0]
-    width = backend.width * geometry.balls.radius * np.cos(geometry.track.contact_angle)
+    width = backend.width * geometry.balls.radius * max(float(np.cos(geometry.track.contact_angle)), LEAST)
     count = int(np.ceil(backend.harmonics * 2.2 * radius / width))
     size = (1.6 * width / backend.mesh, 0.75 * width / backend.mesh)
     return Tube(bore, outer, ends, held_at(geometry, screw), radius, float(width), count, size, flank.material)

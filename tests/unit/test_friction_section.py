@@ -52,12 +52,14 @@ def test_rows_show_class_verdict_and_both_values(made):
             assert row["class"] == printed.cls
             assert row["verdict"]
             assert row["printed"] == (printed.printed or "–")
+    assert "remark 1" in [row["remark"] for row in shown["friction-lin-3.2"].rows]
+    assert "Remark 1: Load distribution with F_1 = 1" in shown["friction-lin-3.2"].note
     three = {row["label"]: row for row in shown["friction-lin-3.2"].rows}
     total = three["sum of contact forces, case (III)"]
     assert total["as_printed"] == pytest.approx(470.9402, abs=2e-4)
     assert total["right"] == pytest.approx(528.0381, rel=1e-6)
-    assert "misprint" in total["remark"]
-    rise = three["increase of the sum of contact forces, case (III) over (I)"]
+    assert "Misprint" in total["remark"]
+    rise = three["increase of the sum of contact forces, case (III) over (I) (Section 3.2.2)"]
     assert (rise["as_printed"], rise["right"]) == pytest.approx((67.60, 87.82), abs=5e-3)
 
 

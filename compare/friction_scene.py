@@ -1,0 +1,469 @@
+"""Scenes of friction and ball motion as TOML: a ball in a rotary bearing, a linear pair, a linear chain."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import resources
+from math import degrees, pi, tan
+from pathlib import Path
+from typing import Annotated, Any, Literal, NoReturn
+
+import numpy as np
+from pydantic import Field, GetJsonSchemaHandler, ValidationError
+
+from compare import units
+from compare.catalogue import looks_like_path
+from compare.errors import InputError, SceneError
+from compare.scene_checks import Fault, mm
+from compare.scene_file import _toml, read_text
+from compare.scene_refusal import _allowed, _node, refuse
+from compare.scene_schema import (
+    Conformity,
+    ContactAngle,
+    Modulus,
+    Poisson,
+    Quantity,
+    Radius,
+    Sentence,
+    Size,
+    Table,
+    _without_null,
+    key,
+)
+from lowfi.friction.linear import Array, LinearBearing, deviations
+from lowfi.friction.linear_loads import Loads
+from lowfi.friction.rotary import Bearing, Mode
+
+Law = Literal["coulomb", "regularised", "sigmoid"]
+Kind = Literal["rotary bearing", "linear pair", "linear chain"]
+_NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(\S.*)?")
+#: Units of speeds and angular speeds, as factors to SI.
+RATES = {
+    "speed": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "m/min": 1.0 / 60.0},
+    "angular speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rps": 2.0 * pi, "rpm": pi / 30.0},
+}
+
+
+@dataclass(frozen=True)
+class Rate(Quantity):
+    """Range of a speed or an angular speed."""
+
+    def read(self, value: object) -> float:
+        """SI value; raises pydantic's error carrying ``allowed`` and ``advice``."""
+        number, low, high = (self._number(v) for v in (value, self.low, self.high))
+        if low <= number <= high and not (self.above and number == low):
+            return number
+        side = "large" if number > high else "small"
+        raise self._refused(self.allowed, f"the value is too {side}; a usual one is {units.show(self.example)}")
+
+    def _number(self, value: object) -> float:
+        rates = RATES[self.dimension]
+        match = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) else None
+        unit = units.tidy(match[2] or "") if match else ""
+        if match is None or unit not in rates:
+            advice = f"write a number and one of {', '.join(rates)}, e.g. {units.show(self.example)}"
+            article = "an" if self.dimension[0] == "a" else "a"
+            raise self._refused(f"{article} {self.dimension}, {self.allowed}", advice)
+        return float(match[1]) * rates[unit]
+
+    def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Text with a unit."""
+        found = {"type": "string", "examples": [self.example]}
+        return found | {"x-dimension": self.dimension, "x-allowed": self.allowed}
+
+
+Speed = Annotated[float, Rate("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
+Creep = Annotated[float, Rate("speed", "0 m/s", "1 m/s", "0.1 mm/s", above=True)]
+Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "10 rps")]
+Play = Annotated[float, Quantity("length", "-1 mm", "1 mm", "-1 um")]
+Move = Annotated[float, Quantity("length", "-1 mm", "1 mm", "5 um")]
+Gap = Annotated[float, Quantity("length", "0 mm", "1 m", "0.5 mm")]
+Axial = Annotated[float, Quantity("force", "-1 MN", "1 MN", "100 N")]
+Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]
+Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1, above=True)]
+Rubbing = Annotated[float, Quantity("number", 0, 2, 0.1)]
+SideRatio = Annotated[float, Quantity("number", -10, 10, -0.6)]
+Deviation = Annotated[float, Quantity("angle", "-15 deg", "15 deg", "2 deg")]
+Sharpness = Annotated[float, Quantity("number", 0, 1_000_000, 100, above=True)]
+MapStep = Annotated[float, Quantity("number", 0, 1, 0.08, above=True)]
+
+
+class MaterialKeys(Table):
+    """Isotropic elastic material of rings, rails and balls."""
+
+    youngs_modulus: Modulus = key("Young's modulus")
+    poissons_ratio: Poisson = key("Poisson's ratio")
+
+
+class LinearBearingKeys(Table):
+    """A ball between two gothic grooves."""
+
+    ball_radius: Radius = key("radius of the balls")
+    groove_radius: Radius | None = key("radius of curvature of the grooves (or conformity)", None, "5.6 mm")
+    conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
+    contact_angle: ContactAngle = key("nominal angle of the contact normals against the pressing direction or radius")
+
+
+class RotaryBearingKeys(LinearBearingKeys):
+    """One ball of a rotary bearing with gothic grooves."""
+
+    pitch_radius: Size = key("radius of the circle of ball centres", example="35 mm")
+    clearance: Play = key("play of the ball along each contact normal; negative: interference", "0 um", "-1 um")
+
+
+class RotaryLoadKeys(Table):
+    """What is done to the inner ring."""
+
+    axial_force: Axial = key("force along the axis, towards +x")
+    radial_displacement: Move = key("displacement towards the ball", "0 um", "5 um")
+
+
+_DISTRIBUTION = "loads in balance at the angles, equal on each diagonal, or with angles that follow"
+
+
+class PairLoadKeys(Table):
+    """Force of the carriage on each ball; the side force acts on the second ball in the opposite sense."""
+
+    vertical_force: Pressing = key("force that presses on each ball")
+    side_force_ratio: SideRatio = key("side force on the first ball over vertical_force")
+    distribution: Loads = key(_DISTRIBUTION, "balanced", "elastic")
+
+
+class ChainLoadKeys(Table):
+    """Force of the carriage on every ball."""
+
+    vertical_force: Pressing = key("force that presses on each ball")
+    distribution: Loads = key(_DISTRIBUTION, "balanced", "elastic")
+
+
+class RotaryMotionKeys(Table):
+    """Motion of the inner ring."""
+
+    inner_ring: Turning = key("angular speed about the axis")
+
+
+class LinearMotionKeys(Table):
+    """Motion of the carriage."""
+
+    carriage: Speed = key("speed along the track")
+
+
+class RotaryFrictionKeys(Table):
+    """Friction of the contacts."""
+
+    coefficient: Coefficient = key("friction coefficient")
+    law: Law = key("Coulomb's, Coulomb's regularised, or the sigmoid of Lin 3.20", "coulomb", "coulomb")
+    creep: Creep | None = key('speed that regularises, for law = "regularised"', None)
+    sharpness: Sharpness | None = key('k_S, for law = "sigmoid"', None)
+    map_step: MapStep | None = key("step in c/a of the source's maps; exact integrals if left out", None)
+
+
+class LinearFrictionKeys(Table):
+    """Friction of grooves and balls."""
+
+    coefficient: Coefficient = key("friction coefficient of the grooves")
+    between_balls: Rubbing | None = key("friction coefficient of ball on ball; as the grooves if left out", None)
+    law: Law = key('only "coulomb" for balls in contact', "coulomb", "coulomb")
+
+
+class GrooveKeys(Table):
+    """Contact angles of the pair: bottom left less, bottom right more by the deviation."""
+
+    angle_deviation: Deviation = key("deviation theta of the bottom groove's contact angles")
+    mated: bool = key("top groove made to match (Lin 3.3.4.2)", False, False)
+
+
+class BallKeys(Table):
+    """One ball of a chain, in order along the track."""
+
+    side_force_ratio: SideRatio = key("side force over vertical_force", 0.0)
+    angle_deviations: Annotated[list[Deviation], Field(min_length=4, max_length=4)] = key(
+        "deviations of the contact angles at BL, BR, TR, TL",
+        ["0 deg", "0 deg", "0 deg", "0 deg"], ["-2 deg", "2 deg", "0 deg", "0 deg"],
+    )  # fmt: skip
+    gap: Gap = key("gap to the next ball; none: in reach of each other", "0 mm", "0.5 mm")
+
+
+class CommonKeys(Table):
+    """What every friction scene has."""
+
+    title: Sentence = key("one line saying what the scene is", example="Ball of Table 3.1")
+    source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, Table 3.1")
+    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
+        "what the source leaves open", [], ["No clearance."]
+    )
+    kind: Kind = key("what the scene describes", example="rotary bearing")
+    material: MaterialKeys = key("material of all parts")
+
+
+class RotaryKeys(CommonKeys):
+    """One ball of a rotary bearing."""
+
+    hertz: Mode = key("Hertz constants: exact, or with the source's faults", "right", "right")
+    bearing: RotaryBearingKeys = key("geometry")
+    loads: RotaryLoadKeys = key("loads")
+    motion: RotaryMotionKeys = key("motion")
+    friction: RotaryFrictionKeys = key("friction")
+
+
+class PairKeys(CommonKeys):
+    """Two balls of a linear bearing."""
+
+    bearing: LinearBearingKeys = key("geometry")
+    grooves: GrooveKeys = key("contact angles")
+    loads: PairLoadKeys = key("loads")
+    motion: LinearMotionKeys = key("motion")
+    friction: LinearFrictionKeys = key("friction")
+
+
+class ChainKeys(CommonKeys):
+    """A chain of balls in a linear bearing."""
+
+    bearing: LinearBearingKeys = key("geometry")
+    loads: ChainLoadKeys = key("loads")
+    balls: Annotated[list[BallKeys], Field(min_length=1, max_length=500)] = key("balls in order along the track")
+    motion: LinearMotionKeys = key("motion")
+    friction: LinearFrictionKeys = key("friction")
+
+
+KINDS: dict[str, type[CommonKeys]] = {
+    "rotary bearing": RotaryKeys, "linear pair": PairKeys, "linear chain": ChainKeys,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class RotaryScene:
+    """One ball: bearing, axial force [N], radial displacement [m], Hertz constants, law with its parameters.
+
+    creep [m/s] for "regularised"; sharpness k_S and map_step in c/a (None: exact integrals) for "sigmoid".
+    """
+
+    name: str
+    title: str
+    source: str
+    assumed: tuple[str, ...]
+    bearing: Bearing
+    force: float
+    displacement: float
+    hertz: Mode
+    law: Law
+    creep: float
+    sharpness: float
+    map_step: float | None
+
+
+@dataclass(frozen=True)
+class LinearScene:
+    """N balls: contact angles (N, 4) [rad] before loading, vertical force [N], side force ratios (N,).
+
+    gap (N-1,) [m] between neighbours; kind: "linear pair" or "linear chain".
+    """
+
+    name: str
+    title: str
+    source: str
+    assumed: tuple[str, ...]
+    kind: Kind
+    bearing: LinearBearing
+    angles: Array
+    vertical: float
+    side: Array
+    distribution: Loads
+    gap: Array
+
+
+FrictionScene = RotaryScene | LinearScene
+
+
+def scene_names() -> list[str]:
+    """Names of the shipped friction scenes, sorted."""
+    files = resources.files("compare").joinpath("friction_scenes").iterdir()
+    return sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml"))
+
+
+def scene(name_or_path: str) -> FrictionScene:
+    """A shipped friction scene by name, or that of a file. Raises InputError (SceneError for a faulty file)."""
+    names = scene_names()
+    if name_or_path in names:
+        path = resources.files("compare").joinpath("friction_scenes", f"{name_or_path}.toml")
+        return loads(path.read_text(encoding="utf-8"), f"{name_or_path}.toml")
+    if looks_like_path(name_or_path):
+        return loads(read_text(name_or_path), name_or_path)
+    near = difflib.get_close_matches(name_or_path, names, n=3, cutoff=0.4)
+    advice = f"did you mean {' or '.join(near)}?" if near else f"shipped: {', '.join(names)}"
+    allowed = f"one of {len(names)} shipped names, or a file"
+    raise InputError("friction scene", "name", f'"{name_or_path}"', allowed, advice)
+
+
+def loads(text: str, origin: str) -> FrictionScene:
+    """The scene in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
+    raw = _toml(text, origin)
+    kind = raw.get("kind")
+    if not isinstance(kind, str) or kind not in KINDS:
+        found = units.show(kind) if "kind" in raw else "nothing"
+        advice = 'write e.g. kind = "rotary bearing" above the first table'
+        raise SceneError(origin, "kind", found, ", ".join(map(units.show, KINDS)), advice)
+    model = KINDS[kind]
+    try:
+        keys = model.model_validate(raw)
+    except ValidationError as error:
+        _refuse_keys(origin, model, error)
+    refuse(origin, raw, list(faults(keys)))
+    name = Path(origin).stem
+    return _rotary(keys, name) if isinstance(keys, RotaryKeys) else _linear(keys, name)
+
+
+def json_schema(kind: Kind) -> dict[str, Any]:
+    """JSON Schema of a scene of one kind, with description, unit, range and example of every key."""
+    found: dict[str, Any] = _without_null(KINDS[kind].model_json_schema())
+    return found
+
+
+def _refuse_keys(origin: str, model: type[CommonKeys], error: ValidationError) -> NoReturn:
+    """Raise the first fault that pydantic found, unknown keys first."""
+    listed = error.errors(include_url=False)
+    first = min(listed, key=lambda f: f["type"] != "extra_forbidden")
+    where, kind, more = first["loc"], first["type"], len(listed) - 1
+    path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".")
+    schema: dict[str, Any] = _without_null(model.model_json_schema())
+    if kind == "extra_forbidden":
+        known = list(_node(schema, where[:-1]).get("properties", {}))
+        near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
+        advice = f"unknown key; did you mean {near[0]}?" if near else "unknown key: remove it or move it"
+        raise SceneError(origin, path, units.show(first["input"]), ", ".join(known), advice, more)
+    node, context = _node(schema, where), first.get("ctx", {})
+    allowed = "true, false" if node.get("type") == "boolean" else str(context.get("allowed") or _allowed(node))
+    examples = node.get("examples", [])
+    example = f"e.g. {where[-1]} = {units.show(examples[0])}" if examples else f"a [{path}] table"
+    advice = str(context.get("advice") or f"{'add' if kind == 'missing' else 'write'} {example}")
+    found = "nothing" if kind == "missing" else units.show(first["input"])
+    raise SceneError(origin, path, found, allowed, advice, more)
+
+
+# --- what a scene may not describe
+
+
+def faults(keys: CommonKeys) -> Iterator[Fault]:
+    """Contradictory choices and bodies that the models cannot treat."""
+    assert isinstance(keys, (RotaryKeys, PairKeys, ChainKeys))
+    b = keys.bearing
+    if (b.groove_radius is None) == (b.conformity is None):
+        found = "neither" if b.conformity is None else "both"
+        advice = "groove radius = conformity x ball diameter: give one and leave out the other"
+        yield Fault(("bearing.groove_radius",), "one of groove_radius and conformity", advice, found)
+        return
+    groove = groove_radius(b)
+    if groove <= b.ball_radius:
+        advice = "a groove is wider than its ball"
+        yield Fault(("bearing.groove_radius", "bearing.conformity"), f"above {mm(b.ball_radius)}", advice)
+        return
+    if isinstance(keys, RotaryKeys):
+        yield from _rotary_faults(keys, groove)
+        return
+    if keys.friction.law != "coulomb":
+        advice = "balls in contact are solved with Coulomb friction only; the other laws are for a rotary bearing"
+        yield Fault(("friction.law",), '"coulomb" for linear bearings', advice)
+    yield from _linear_faults(keys)
+
+
+def groove_radius(bearing: LinearBearingKeys) -> float:
+    """Groove radius [m], as given or from the conformity."""
+    return bearing.groove_radius or 2.0 * (bearing.conformity or 0.0) * bearing.ball_radius
+
+
+def _rotary_faults(keys: RotaryKeys, groove: float) -> Iterator[Fault]:
+    b, f, reach = keys.bearing, keys.friction, groove - keys.bearing.ball_radius
+    if b.pitch_radius <= groove:
+        advice = "the balls run on a circle larger than the groove's section"
+        yield Fault(("bearing.pitch_radius",), f"above {mm(groove)}", advice)
+    moved = keys.loads.radial_displacement
+    for where, size in (("bearing.clearance", b.clearance), ("loads.radial_displacement", moved)):
+        if abs(size) >= reach:
+            advice = "the ball's centre would leave its groove's section: the models hold for small displacements"
+            yield Fault((where,), f"between -{mm(reach)} and {mm(reach)}, groove radius less ball radius", advice)
+    owners = {"creep": "regularised", "sharpness": "sigmoid", "map_step": "sigmoid"}
+    for name, law in owners.items():
+        if getattr(f, name) is not None and f.law != law:
+            yield Fault((f"friction.{name}",), f'only with law = "{law}"', f'remove it, or set law = "{law}"')
+    if f.law == "regularised" and f.creep is None:
+        advice = 'add creep = "0.1 mm/s", the speed that regularises'
+        yield Fault(("friction.creep",), "above 0 m/s", advice, "nothing")
+    if f.law == "sigmoid" and keys.motion.inner_ring == 0.0:
+        advice = "the sigmoid's spin is relative to the ring's speed: let it turn, or take another law"
+        yield Fault(("motion.inner_ring",), "not zero for the sigmoid", advice)
+
+
+def _linear_faults(keys: PairKeys | ChainKeys) -> Iterator[Fault]:
+    angles, side, gap = _balls(keys)
+    if isinstance(keys, ChainKeys) and gap[-1] != 0.0:
+        where = f"balls[{len(gap) - 1}].gap"
+        yield Fault((where,), "none for the last ball", "the last ball has no next one: remove its gap")
+    for i, row in enumerate(angles):
+        single = f"balls[{i}]"
+        where = f"{single}.angle_deviations" if isinstance(keys, ChainKeys) else "grooves.angle_deviation"
+        if row.min() <= 0.0 or row.max() >= 0.5 * pi:
+            advice = f"the nominal contact angle is {degrees(keys.bearing.contact_angle):.6g} deg"
+            yield Fault((where,), "contact angles above 0 deg, below 90 deg", advice)
+            return
+        low, high = side_range(row, keys.bearing.contact_angle, keys.loads.distribution)
+        if not low <= side[i] <= high:
+            where = f"{single}.side_force_ratio" if isinstance(keys, ChainKeys) else "loads.side_force_ratio"
+            least, most = (low, high) if isinstance(keys, ChainKeys) or i == 0 else (-high, -low)
+            advice = 'a contact would have to pull: take less, or distribution = "elastic"'
+            yield Fault((where,), f"{least:.4g} to {most:.4g} at these contact angles", advice)
+            return
+
+
+def side_range(angles: Array, nominal: float, distribution: Loads) -> tuple[float, float]:
+    """Least and greatest side force ratio of a ball at contact angles (4,) without a contact that pulls."""
+    if distribution == "elastic":
+        return -np.inf, np.inf
+    if distribution == "diagonal":
+        return -tan(nominal), tan(nominal)
+    bl, br, tr, tl = (tan(float(a)) for a in angles)
+    return -min(bl, tr), min(br, tl)
+
+
+# --- records
+
+
+def _balls(keys: PairKeys | ChainKeys) -> tuple[Array, Array, Array]:
+    """Contact angles (N, 4) [rad], side force ratios (N,), gaps after each ball (N,) [m]."""
+    if isinstance(keys, PairKeys):
+        two = np.full(2, keys.grooves.angle_deviation)
+        turned, rho = deviations(two, mated=keys.grooves.mated), keys.loads.side_force_ratio
+        return keys.bearing.contact_angle + turned, np.array([rho, -rho]), np.zeros(2)
+    turned = np.array([b.angle_deviations for b in keys.balls])
+    side, gap = (np.array([getattr(b, name) for b in keys.balls]) for name in ("side_force_ratio", "gap"))
+    return keys.bearing.contact_angle + turned, side, gap
+
+
+def _rotary(keys: RotaryKeys, name: str) -> RotaryScene:
+    b, f, m = keys.bearing, keys.friction, keys.material
+    bearing = Bearing(
+        b.ball_radius, groove_radius(b), b.pitch_radius, b.contact_angle, m.youngs_modulus, m.poissons_ratio,
+        f.coefficient, keys.motion.inner_ring, b.clearance,
+    )  # fmt: skip
+    return RotaryScene(
+        name, keys.title, keys.source, tuple(keys.assumed), bearing, keys.loads.axial_force,
+        keys.loads.radial_displacement, keys.hertz, f.law, f.creep or 0.0, f.sharpness or 100.0, f.map_step,
+    )  # fmt: skip
+
+
+def _linear(keys: CommonKeys, name: str) -> LinearScene:
+    assert isinstance(keys, (PairKeys, ChainKeys))
+    b, f, m = keys.bearing, keys.friction, keys.material
+    rubbing = f.coefficient if f.between_balls is None else f.between_balls
+    conformity = b.conformity or 0.5 * groove_radius(b) / b.ball_radius
+    bearing = LinearBearing(
+        b.ball_radius, conformity, b.contact_angle, keys.motion.carriage, f.coefficient, rubbing, m.youngs_modulus,
+        m.poissons_ratio,
+    )  # fmt: skip
+    angles, side, gap = _balls(keys)
+    return LinearScene(
+        name, keys.title, keys.source, tuple(keys.assumed), keys.kind, bearing, angles, keys.loads.vertical_force,
+        side, keys.loads.distribution, gap[:-1],
+    )  # fmt: skip
