@@ -23,6 +23,7 @@ from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from compare.catalogue import scene as shipped
 from compare.ensemble import run_ensemble
@@ -310,6 +311,11 @@ def _forget_bodies() -> None:
 
 
 def _refined_jobs(repeats: int) -> Iterator[Job]:
+    with threadpool_limits(1, "blas"):  # as solve_elastic does
+        yield from _refined(repeats)
+
+
+def _refined(repeats: int) -> Iterator[Job]:
     scene = shipped("lin-case1")
     slow = _source_seconds(Source(scene), repeats)
     setup = timed(lambda: Refined(scene), max(1, repeats // 3), _forget_bodies)

@@ -39,17 +39,19 @@ def _show(*parts: Any) -> None:
 @app.command(name="list")
 def list_(*, as_json: Json = False) -> None:
     """List the scenes, the models and the printed tables that are shipped."""
-    from compare import catalogue, printed_data
+    from compare import catalogue, friction_scene, printed_data
     from compare.models import MODELS
 
+    friction = {name: friction_scene.scene(name).title for name in friction_scene.scene_names()}
     scenes = {name: catalogue.scene(name).title for name in catalogue.scene_names()}
     tables = {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()}
     if as_json:
         models = {m.name: m.about for m in MODELS.values()}
-        _print_json({"scenes": scenes, "models": models, "printed_tables": tables})
+        _print_json({"scenes": scenes, "friction_scenes": friction, "models": models, "printed_tables": tables})
         return
-    width = max(map(len, (*scenes, *tables, *MODELS)))
+    width = max(map(len, (*scenes, *friction, *tables, *MODELS)))
     _show("scenes", *(f"  {name:{width}}  {title}" for name, title in scenes.items()))
+    _show("friction scenes", *(f"  {name:{width}}  {title}" for name, title in friction.items()))
     _show("models", *(f"  {m.name:{width}}  {m.about}" for m in MODELS.values()))
     _show("printed tables", *(f"  {name:{width}}  {count} rows" for name, count in tables.items()))
 
@@ -325,6 +327,20 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     from compare.condense_command import run_condense
 
     return run_condense(catalogue.scene(scene), out, level, cache=_cache(), show=_show)
+
+
+@app.command
+def friction(scene: str, *, as_json: Json = False) -> int:
+    """Solve a friction scene: one ball of a rotary bearing, a pair or a chain of balls in a linear bearing.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped friction scene, or a scene file.
+    """
+    from compare.friction_command import run_friction
+
+    return run_friction(scene, as_json, _show, _print_json)
 
 
 @app.command

@@ -27,7 +27,7 @@ LONG = ("pictures", "stability", "timing")
 #: Sections by name, in order.
 SECTIONS = (
     "overview", "ladder", "reference", "reference-mesh", "pictures", "hertz", "cases", "errors", "manufacturing",
-    "formulations", "verification", "stability", "timing", "notes",
+    "friction", "formulations", "verification", "stability", "timing", "notes",
 )  # fmt: skip
 
 
@@ -46,7 +46,7 @@ def provenance() -> dict[str, str]:
         "machine": f"{cpu}, {os.cpu_count()} cores, {platform.system()}",
         "Python": platform.python_version(),
         "libraries": ", ".join(f"{name} {metadata.version(name)}" for name in packages),
-        "source": "Lin (2019), doctoral thesis: chapter 2, appendices B to E, section 4.3.2",
+        "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3",
     }
 
 
@@ -101,12 +101,12 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
 
 def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], Section, Section]:
     """Findings of all tables, and the two sections that share the ensembles."""
-    from compare.sections import cases, errors, hertz, manufacturing, reference
+    from compare.sections import cases, errors, friction, hertz, manufacturing, reference
 
     section, found = errors.section_with_findings(study, step)
     against = {f.printed.key: f for f in reference.findings(study, source.stores)}
     own = [against.get(f.printed.key, f) for f in cases.findings_241(study)]
-    everything = [*hertz.findings(study), *own, *found, *manufacturing.findings(study)]
+    everything = [*hertz.findings(study), *own, *found, *manufacturing.findings(study), *friction.findings(study)]
     return everything, section, manufacturing.section(study, step)
 
 
@@ -115,6 +115,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
     from compare.sections import (
         cases,
         formulations,
+        friction,
         hertz,
         ladder,
         notes,
@@ -145,7 +146,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
         "ladder": partial(ladder.section, stores=source.stores, keep=source.stores[0] if source.stores else None),
         "reference": partial(reference.section, stores=source.stores, quick=source.quick),
         "reference-mesh": partial(reference_mesh.section, stores=source.stores),
-        "pictures": partial(pictures.section, cache=source.engine.cache),
+        "pictures": partial(pictures.section, cache=source.engine.cache), "friction": friction.section,
     }  # fmt: skip
     for name in wanted:
         if name in simple:
@@ -204,7 +205,7 @@ def make_report(
     facts["3D reference"] = "stored runs of the package" if stored else fresh
     report = Report(
         title="rollbench validation report",
-        subtitle="Static low-order model of ball screws against its source's printed numbers and a 3D contact reference"
+        subtitle="Low-order models of ball screws and bearings against their source's printed numbers and a 3D contact reference"
         + (f" (quick run: coarse meshes, cases 1 and 2 only, without {', '.join(LONG)})" if quick else ""),
         headline=headline, provenance=facts, sections=sections,
         scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in sorted(study.scenes)},

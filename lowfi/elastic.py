@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from lowfi import jit
 from lowfi.compliance.bodies import (
@@ -425,6 +426,14 @@ def solve_elastic(
     record; engine, everything, member, refine, drawn: as for `lowfi.static.solve_static`. Raises ValueError for bodies
     that the dimensions make impossible; a scene without equilibrium is named in ``status``.
     """
+    with threadpool_limits(1, "blas"):  # small matrices: more threads only wait for one another
+        return _solve(scene, backend, condensed, name, engine, everything, member, refine, drawn)
+
+
+def _solve(
+    scene: Scene, backend: Backend, condensed: Condensed | None, name: str, engine: Engine, everything: bool, member: int,
+    refine: int, drawn: Specimen | None,
+) -> StaticResult:  # fmt: skip
     start = perf_counter()
     layout = ball_layout(scene)
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
