@@ -1,7 +1,6 @@
 """Friction scenes: shipped ones give the library's numbers, bad ones one line; table, JSON and exit code."""
 
 import json
-import re
 
 import numpy as np
 import pytest
@@ -223,7 +222,7 @@ def test_bad_input_is_one_line(tmp_path, case):
     assert (error.file, error.key) == (str(path), key)
     assert error.value.startswith(value)
     assert hint in line
-    assert re.match(rf"{re.escape(str(path))[:40]}", line)
+    assert line.startswith(str(path)[:40])
     for part in ("; allowed: ", "; advice: "):
         assert part in line
     assert "\n" not in line
