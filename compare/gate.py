@@ -58,19 +58,23 @@ def finding_row(finding: Finding, max_error: float) -> GateRow:
             f"{p.place}: {p.claim}", f"claim, {p.cls}", None, None, None, None, finding.agrees is not False,
             finding.evidence,
         )  # fmt: skip
+    label = f"{p.place}: {p.label}"
+    if p.value == 0.0:  # no per cent of it: within its own tolerance or not
+        return GateRow(label, f"printed, {p.cls}", finding.compared, 0.0, None, None, finding.agrees is True)
     error = finding.error_percent
     limit = min(max_error, abs(float(error_percent(p.value + p.tolerance, p.value))))
     passed = bool(finding.agrees) and error is not None and abs(error) <= max_error
-    return GateRow(f"{p.place}: {p.label}", f"printed, {p.cls}", finding.compared, p.value, error, limit, passed)
+    return GateRow(label, f"printed, {p.cls}", finding.compared, p.value, error, limit, passed)
 
 
 def printed_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Every hard or as-printed entry of chapter 2, Table B.1 and 4.3.2."""
-    from compare.sections import cases, hertz, manufacturing
+    """Every hard or as-printed entry of chapter 2, Table B.1, 4.3.2 and the friction tables."""
+    from compare.sections import cases, friction, hertz, manufacturing
     from compare.sections.errors import single_findings
 
     found = [
         *hertz.findings(study), *cases.findings_241(study), *single_findings(study), *manufacturing.findings(study),
+        *friction.findings(study),
     ]  # fmt: skip
     gated = [f for f in found if f.printed.cls in ("hard", "as-printed") and f.agrees is not None]
     return [finding_row(f, max_error) for f in gated]
