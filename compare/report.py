@@ -27,7 +27,7 @@ LONG = ("pictures", "stability", "timing")
 #: Sections by name, in order.
 SECTIONS = (
     "overview", "ladder", "reference", "reference-mesh", "pictures", "hertz", "cases", "errors", "manufacturing",
-    "friction", "formulations", "verification", "stability", "timing", "notes",
+    "friction", "friction-screw", "formulations", "verification", "stability", "timing", "notes",
 )  # fmt: skip
 
 
@@ -101,12 +101,13 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
 
 def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], Section, Section]:
     """Findings of all tables, and the two sections that share the ensembles."""
-    from compare.sections import cases, errors, friction, hertz, manufacturing, reference
+    from compare.sections import cases, errors, friction, friction_screw, hertz, manufacturing, reference
 
     section, found = errors.section_with_findings(study, step)
     against = {f.printed.key: f for f in reference.findings(study, source.stores)}
     own = [against.get(f.printed.key, f) for f in cases.findings_241(study)]
     everything = [*hertz.findings(study), *own, *found, *manufacturing.findings(study), *friction.findings(study)]
+    everything += friction_screw.findings(study)
     return everything, section, manufacturing.section(study, step)
 
 
@@ -116,6 +117,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
         cases,
         formulations,
         friction,
+        friction_screw,
         hertz,
         ladder,
         notes,
@@ -147,6 +149,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
         "reference": partial(reference.section, stores=source.stores, quick=source.quick),
         "reference-mesh": partial(reference_mesh.section, stores=source.stores),
         "pictures": partial(pictures.section, cache=source.engine.cache), "friction": friction.section,
+        "friction-screw": friction_screw.section,
     }  # fmt: skip
     for name in wanted:
         if name in simple:
@@ -205,7 +208,7 @@ def make_report(
     facts["3D reference"] = "stored runs of the package" if stored else fresh
     report = Report(
         title="rollbench validation report",
-        subtitle="Low-order models of ball screws and bearings against their source's printed numbers and a 3D contact reference"
+        subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
         + (f" (quick run: coarse meshes, cases 1 and 2 only, without {', '.join(LONG)})" if quick else ""),
         headline=headline, provenance=facts, sections=sections,
         scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in sorted(study.scenes)},

@@ -56,9 +56,10 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
         Column("bar", "reference's uncertainty", "% of mean", ".2f"), Column("seconds", "solve, interpreted", "s", "g3"),
     )  # fmt: skip
     note = (
-        "; ".join(f"{model}: {what}" for model, what in RUNGS.items()) + ". Against the finest stored level of the 3D reference. Scenes named unseen were fixed before any of them was solved "
-        "in 3D and were not used while the model was made; their references have two levels, and their uncertainty is the "
-        "difference of the two. Seconds include what a geometry needs once, at its first solve."
+        "; ".join(f"{model}: {what}" for model, what in RUNGS.items())
+        + ". Against the finest stored level of the 3D reference. Scenes named unseen were fixed before any of them was "
+        "solved in 3D, and none of the model's choices was made by them; their references have two levels, and their "
+        "uncertainty is the difference of the two. Seconds include what a geometry needs once, at its first solve."
     )
     return Table("ladder", "The ladder", columns, rows, note)
 

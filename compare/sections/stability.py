@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from compare.friction_stability import table_section_items
 from compare.stability import FORMULATIONS, OURS, table
 from compare.stability_command import tally, wide_rows
 from reports.records import Cell, Column, Section, Table, Text
@@ -53,6 +54,7 @@ def section(step: Callable[[str], None]) -> tuple[Section, tuple[str, str]]:
                 summary,
             ),
             Table("stability-cases", "Case by case", columns, wide_rows(rows)),
+            *table_section_items(),
         ),
     )  # fmt: skip
     solved, _, total = counts[OURS]

@@ -7,14 +7,27 @@ from dataclasses import asdict
 
 from compare.bench import run_bench
 from compare.findings import entry
+from compare.friction_bench import jobs
 from compare.printed_data import load_table
 from reports.records import Cell, Column, Section, Table, Text
 
 
+def friction_table(step: Callable[[str], None]) -> Table:
+    """Friction and ball motion against their targets."""
+    step("friction")
+    rows: list[dict[str, Cell]] = [asdict(row) | {"reached": "yes" if row.reached else "no"} for row in jobs(5)]
+    columns = (
+        Column("name", "job", "", "s"), Column("seconds", "seconds", "s", "g3"), Column("target", "target", "s", "g3"),
+        Column("reached", "reached", "", "s"), Column("ratio", "ratio", "", "g3"),
+        Column("note", "what is included", "", "s"),
+    )  # fmt: skip
+    return Table("timing-friction", "Friction and ball motion, compiled", columns, rows)
+
+
 def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]]:
     """Section of the report, and its headlines."""
-    jobs = run_bench(step)
-    rows: list[dict[str, Cell]] = [asdict(job) for job in jobs]
+    done = run_bench(step)
+    rows: list[dict[str, Cell]] = [asdict(job) for job in done]
     printed: list[dict[str, Cell]] = [
         {"label": p.label, "printed": p.printed, "unit": p.unit, "class": p.cls, "remark": p.remark}
         for p in load_table("lin-2.2")
@@ -43,6 +56,7 @@ def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]
                 ),
                 rows,
             ),
+            friction_table(step),
             Table(
                 "timing-printed", "Table 2.2 as printed",
                 (
@@ -56,7 +70,7 @@ def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]
             ),
         ),
     )  # fmt: skip
-    by_name = {job.job: job for job in jobs}
+    by_name = {job.job: job for job in done}
     headline = []
     for name, label in (("cold solve, case 1", "source's Newton from a good guess over ours"),
                         ("cold solve, no guess", "source's Newton by load steps over ours")):  # fmt: skip

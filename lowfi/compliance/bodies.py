@@ -55,9 +55,10 @@ class Backend:
     """What answers a contact force. section: of the screw's beam, the scene's (Lin C.8) or the grooved cell's; screw and
     nut: rigid beyond the contacts or beam, and with the Fourier kernel; ball: half spaces (Hertz) or an elastic sphere.
 
-    width: standard deviation of the kernels' patch over half the distance of the two flanks' contacts across the groove; bore: which mean of
-    the nut's groove the smooth bore keeps, ``"ring"`` (wall^3) or ``"volume"``, or ``"land"``; harmonics, mesh: number
-    of harmonics and element size as multiples of the chosen ones.
+    width: standard deviation of the kernels' patch over half the distance of the two flanks' contacts across the groove;
+    bore: which mean of the nut's groove the smooth bore keeps, ``"ring"`` (wall^3) or ``"volume"``, or ``"land"``;
+    harmonics, mesh: number of harmonics and fineness of the elements as multiples of the chosen ones; flank: each
+    contact's own flank, or a half space at the smooth surface.
     """
 
     section: Literal["scene", "cell"] = "cell"
