@@ -7,12 +7,17 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from compare.bench import run_bench
+from compare.bench import Job, run_bench
+from compare.friction_bench import jobs as friction_jobs
 
 
 def run_bench_command(*, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
     """Measure, print, return 0. A job that could not be measured says so in its note."""
     jobs = run_bench(lambda text: print(text, file=sys.stderr, flush=True))
+    jobs += [
+        Job(f"friction: {row.name}", row.seconds, row.ratio, None, None, f"{row.note}; target {row.target:g} s")
+        for row in friction_jobs(5)
+    ]
     if as_json:
         print_json([asdict(job) for job in jobs])
         return 0

@@ -331,7 +331,7 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
 
 @app.command
 def friction(scene: str, *, as_json: Json = False) -> int:
-    """Solve a friction scene: one ball of a rotary bearing, a pair or a chain of balls in a linear bearing.
+    """Solve a friction scene: balls of a rotary or linear bearing, two balls or a whole ball screw, bearings in pairs.
 
     Parameters
     ----------

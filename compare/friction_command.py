@@ -65,7 +65,11 @@ def run_friction(
 
 def solve_scene(scene: FrictionScene) -> Answer:
     """Solve a friction scene."""
-    return solve_rotary(scene) if isinstance(scene, RotaryScene) else solve_linear(scene)
+    from compare import friction_screw_command
+
+    if isinstance(scene, RotaryScene):
+        return solve_rotary(scene)
+    return solve_linear(scene) if isinstance(scene, LinearScene) else friction_screw_command.solve(scene)
 
 
 def head(scene: FrictionScene, kind: str, status: str, converged: bool) -> dict[str, Any]:

@@ -1,4 +1,7 @@
-"""Scenes of friction and ball motion as TOML: a ball in a rotary bearing, a linear pair, a linear chain."""
+"""Scenes of friction and ball motion as TOML: a ball in a rotary bearing, a linear pair, a linear chain.
+
+Those of ball screws and of bearings in pairs are in ``friction_screw_scene``.
+"""
 
 from __future__ import annotations
 
@@ -38,18 +41,19 @@ from lowfi.friction.linear_loads import Loads
 from lowfi.friction.rotary import Bearing, Mode
 
 Law = Literal["coulomb", "regularised", "sigmoid"]
-Kind = Literal["rotary bearing", "linear pair", "linear chain"]
+Kind = Literal["rotary bearing", "linear pair", "linear chain", "screw pair", "screw run", "bearing pair"]
 _NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(\S.*)?")
-#: Units of speeds and angular speeds, as factors to SI.
+#: Units of speeds, angular speeds and times, as factors to SI.
 RATES = {
     "speed": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "m/min": 1.0 / 60.0},
     "angular speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rps": 2.0 * pi, "rpm": pi / 30.0},
+    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0},
 }
 
 
 @dataclass(frozen=True)
 class Rate(Quantity):
-    """Range of a speed or an angular speed."""
+    """Range of a speed, an angular speed or a time."""
 
     def read(self, value: object) -> float:
         """SI value; raises pydantic's error carrying ``allowed`` and ``advice``."""
@@ -235,16 +239,22 @@ KINDS: dict[str, type[CommonKeys]] = {
 
 
 @dataclass(frozen=True)
-class RotaryScene:
-    """One ball: bearing, axial force [N], radial displacement [m], Hertz constants, law with its parameters.
-
-    creep [m/s] for "regularised"; sharpness k_S and map_step in c/a (None: exact integrals) for "sigmoid".
-    """
+class FrictionScene:
+    """What every friction scene has."""
 
     name: str
     title: str
     source: str
     assumed: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class RotaryScene(FrictionScene):
+    """One ball: bearing, axial force [N], radial displacement [m], Hertz constants, law with its parameters.
+
+    creep [m/s] for "regularised"; sharpness k_S and map_step in c/a (None: exact integrals) for "sigmoid".
+    """
+
     bearing: Bearing
     force: float
     displacement: float
@@ -256,16 +266,12 @@ class RotaryScene:
 
 
 @dataclass(frozen=True)
-class LinearScene:
+class LinearScene(FrictionScene):
     """N balls: contact angles (N, 4) [rad] before loading, vertical force [N], side force ratios (N,).
 
     gap (N-1,) [m] between neighbours; kind: "linear pair" or "linear chain".
     """
 
-    name: str
-    title: str
-    source: str
-    assumed: tuple[str, ...]
     kind: Kind
     bearing: LinearBearing
     angles: Array
@@ -275,7 +281,11 @@ class LinearScene:
     gap: Array
 
 
-FrictionScene = RotaryScene | LinearScene
+def kinds() -> dict[str, type[CommonKeys]]:
+    """The keys of every kind of scene."""
+    from compare import friction_screw_scene
+
+    return KINDS | friction_screw_scene.KINDS
 
 
 def scene_names() -> list[str]:
@@ -300,25 +310,30 @@ def scene(name_or_path: str) -> FrictionScene:
 
 def loads(text: str, origin: str) -> FrictionScene:
     """The scene in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
+    from compare import friction_screw_scene
+
     raw = _toml(text, origin)
     kind = raw.get("kind")
-    if not isinstance(kind, str) or kind not in KINDS:
+    if not isinstance(kind, str) or kind not in kinds():
         found = units.show(kind) if "kind" in raw else "nothing"
         advice = 'write e.g. kind = "rotary bearing" above the first table'
-        raise SceneError(origin, "kind", found, ", ".join(map(units.show, KINDS)), advice)
-    model = KINDS[kind]
+        raise SceneError(origin, "kind", found, ", ".join(map(units.show, kinds())), advice)
+    model = kinds()[kind]
     try:
         keys = model.model_validate(raw)
     except ValidationError as error:
         _refuse_keys(origin, model, error)
-    refuse(origin, raw, list(faults(keys)))
     name = Path(origin).stem
+    if kind not in KINDS:
+        refuse(origin, raw, list(friction_screw_scene.faults(keys)))
+        return friction_screw_scene.record(keys, name)
+    refuse(origin, raw, list(faults(keys)))
     return _rotary(keys, name) if isinstance(keys, RotaryKeys) else _linear(keys, name)
 
 
 def json_schema(kind: Kind) -> dict[str, Any]:
     """JSON Schema of a scene of one kind, with description, unit, range and example of every key."""
-    found: dict[str, Any] = _without_null(KINDS[kind].model_json_schema())
+    found: dict[str, Any] = _without_null(kinds()[kind].model_json_schema())
     return found
 
 
@@ -349,24 +364,29 @@ def _refuse_keys(origin: str, model: type[CommonKeys], error: ValidationError) -
 def faults(keys: CommonKeys) -> Iterator[Fault]:
     """Contradictory choices and bodies that the models cannot treat."""
     assert isinstance(keys, (RotaryKeys, PairKeys, ChainKeys))
-    b = keys.bearing
-    if (b.groove_radius is None) == (b.conformity is None):
-        found = "neither" if b.conformity is None else "both"
-        advice = "groove radius = conformity x ball diameter: give one and leave out the other"
-        yield Fault(("bearing.groove_radius",), "one of groove_radius and conformity", advice, found)
-        return
-    groove = groove_radius(b)
-    if groove <= b.ball_radius:
-        advice = "a groove is wider than its ball"
-        yield Fault(("bearing.groove_radius", "bearing.conformity"), f"above {mm(b.ball_radius)}", advice)
+    wrong = list(groove_faults(keys.bearing, "bearing"))
+    if wrong:
+        yield from wrong
         return
     if isinstance(keys, RotaryKeys):
-        yield from _rotary_faults(keys, groove)
+        yield from _rotary_faults(keys, groove_radius(keys.bearing))
         return
     if keys.friction.law != "coulomb":
         advice = "balls in contact are solved with Coulomb friction only; the other laws are for a rotary bearing"
         yield Fault(("friction.law",), '"coulomb" for linear bearings', advice)
     yield from _linear_faults(keys)
+
+
+def groove_faults(b: LinearBearingKeys, table: str) -> Iterator[Fault]:
+    """Faults of the groove radius of a table."""
+    if (b.groove_radius is None) == (b.conformity is None):
+        found = "neither" if b.conformity is None else "both"
+        advice = "groove radius = conformity x ball diameter: give one and leave out the other"
+        yield Fault((f"{table}.groove_radius",), "one of groove_radius and conformity", advice, found)
+        return
+    if groove_radius(b) <= b.ball_radius:
+        advice = "a groove is wider than its ball"
+        yield Fault((f"{table}.groove_radius", f"{table}.conformity"), f"above {mm(b.ball_radius)}", advice)
 
 
 def groove_radius(bearing: LinearBearingKeys) -> float:

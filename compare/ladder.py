@@ -116,7 +116,7 @@ def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
     for rung in rungs:
         own = [p for p in everything if p.scene != rung.scene]
         made = estimate(study.scene(rung.scene), rung.result, own)
-        if made is not None and made.percent is not None:
+        if made.percent is not None:
             rows.append(
                 {"scene": rung.scene, "model": rung.model, "measured": rung.error.max_percent, "expected": made.percent,
                  "rms": rung.error.rms_percent, "expected_rms": made.rms_percent, "distance": made.distance,

@@ -39,8 +39,9 @@ def solved(name, *changes):
 def test_every_shipped_scene_converges_and_balances_power():
     names = friction_scene.scene_names()
     assert names == [
-        "lin-chain-10", "lin-pair-a", "lin-pair-b", "lin-rotary-1", "lin-rotary-1-printed", "lin-rotary-2",
-        "lin-rotary-2-printed", "lin-rotary-3", "lin-rotary-3-printed",
+        "lin-bearing-pairs", "lin-chain-10", "lin-pair-a", "lin-pair-b", "lin-rotary-1", "lin-rotary-1-printed",
+        "lin-rotary-2", "lin-rotary-2-printed", "lin-rotary-3", "lin-rotary-3-printed", "lin-screw-pair-a",
+        "lin-screw-pair-a-inferred", "lin-screw-pair-b", "lin-screw-pair-b-inferred", "lin-screw-run",
     ]  # fmt: skip
     for name in names:
         scene = friction_scene.scene(name)
