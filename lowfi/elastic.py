@@ -24,6 +24,7 @@ from lowfi.compliance.bodies import (
     body_compliance,
     geometry_only,
     grooved_section,
+    idealised,
 )
 from lowfi.compliance.imported import Condensed
 from lowfi.compliance.shaft import Shaft, flank_loads, flank_response, node_motions, shaft_of
@@ -468,8 +469,8 @@ def _solve(
     )  # fmt: skip
     left = (*describe_left_out(record, mechanism, everything=everything), *notes, *_cut(elastic))
     result = assemble_result(record, name, verdict(outcome, max(bound, ACCEPTED)), report, left, support)
-    source = () if condensed is None else (condensed.describe(),)
-    return replace(result, assumed=(*result.assumed, *elastic.assumed, *source))
+    source = idealised(backend, scene.track.lead == 0.0) if condensed is None else (condensed.describe(),)
+    return replace(result, assumed=(*result.assumed, *source, *elastic.assumed))
 
 
 def _cut(elastic: Elastic) -> tuple[str, ...]:

@@ -38,11 +38,8 @@ MODEL_ASSUMPTIONS = (
 )
 
 
-#: The same where screw, nut and ball are elastic between their contacts.
-ELASTIC_ASSUMPTIONS = (
-    "screw and nut answer contact forces as grooved beams and, beyond that, as smooth bodies of revolution",
-    *MODEL_ASSUMPTIONS[2:],
-)
+#: What of it holds as well where screw, nut and ball are elastic between their contacts.
+ELASTIC_ASSUMPTIONS = MODEL_ASSUMPTIONS[2:]
 
 
 def centreline(problem: Problem, q: Array, step: float = 10e-3) -> tuple[Array, Array]:

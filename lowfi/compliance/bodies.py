@@ -82,6 +82,25 @@ LADDER = {
 }
 
 
+def idealised(backend: Backend, ring: bool) -> tuple[str, ...]:
+    """What a backend takes the bodies for, in words; ``ring``: of a bearing without lead."""
+    section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
+    smooth = "; beyond that, a smooth body of revolution with each contact's own flank"
+    nut = {
+        "rigid": "rigid apart from the Hertzian contacts", "beam": "a Timoshenko tube of its grooved section",
+        "kernel": f"a Timoshenko tube of its grooved section{smooth}",
+    }[backend.nut]  # fmt: skip
+    screw = f"a Timoshenko beam with the section of {section}{smooth if backend.screw == 'kernel' else ''}"
+    if ring and backend.nut == "kernel":
+        screw = nut = "a body of revolution with its groove, held as the scene says"
+    ball = "half spaces at their contacts" if backend.ball == "half space" else "elastic spheres"
+    return f"the screw or inner ring is {screw}", f"the nut or outer ring is {nut}", f"balls are {ball}"
+
+
+#: Assumptions about the solid parts that only a mesh needs.
+MESH_ONLY = ("A hole of", "The screw is three-dimensional")
+
+
 @dataclass(frozen=True)
 class BodyCompliance:
     """Compliance of a body beyond the screw's beam: G ``(2 c, 2 c)`` [m/N] of both flanks' contacts (all left ones, then
@@ -252,7 +271,8 @@ def body_compliance(scene: Scene, layout: BallLayout, screw: bool, backend: Back
     e = own_flank(geometry, screw, backend)
     if backend.flank:
         e += at_size(flank_of(geometry, screw), mean_axis)
-    return BodyCompliance(whole_body(scene, layout, screw, backend), e, dimensions(geometry).assumed)
+    assumed = tuple(x for x in dimensions(geometry).assumed if not x.startswith(MESH_ONLY))
+    return BodyCompliance(whole_body(scene, layout, screw, backend), e, assumed)
 
 
 def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:
