@@ -29,7 +29,7 @@ from compare.catalogue import scene as shipped
 from compare.ensemble import run_ensemble
 from compare.stability import with_balls
 from lowfi import source as lin
-from lowfi.compliance.bodies import REFINED, grooved_section, own_flank, smooth_compliance
+from lowfi.compliance.bodies import REFINED, forget
 from lowfi.elastic import Rebuild
 from lowfi.elastic import run as run_elastic
 from lowfi.problem import Problem, build
@@ -304,12 +304,6 @@ class Refined:
             raise RuntimeError(f"bench: the refined model stopped with residual {outcome[3]:.1e}")
 
 
-def _forget_bodies() -> None:
-    smooth_compliance.cache_clear()
-    own_flank.cache_clear()
-    grooved_section.cache_clear()
-
-
 def _refined_jobs(repeats: int) -> Iterator[Job]:
     with threadpool_limits(1, "blas"):  # as solve_elastic does
         yield from _refined(repeats)
@@ -318,7 +312,7 @@ def _refined_jobs(repeats: int) -> Iterator[Job]:
 def _refined(repeats: int) -> Iterator[Job]:
     scene = shipped("lin-case1")
     slow = _source_seconds(Source(scene), repeats)
-    setup = timed(lambda: Refined(scene), max(1, repeats // 3), _forget_bodies)
+    setup = timed(lambda: Refined(scene), max(1, repeats // 3), forget)
     note = "cell, kernels, flanks, beam, arrays"
     yield Job("refined, bodies of a new geometry", setup, None, None, peak_MB(), note)
     again = timed(lambda: Refined(scene), repeats)

@@ -190,7 +190,7 @@ def one_pair(problem: Problem) -> tuple[int, int] | None:
 
 
 def pair_data(problem: Problem, pair: tuple[int, int], e: Array) -> Array:
-    """Rows of `lowfi.kernel.elastic.pair_balls`, ``(N, 6)``."""
+    """Rows of `lowfi.kernel.elastic_balls.pair_balls`, ``(N, 6)``."""
     a, b = pair
     geometry = problem.geometry
     D = geometry[:, b, :2] - geometry[:, a, :2]

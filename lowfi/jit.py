@@ -67,19 +67,27 @@ def drop_stale(folder: Path) -> bool:
     return True
 
 
-@cache
-def compiled() -> ModuleType:
-    """The kernels compiled by numba (loaded once; compiled on their first call, cached on disk)."""
-    start = perf_counter()
-    folder = Path(__file__).parent / "kernel"
+def load_compiled(name: str, folder: Path) -> ModuleType:
+    """The kernels of a folder loaded as a package of that ``name``, which must begin like ``COMPILED``.
+
+    Raises ImportError where the folder holds no package.
+    """
     drop_stale(folder)
     spec = importlib.util.spec_from_file_location(
-        COMPILED, folder / "__init__.py", submodule_search_locations=[str(folder)]
+        name, folder / "__init__.py", submodule_search_locations=[str(folder)]
     )
     if spec is None or spec.loader is None:
         raise ImportError(f"cannot load the kernels from {folder}")
     module = importlib.util.module_from_spec(spec)
-    sys.modules[COMPILED] = module
+    sys.modules[name] = module
     spec.loader.exec_module(module)
+    return module
+
+
+@cache
+def compiled() -> ModuleType:
+    """The kernels compiled by numba (loaded once; compiled on their first call, cached on disk)."""
+    start = perf_counter()
+    module = load_compiled(COMPILED, Path(__file__).parent / "kernel")
     timing["load"] = perf_counter() - start
     return module

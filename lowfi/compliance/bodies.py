@@ -37,7 +37,7 @@ from lowfi.compliance.tube import (
     tube_compliance,
 )
 from meshes.groove_map import GrooveMap
-from meshes.helix import BallLayout, nominal_contact_points
+from meshes.helix import BallLayout, ball_layout, nominal_contact_points
 from meshes.parts import Ingredients, Scene
 from meshes.section import BeamSection, screw_section, tube_section
 from meshes.solid import dimensions
@@ -276,16 +276,27 @@ def body_compliance(scene: Scene, layout: BallLayout, screw: bool, backend: Back
 
 
 def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:
-    """Compliance ``(4 N, 4 N)`` [m/N] of the nut, or of the screw beyond its beam, without each contact's own flank."""
-    held = held_at(geometry_only(scene), screw)
-    if held == "rigid":
+    """Compliance ``(4 N, 4 N)`` [m/N] of the nut, or of the screw beyond its beam, without each contact's own flank.
+
+    Kept for all load cases of the same parts and balls: not to be written to.
+    """
+    if held_at(geometry_only(scene), screw) == "rigid":
         return np.zeros((4 * layout.z.size,) * 2)
+    return _whole_body(replace(geometry_only(scene), balls=scene.balls), screw, backend)
+
+
+@lru_cache(maxsize=8)
+def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Array:
+    held, layout = held_at(scene, screw), ball_layout(scene)
     if is_ring(geometry_only(scene), screw):
-        return ring_contacts(whole_ring(geometry_only(scene), screw), layout.azimuth)
-    G = kernel_part(scene, layout, screw, backend)
-    if not screw and held != "outer":
-        G = G + nut_beam(scene, layout)
-    return 0.5 * (G + G.T)
+        G = ring_contacts(whole_ring(geometry_only(scene), screw), layout.azimuth)
+    else:
+        G = kernel_part(scene, layout, screw, backend)
+        if not screw and held != "outer":
+            G = G + nut_beam(scene, layout)
+    G = 0.5 * (G + G.T)
+    G.flags.writeable = False
+    return G
 
 
 def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backend) -> BallCompliance:
@@ -298,3 +309,9 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
     cosine = float(np.cos(2.0 * scene.track.contact_angle))
     across = 0.5 * (sphere_compliance(cosine, radius, material) + sphere_compliance(-cosine, radius, material))
     return BallCompliance(own + opposite - 2.0 * abs(across), float(np.sqrt(abs(across))), float(np.sign(across)))
+
+
+def forget() -> None:
+    """Drop everything that is kept of geometries, so that the next scene pays for its bodies."""
+    for kept in (grooved_section, smooth_compliance, whole_ring, own_flank, _whole_body):
+        kept.cache_clear()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -23,13 +21,4 @@ def engine(name: Engine) -> ModuleType:
 @cache
 def _compiled() -> ModuleType:
     """The kernels' folder loaded a second time under a name whose functions ``lowfi.jit.kernel`` compiles."""
-    name, folder = f"{jit.COMPILED}_chain", Path(__file__).parent / "chain_kernels"
-    jit.drop_stale(folder)
-    where = [str(folder)]
-    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=where)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"cannot load the kernels from {folder}")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
+    return jit.load_compiled(f"{jit.COMPILED}_chain", Path(__file__).parent / "chain_kernels")

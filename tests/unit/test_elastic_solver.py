@@ -11,7 +11,7 @@ from lowfi import jit
 from lowfi.compliance.bodies import LADDER, REFINED, geometry_only, grooved_section
 from lowfi.compliance.shaft import flank_response, node_motions, shaft_of
 from lowfi.elastic import Rebuild, ready, run, solve_elastic
-from lowfi.kernel import elastic as kernel
+from lowfi.kernel import elastic_balls
 from lowfi.mechanism import free_motions
 from lowfi.problem import build
 from lowfi.source import beam_matrix
@@ -177,9 +177,9 @@ def test_contact_law_inverts_its_formula(c, e):
     most = -c / (3.0 * e) if e < 0.0 else np.inf
     for force in np.geomspace(1e-6, 0.99 * min(most**3, 1e4), 12):
         delta = c * force ** (2 / 3) + e * force
-        assert kernel.contact_law(delta, c, e)[0] == pytest.approx(force, rel=1e-10)
+        assert elastic_balls.contact_law(delta, c, e)[0] == pytest.approx(force, rel=1e-10)
     if e < 0.0:
-        force, _, _ = kernel.contact_law(3.0 * (c * most**2 + e * most**3), c, e)
+        force, _, _ = elastic_balls.contact_law(3.0 * (c * most**2 + e * most**3), c, e)
         rest = 2.0 / 3.0 * c * most**2 - 0.5 * c * most**2
         assert 0.5 * c * force ** (2 / 3) + rest == pytest.approx(3.0 * (c * most**2 + e * most**3), rel=1e-10, abs=0.0)
 
@@ -189,15 +189,15 @@ def test_contact_law_is_one_energy(c, e):
     """Slope, force and energy by finite differences and by the integral of the force, over the switch as well."""
     edge = 2.0 / 3.0 * c * (c / (3.0 * e)) ** 2 if e < 0.0 else 4e-6
     for delta in edge * np.array([1e-3, 0.1, 0.5, 0.98, 1.02, 2.0, 10.0]):
-        force, slope, energy = kernel.contact_law(delta, c, e)
+        force, slope, energy = elastic_balls.contact_law(delta, c, e)
         h = 1e-5 * delta
-        (f0, _, w0), (f1, _, w1) = (kernel.contact_law(delta + s * h, c, e) for s in (-1.0, 1.0))
+        (f0, _, w0), (f1, _, w1) = (elastic_balls.contact_law(delta + s * h, c, e) for s in (-1.0, 1.0))
         assert (f1 - f0) / (2 * h) == pytest.approx(slope, rel=1e-7, abs=0.0)
         assert (w1 - w0) / (2 * h) == pytest.approx(force, rel=1e-7, abs=0.0)
         assert slope > 0.0
         node, weight = np.polynomial.legendre.leggauss(60)
         x = 0.5 * (node + 1.0)  # F grows as delta^(3/2): by x = sqrt(delta) the integrand is smooth
-        forces = np.array([kernel.contact_law(delta * y * y, c, e)[0] for y in x])
+        forces = np.array([elastic_balls.contact_law(delta * y * y, c, e)[0] for y in x])
         assert delta * (weight * x) @ forces == pytest.approx(energy, rel=2e-5, abs=0.0)
 
 
@@ -205,9 +205,9 @@ def test_contact_law_is_one_energy(c, e):
 def test_contact_law_is_smooth_where_it_changes(e):
     c = 1e-8
     edge = 2.0 / 3.0 * c * (c / (3.0 * e)) ** 2
-    below, above = (kernel.contact_law(edge * (1.0 + s * 1e-12), c, e) for s in (-1.0, 1.0))
+    below, above = (elastic_balls.contact_law(edge * (1.0 + s * 1e-12), c, e) for s in (-1.0, 1.0))
     assert above == pytest.approx(below, rel=1e-9, abs=0.0)
-    slopes = [kernel.contact_law(d, c, e)[1] for d in edge * np.geomspace(1e-4, 1e3, 200)]
+    slopes = [elastic_balls.contact_law(d, c, e)[1] for d in edge * np.geomspace(1e-4, 1e3, 200)]
     assert np.all(np.diff(slopes) > 0.0)
 
 
@@ -231,7 +231,7 @@ def test_flank_rows_square_to_the_hessian(case):
     v = motions(elastic, *elastic.state[:2])
     _, _, state = balls(elastic, v)
     S, counts = np.zeros((len(v), 6, 8)), np.zeros(len(v), dtype=np.int64)
-    kernel.ball_rows(elastic.contacts, state[3], S, counts)
+    elastic_balls.ball_rows(elastic.contacts, state[3], S, counts)
     worst = 0.0
     for i in range(0, len(v), max(1, len(v) // 5)):
         rows = S[i, : counts[i]]
@@ -247,7 +247,7 @@ def test_pair_rows_square_to_the_hessian():
     run(elastic)
     v = motions(elastic, *elastic.state[:2])
     S, counts = np.zeros((len(v), 2, 2)), np.zeros(len(v), dtype=np.int64)
-    kernel.ball_rows(elastic.contacts, balls(elastic, v)[2][3], S, counts)
+    elastic_balls.ball_rows(elastic.contacts, balls(elastic, v)[2][3], S, counts)
     for i in (0, 7, 31):
         H = energy_hessian(elastic, i, v)
         assert np.abs(S[i].T @ S[i] - H).max() < 1e-6 * np.abs(H).max()
@@ -264,7 +264,7 @@ def test_rows_of_any_number_of_contacts(count):
     contact[:, 3], contact[:, 4] = rng.uniform(2e7, 6e7, 4), rng.uniform(1e4, 1e5, 4)
     local[:, 1] = 1e-5 * np.array([1.0, -1.0, -1.0, 1.0])
     rows = np.zeros((6, 8))
-    n = kernel.flank_rows(contact, local, rows)
+    n = elastic_balls.flank_rows(contact, local, rows)
     full = np.zeros((11, 11))
     full[2, 2] = 1.0
     for s in range(count):
