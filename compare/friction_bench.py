@@ -11,7 +11,7 @@ import numpy as np
 
 from compare.bench import timed
 from compare.findings import entry
-from compare.sections.friction import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
+from compare.sections.friction_values import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
 from lowfi.friction.chain import prepare, solve
 from lowfi.friction.ellipse import about_point
 from lowfi.friction.engine import engine

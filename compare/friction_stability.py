@@ -14,7 +14,7 @@ from math import radians
 
 import numpy as np
 
-from compare.sections.friction import CASES, LINEAR, ROTARY
+from compare.sections.friction_values import CASES, LINEAR, ROTARY
 from lowfi.friction.bearing_pairs import four_point, solve_bearing
 from lowfi.friction.chain import Chain, prepare, solve
 from lowfi.friction.ellipse import Array

@@ -101,13 +101,13 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
 
 def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], Section, Section]:
     """Findings of all tables, and the two sections that share the ensembles."""
-    from compare.sections import cases, errors, friction, friction_screw, hertz, manufacturing, reference
+    from compare.sections import cases, errors, friction_screw_values, friction_values, hertz, manufacturing, reference
 
     section, found = errors.section_with_findings(study, step)
     against = {f.printed.key: f for f in reference.findings(study, source.stores)}
     own = [against.get(f.printed.key, f) for f in cases.findings_241(study)]
-    everything = [*hertz.findings(study), *own, *found, *manufacturing.findings(study), *friction.findings(study)]
-    everything += friction_screw.findings(study)
+    everything = [*hertz.findings(study), *own, *found, *manufacturing.findings(study), *friction_values.findings(study)]
+    everything += friction_screw_values.findings(study)
     return everything, section, manufacturing.section(study, step)
 
 

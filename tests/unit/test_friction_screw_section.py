@@ -9,7 +9,7 @@ import pytest
 from compare import friction_bench, friction_stability
 from compare.friction_stability import Record
 from compare.printed_data import load_table
-from compare.sections import friction_screw
+from compare.sections import friction_screw, friction_screw_values
 from compare.study import Study
 from reports.figures import draw
 from reports.records import Figure, Section, Table, Text
@@ -33,7 +33,7 @@ def made(study) -> Section:
 
 @pytest.fixture(scope="module")
 def found(study):
-    return friction_screw.findings(study)
+    return friction_screw_values.findings(study)
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def test_name_and_unique_items(made):
 
 def test_every_printed_entry_has_one_finding(found):
     keys = Counter((f.printed.table, f.printed.key) for f in found)
-    assert keys == Counter((row.table, row.key) for t in friction_screw.TABLES for row in load_table(t))
+    assert keys == Counter((row.table, row.key) for t in friction_screw_values.TABLES for row in load_table(t))
 
 
 def test_verdicts_are_those_of_the_literature_tests(found):
@@ -68,7 +68,7 @@ def test_verdicts_are_those_of_the_literature_tests(found):
 
 def test_shown_rows_are_the_entries(made):
     shown = tables(made)
-    for name in friction_screw.TABLES:
+    for name in friction_screw_values.TABLES:
         table = shown[f"friction-{name}"]
         for row, printed in zip(table.rows, load_table(name), strict=True):
             assert set(row) == {c.key for c in table.columns}
@@ -115,9 +115,9 @@ def test_whole_runs(made):
 
 
 def test_first_step_makes_most_of_the_variation_without_oversize(found):
-    loose = friction_screw.run(3.0, 0.0, "ball and screw")
-    assert friction_screw.summarise(loose).groove_variation > 0.3
-    assert friction_screw.variation(loose) < 0.08
+    loose = friction_screw_values.run(3.0, 0.0, "ball and screw")
+    assert friction_screw_values.summarise(loose).groove_variation > 0.3
+    assert friction_screw_values.variation(loose) < 0.08
     text = next(f.evidence for f in found if f.printed.key == "groove_steady")
     assert "6.8%" in text
     assert "37%" in text

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compare.printed_data import load_table
-from compare.sections import friction
+from compare.sections import friction, friction_values
 from compare.study import Study
 from reports.figures import draw
 from reports.records import Figure, Section, Table
@@ -25,14 +25,14 @@ def tables(made):
 
 
 def test_every_printed_entry_has_one_finding():
-    found = friction.findings(Study())
+    found = friction_values.findings(Study())
     keys = Counter((f.printed.table, f.printed.key) for f in found)
-    assert keys == Counter((row.table, row.key) for t in friction.TABLES for row in load_table(t))
+    assert keys == Counter((row.table, row.key) for t in friction_values.TABLES for row in load_table(t))
 
 
 def test_verdicts_are_those_of_the_literature_tests():
     """There every entry that is not open passes."""
-    for f in friction.findings(Study()):
+    for f in friction_values.findings(Study()):
         if f.printed.cls == "open":
             assert f.verdict == "open", f.printed.key
         else:
@@ -44,7 +44,7 @@ def test_verdicts_are_those_of_the_literature_tests():
 
 def test_rows_show_class_verdict_and_both_values(made):
     shown = tables(made)
-    for name in friction.TABLES:
+    for name in friction_values.TABLES:
         table = shown[f"friction-{name}"]
         assert len(table.rows) == len(load_table(name))
         assert {c.key for c in table.columns} == set(table.rows[0])
@@ -64,8 +64,8 @@ def test_rows_show_class_verdict_and_both_values(made):
 
 
 def test_misprinted_exponents_are_far_off():
-    assert friction.misprinted_force() < 0.1
-    text = next(f.evidence for f in friction.findings(Study()) if f.printed.key == "a_force_analytic")
+    assert friction_values.misprinted_force() < 0.1
+    text = next(f.evidence for f in friction_values.findings(Study()) if f.printed.key == "a_force_analytic")
     assert "0.017 N" in text
 
 
