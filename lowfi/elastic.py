@@ -67,8 +67,9 @@ class Flanks:
 
     first, second: compliance [m/N] of screw and nut ``(4 N, 4 N)``, or of both together ``(2 N, 2 N)`` and nothing;
     R ``(N, d, k)`` by the free motions, v0 ``(N, d)`` [m] by loads and prescribed displacements, work ``(k,)`` of the
-    loads; screw, nut ``(N, 2, 2, N, 2, 2)``: the same compliances by ball, flank and axis; e ``(N, 4)`` [m/N] beside Hertz;
-    clipped: largest negative compliance cut away over a contact's own.
+    loads; e ``(N, 4)`` [m/N] beside Hertz; clipped: largest negative compliance cut away over a contact's own. own: what
+    the flanks' motions are found from again: compliance of screw and of nut on the built sides, v0 ``(N, 2, 2)`` and R
+    ``(N, 2, 2, k)`` of the screw's flanks.
     """
 
     first: Array
@@ -83,7 +84,11 @@ class Flanks:
 
 @dataclass
 class Elastic:
-    """A problem ready for the kernels."""
+    """A problem ready for the kernels, in the order of `lowfi.kernel.elastic.solve_forces`.
+
+    bodies, contacts, state, options, arms, history: its arguments; springs: those of `start_forces`; assumed: statements
+    about the bodies; scale: largest force of the last run [N].
+    """
 
     problem: Problem
     shaft: Shaft
