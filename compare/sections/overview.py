@@ -38,7 +38,7 @@ def section(found: Sequence[Finding]) -> Section:
         (
             Text(HOW_TO_READ),
             Table(
-                "verdicts", "Printed entries of chapter 2, Table B.1 and 4.3.2 by class and verdict",
+                "verdicts", "Printed entries of chapters 2 and 3, Table B.1, appendix G and 4.3 by class and verdict",
                 (
                     Column("class", "class", "", "s"),
                     Column("verdict", "verdict", "", "s"),
