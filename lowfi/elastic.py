@@ -27,6 +27,7 @@ from lowfi.compliance.bodies import (
     idealised,
 )
 from lowfi.compliance.imported import Condensed
+from lowfi.compliance.modes import soft_modes
 from lowfi.compliance.shaft import Shaft, flank_loads, flank_response, node_motions, shaft_of
 from lowfi.mechanism import free_motions
 from lowfi.problem import Problem, actual_hertz, build, nominal_hertz
@@ -54,9 +55,10 @@ from meshes.parts import Scene
 
 Array = NDArray[np.float64]
 
-#: Largest number of balls: the compliance between all contacts is formed whole and factored. A longer nut would keep the
-#: beams' share apart (it is smooth: a few modes) and the kernels' share as a band (it dies out within some turns).
+#: Largest number of balls: compliance between all contacts is formed whole, so memory and set-up grow as its square.
 LARGEST = 250
+#: Number of balls from which on the bodies' soft modes serve the solution, instead of a dense factor.
+MODES_FROM = 24
 #: A flank that was left out counts as touching when it comes this near [m].
 MARGIN = 0.2e-6
 
@@ -229,7 +231,10 @@ def ready(
         local[..., 0] += 2.0 * ball.g**2
         rows = pair_data(problem, pair, local[..., 0])
     force, stiffness = reference_scale(problem)
-    bodies = (flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work)
+    modes = [np.zeros((0, 0))] * 2
+    if N >= MODES_FROM:
+        modes = [soft_modes(G, contact_compliance(problem)) for G in (flanks.first, flanks.second)]
+    bodies = (flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *modes)
     contacts = (problem.geometry, problem.closure, local, problem.drawn.ball_radius, problem.drawn.profile, rows)
     state = (np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5)))
     options = np.array([tolerance, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, force_floor(problem)])

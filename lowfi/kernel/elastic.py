@@ -3,7 +3,8 @@
 The flanks move by v = v_0 + G phi + R a: G the compliance of the bodies, R motions that nothing but the contacts resists.
 Every ball takes the forces f(v) on its flanks; at the solution phi = f(v). With the stiffness S^T S of all balls, factored
 ball by ball, a step solves (I + S G S^T) u = S (G (f - phi) + R da), R^T (f - S^T u) + work = 0: Newton on the convex
-energy phi G phi/2 - work a + balls(v), whose unknowns never are the beam's nodes.
+energy phi G phi/2 - work a + balls(v), whose unknowns never are the beam's nodes. Few balls are factored whole; many take
+the modes of the bodies that are softer than a contact exactly and iterate on the rest (``modes``).
 """
 
 import numpy as np
@@ -13,49 +14,79 @@ from lowfi.jit import kernel
 from .arrays import Array, Arrays, Contacts
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
+from .modes import gradients, soft_factor
 from .newton import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
+
+#: Residual asked of the linear equations, as part of that of the contact forces: a tenth keeps Newton's own order.
+FORCING = 0.1
+
+
+@kernel
+def solve_rows(
+    bodies: Arrays, S: Array, counts: Array, starts: Array, factors: Arrays, fresh: bool, target: Array, hold: float,
+    wanted: float, u: Array, a: Array,
+) -> bool:  # fmt: skip
+    """Solve (I + S G S^T) u - S R a = u (given), (S R)^T u + hold a = target; False where the matrix is not positive.
+
+    factors = (M, W, C): where the bodies' modes are given, W and C serve conjugate gradients (to ``wanted``), else M holds
+    the whole factor. fresh: factor anew.
+    """
+    M, W, C = factors
+    total = u.shape[0]
+    R, modes = bodies[2], (bodies[5], bodies[6])
+    given = u
+    if modes[0].shape[0]:
+        part = W[:total]
+        if fresh and not soft_factor(modes, S, counts, starts, part, C):
+            return False
+        given = u.copy()
+        if gradients(bodies, S, counts, starts, (part, C), target, hold, wanted, u, a) >= 0:
+            return True
+        u[:] = given
+    whole = M[: total * total].reshape(total, total) if M.size else np.empty((total, total))
+    if fresh or not M.size:
+        couple(bodies, S, counts, starts, whole)
+        if not cholesky_lower(whole):
+            return False
+    triangular(whole, u)
+    return R.shape[2] == 0 or border(R, S, counts, starts, whole, u, target, hold, a)
 
 
 @kernel
 def newton_forces(
-    bodies: Arrays, contacts: Contacts, state: Arrays, f: Array, hold: float, fresh: bool, cache: Arrays, out: Arrays,
+    bodies: Arrays, contacts: Contacts, state: Arrays, f: Array, hold: float, wanted: float, fresh: bool, cache: Arrays,
+    out: Arrays,
 ) -> bool:  # fmt: skip
     """Step of forces and free motions: out = (dphi (N, d), dv (N, d), da (k,)); False where the matrix is not positive.
 
-    bodies = (G first, G second, R (N, d, k), v0 (N, d), work (k,)); hold [N/m]: stiffness that keeps free motions from
-    running away where no contact holds them; fresh: factor anew, else use the factor in ``cache`` = (M, S, counts, starts).
+    bodies = (G first, G second, R (N, d, k), v0 (N, d), work (k,), U first, U second), the last two empty or the modes of
+    `modes.soft_rows`; hold [N/m]: stiffness that keeps free motions from running away where no contact holds them;
+    wanted: relative residual of the linear equations; fresh: factor anew, else by ``cache`` = (M, W, C, S, counts, starts).
     """
     R, work = bodies[2], bodies[4]
     phi = state[0]
     dphi, dv, da = out
-    M, S, counts, starts = cache
+    M, W, C, S, counts, starts = cache
     k = R.shape[2]
-    total = 0
     if fresh:
-        total = ball_rows(contacts, state[3], S, counts)
+        ball_rows(contacts, state[3], S, counts)
         first = 0
         for i in range(S.shape[0]):
             starts[i] = first
             first += counts[i]
-        couple(bodies, S, counts, starts, M[: total * total].reshape(total, total))
-        if not cholesky_lower(M[: total * total].reshape(total, total)):
-            return False
-    else:
-        total = starts[-1] + counts[-1]
-    L = M[: total * total].reshape(total, total)
+    total = starts[-1] + counts[-1]
     for i in range(phi.shape[0]):
         for a in range(phi.shape[1]):
             dphi[i, a] = f[i, a] - phi[i, a]
     body_motion(bodies, dphi, dv)
     u = np.empty(total)
     apply_rows(S, counts, starts, dv, u)
-    triangular(L, u)
     target = work.copy()
     for c in range(k):
         for i in range(f.shape[0]):
             for a in range(f.shape[1]):
                 target[c] += R[i, a, c] * f[i, a]
-    if k and not border(R, S, counts, starts, L, u, target, hold, da):
+    if not solve_rows(bodies, S, counts, starts, (M, W, C), fresh, target, hold, wanted, u, da):
         return False
     forces_of_rows(S, counts, starts, u, dphi)
     body_motion(bodies, dphi, dv)
@@ -189,7 +220,10 @@ def solve_forces(
     step = (np.empty((balls, d)), np.empty((balls, d)), np.zeros(amplitude.shape[0]))
     width = 2 if d == 2 else 6
     counts, starts = np.zeros(balls, dtype=np.int64), np.zeros(balls, dtype=np.int64)
-    cache = (np.empty((width * balls) ** 2), np.zeros((balls, width, d)), counts, starts)
+    soft = bodies[5].shape[1] + bodies[6].shape[1]
+    whole = (width * balls) ** 2 if bodies[5].shape[0] == 0 else 0
+    factors = np.empty(whole), np.empty((width * balls, soft)), np.empty((soft, soft))
+    cache = (*factors, np.zeros((balls, width, d)), counts, starts)
     place_flanks(bodies, state, g, v)
     own, scale = evaluate_balls(v, contacts, state, f, tiny)
     energy = own + stored(bodies, state, g)
@@ -206,7 +240,8 @@ def solve_forces(
         solved = False
         for _ in range(12):
             hold = factor * stiffness * min(1.0, residual)
-            solved = newton_forces(bodies, contacts, state, f, hold, fresh, cache, step)
+            wanted = max(FORCING * min(0.1, residual), 0.01 * tolerance / residual)
+            solved = newton_forces(bodies, contacts, state, f, hold, wanted, fresh, cache, step)
             if solved:
                 break
             factor *= 100.0
@@ -255,18 +290,16 @@ def start_forces(bodies: Arrays, state: Arrays, springs: Array, options: Array) 
     """
     phi, amplitude = state[0], state[1]
     balls, width = springs.shape[0], springs.shape[1]
-    R, v0, work = bodies[2], bodies[3], bodies[4]
+    v0, work = bodies[3], bodies[4]
     counts, starts = np.full(balls, width, dtype=np.int64), np.zeros(balls, dtype=np.int64)
     for i in range(balls):
         starts[i] = width * i
-    M = np.empty((width * balls, width * balls))
-    couple(bodies, springs, counts, starts, M)
-    if not cholesky_lower(M):
-        return False
+    soft = bodies[5].shape[1] + bodies[6].shape[1]
+    whole = (width * balls) ** 2 if bodies[5].shape[0] == 0 else 0
+    factors = (np.empty(whole), np.empty((width * balls, soft)), np.empty((soft, soft)))
     u = np.empty(width * balls)
     apply_rows(springs, counts, starts, v0, u)
-    triangular(M, u)
-    if R.shape[2] and not border(R, springs, counts, starts, M, u, work, 1e-9 * options[2], amplitude):
+    if not solve_rows(bodies, springs, counts, starts, factors, True, work, 1e-9 * options[2], 0.01, u, amplitude):
         return False
     phi[:, :] = 0.0
     forces_of_rows(springs, counts, starts, u, phi)

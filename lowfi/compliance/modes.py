@@ -1,0 +1,20 @@
+"""Modes of elastic bodies that are softer than a contact: what a solver must hold exactly, the rest it may iterate on."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+Array = NDArray[np.float64]
+
+#: A mode is soft from this part of a contact's compliance on.
+SOFT = 0.3
+
+
+def soft_modes(G: Array, contact: float) -> Array:
+    """U ``(n, r)`` with U U^T the part of G ``(n, n)`` [m/N] in modes softer than ``SOFT`` of a contact [m/N]."""
+    if G.size == 0:
+        return np.zeros(G.shape)
+    values, vectors = eigh(G, subset_by_value=(SOFT * contact, np.inf), driver="evr")
+    return np.ascontiguousarray(vectors * np.sqrt(values))
