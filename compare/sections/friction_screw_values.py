@@ -168,7 +168,10 @@ def table_3_4_4_values() -> dict[str, Ours]:
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * INFERRED_OVERSIZE:g} µm oversize"
     earlier = "; earlier than printed, see table friction-run-sensitivity"
     both = 100.0 * low.largest, 100.0 * high.largest
-    out["largest"] = Ours(both[1], evidence=f"{assumed.format(f'{both[0]:.1f} %')}: the printed number lies between")
+    between = f"{assumed.format(f'{both[0]:.1f} %')}: the printed number lies between; the source's rule of contact"
+    out["largest"] = Ours(
+        both[1], evidence=f"{between}, which lets balls overlap, gives less (table friction-run-sensitivity)"
+    )
     out["largest_at"] = Ours(high.at, evidence=assumed.format(f"{low.at:.0f}°") + earlier)
     out["none_at"] = Ours(high.none_at, evidence=assumed.format(f"{low.none_at:.0f}°") + earlier)
     out["groups"] = Ours(

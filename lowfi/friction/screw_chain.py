@@ -7,25 +7,21 @@ Newton on motions and forces together, with a falling regularising speed of fric
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import solve_banded
 
-from .ellipse import Array, Contacts, dissipation
-from .motion import Problem, least_dissipation
-from .screw_groove import ScrewGroove, contact_axes
-from .screw_load import Cell, ScrewLoad, settle
-from .screw_motion import AGREED, ROUNDS, Coupling, Mixer, feedback, helical_power, hold_screw, screw_contacts
+from .ellipse import Array
+from .screw_engine import engine, groove_arrays, nominal_speed, plain_array, units
+from .screw_groove import ScrewGroove
+from .screw_kernels.arrays import Balls
+from .screw_kernels.balance import Parts
+from .screw_motion import helical_power
 
 #: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
 SPEEDS = tuple(10.0 ** (-0.5 * k) for k in range(2, 15))
 #: Parts of the friction between balls, one after the other at the first of these speeds.
 PARTS = (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
-#: Largest step of a ball's surface speeds, as part of its nominal speed: far off, friction no longer tells the way.
-REACH = 0.3
 #: Force out of balance, as part of the largest friction bound of a ball: aimed at (root of the sum of squares), and
 #: what counts as converged (largest, relative to the largest ball-to-ball force where that is larger).
 GOAL, ACCEPTED = 1e-12, 2e-9
@@ -34,11 +30,9 @@ COARSE, STEPS, SHORT = 1e-10, 60, 15
 #: A stage has failed where more than this is left; most halvings of stages.
 MISSED, DEPTH = 1e-8, 12
 #: Springs to the nominal motion per friction bound, for balls with contacts and without.
-HOLD, HOLD_IDLE = 1e-13, 1e-9
+HOLD, HOLD_IDLE = 1e-13, 1e-10
 #: Balls with less than this part of the largest load count as unloaded.
 NEGLIGIBLE = 1e-7
-#: Half bandwidth of the Jacobian with a ball's motion and the force on the next in one block of five.
-BAND = 9
 
 
 @dataclass(frozen=True)
@@ -84,153 +78,60 @@ class ChainMotion:
         return float(self.groove_loss.sum() + self.ball_loss.sum() + self.closing_loss.sum())
 
 
-@dataclass(frozen=True)
-class _Parts:
-    balance: Array
-    comp: Array
-    by_force: Array
-    by_gap: Array
-    hessian: Array
+def parts_of(count: int) -> Parts:
+    """Room for the residual of that many balls and its derivatives, see ``screw_kernels.balance``."""
+    return np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4))
 
 
-class _Solver:
-    """Arrays of one chain, cut open where the track closes, and Newton's method on them."""
+class Search:
+    """Arrays of one chain and the search for its balance.
 
-    def __init__(self, chain: Chain) -> None:
-        """Scale everything by the largest friction bound of a ball and the balls' nominal speed."""
-        g, pair = chain.groove, chain.groove.pair
+    Motions x (N, 4) are surface speeds per ``speed`` [m/s], forces f (N,) parts of ``bound`` [N], the largest friction
+    bound of a ball.
+    """
+
+    def __init__(self, chain: Chain, fast: bool = True) -> None:
+        """Scale everything; balls without loads neither drive nor rub."""
+        g = chain.groove
         total = chain.force.sum(axis=1)
         loaded = total > NEGLIGIBLE * float(total.max())
-        self.chain, self.count = chain, chain.force.shape[0]
-        self.at: Contacts = screw_contacts(g, np.where(loaded[:, None], chain.force, 0.0))
-        self.loaded = loaded
-        self.maps, self.drives = g.maps(chain.normals)
-        self.speed = abs(g.speed) * g.radius or 1.0
+        self.chain, self.count, self.loaded, self.kernels = chain, chain.force.shape[0], loaded, engine(fast)
+        self.units, self.speed, self.groove = units(g), nominal_speed(g), groove_arrays(g)
         self.bound = max(g.mu * float(total.max()), 1e-30)
-        self.units = np.array([g.radius, g.ball_radius, g.ball_radius, g.ball_radius])
-        self.first, self.second = pair.first / self.units, pair.second / self.units
-        self.closing = pair.closing / g.radius
         self.allowed = np.isfinite(chain.slack)
-        self.slack = np.where(self.allowed, chain.slack, 0.0) * pair.closing / self.speed
-        self.nominal = np.array([g.nominal_orbit, 0.0, 0.0, 0.0]) * self.units / self.speed
-        rub = loaded & np.roll(loaded, -1)
-        self.mu = np.where(rub, g.mu if g.mu_balls is None else g.mu_balls, 0.0)
-        self.hold = np.where(loaded[:, None], HOLD, HOLD_IDLE) * np.ones(4)
-        self.scaled = (self.maps / self.units * self.speed).reshape(self.count, 12, 4)
-        self.flat_drives = self.drives.reshape(-1, 3)
-        self.places = _band_places(self.count)
-        self.ahead, self.behind = np.roll(np.arange(self.count), -1), np.roll(np.arange(self.count), 1)
+        slack = np.where(self.allowed, chain.slack, 0.0) * g.pair.closing / self.speed
+        self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), g.mu if g.mu_balls is None else g.mu_balls, 0.0)
+        self.balls: Balls = (
+            plain_array(np.where(loaded[:, None], chain.force, 0.0)), plain_array(chain.normals[..., [0, 2]]),
+            np.where(loaded, HOLD, HOLD_IDLE), slack, self.allowed.astype(float), self.mu, g.mu / self.bound,
+        )  # fmt: skip
+        self.parts = parts_of(self.count)
 
     def alone(self) -> Array:
         """Scaled motions (N, 4) of the balls without neighbours."""
-        x = np.tile(self.nominal, (self.count, 1))
-        for k in np.flatnonzero(self.loaded):
-            own = slice(4 * k, 4 * k + 4)
-            at = Contacts(self.at.a[own], self.at.b[own], self.at.load[own], self.at.mu[own])
-            problem = Problem(at, self.maps[k], self.drives[k], np.zeros(4))
-            x[k] = least_dissipation(problem, fast=True).q * self.units / self.speed
+        x = np.tile(self.groove[4], (self.count, 1))
+        self.kernels.alone(self.groove, self.balls, x)
         return x
 
-    def grooves(self, x: Array, eps: float) -> tuple[Array, Array]:
-        """Gradient (N, 4) and Hessian (N, 4, 4) of the balls' scaled dissipation at scaled motions x."""
-        n, maps = self.count, self.scaled
-        motion = self.flat_drives + (maps @ x[:, :, None]).reshape(-1, 3)
-        d = dissipation(self.at, motion, eps * self.speed, fast=True)
-        scale, turned = 1.0 / (self.bound * self.speed), maps.transpose(0, 2, 1)
-        gradient = (turned @ d.gradient.reshape(n, 12, 1))[:, :, 0] * scale
-        bent = (d.hessian @ maps.reshape(4 * n, 3, 4)).reshape(n, 12, 4)
-        hessian = (turned @ bent) * scale
-        gradient += self.hold * (x - self.nominal)
-        hessian[:, range(4), range(4)] += self.hold
-        return gradient, hessian
-
-    def rubbing(self, x: Array, eps: float) -> tuple[Array, Array, Array]:
-        """Direction of sliding (N, 2) of ball k on k + 1, its derivative (N, 2, 2), speed times direction (N,)."""
-        w = x @ self.first.T - x[self.ahead] @ self.second.T
-        size = np.sqrt(np.sum(w * w, axis=1) + eps * eps)
-        unit = w / size[:, None]
-        turn = (np.eye(2) - unit[:, :, None] * unit[:, None, :]) / size[:, None, None]
-        return unit, turn, np.sum(w * unit, axis=1)
-
-    def residual(self, x: Array, f: Array, eps: float) -> _Parts:
-        """Balance (N, 4), Fischer-Burmeister's function of forces and gaps (N,), its slopes, the grooves' Hessian."""
-        gradient, hessian = self.grooves(x, eps)
-        unit, _, _ = self.rubbing(x, eps)
-        bite = self.mu * np.maximum(f, 0.0)
-        gradient[:, 0] += self.closing * (f - f[self.behind])
-        gradient += bite[:, None] * (unit @ self.first)
-        gradient -= (bite[:, None] * (unit @ self.second))[self.behind]
-        left = self.gaps(x)
-        size = np.maximum(np.hypot(f, left), 1e-300)
-        by_force = np.where(self.allowed, 1.0 - f / size, 1.0)
-        by_gap = np.where(self.allowed, 1.0 - left / size, 0.0)
-        comp = np.where(self.allowed, f + left - size, f)
-        return _Parts(gradient, comp, by_force, by_gap, hessian)
-
-    def gaps(self, x: Array) -> Array:
-        """What is left of the slack (N,), scaled."""
-        return np.asarray(self.closing * (x[self.ahead, 0] - x[:, 0]) + self.slack)
-
-    def blocks(self, x: Array, f: Array, parts: _Parts, eps: float) -> tuple[Array, Array, Array]:
-        """Blocks (N, 5, 5) of the Jacobian: diagonal, right of it, and below; ball k and its force to k + 1."""
-        unit, turn, _ = self.rubbing(x, eps)
-        bite = self.mu * np.maximum(f, 0.0)
-        turn = turn * bite[:, None, None]
-        mid, right, below = (np.zeros((self.count, 5, 5)) for _ in range(3))
-        mid[:, :4, :4] = parts.hessian + self.first.T @ turn @ self.first
-        mid[:, :4, :4] += (self.second.T @ turn @ self.second)[self.behind]
-        right[:, :4, :4] = -self.first.T @ turn @ self.second
-        below[:, :4, :4] = -self.second.T @ turn @ self.first
-        sliding = np.where(f > 0.0, self.mu, 0.0)[:, None]
-        mid[:, :4, 4] = sliding * (unit @ self.first)
-        mid[:, 0, 4] += self.closing
-        below[:, :4, 4] = -sliding * (unit @ self.second)
-        below[:, 0, 4] -= self.closing
-        mid[:, 4, 0] = -self.closing * parts.by_gap
-        right[:, 4, 0] = self.closing * parts.by_gap
-        mid[:, 4, 4] = parts.by_force
-        return mid, right, below
-
-    def step(self, x: Array, f: Array, parts: _Parts, eps: float) -> tuple[Array, Array]:
-        """Newton step; the closed track is cut at the contact that is most clearly open."""
-        mid, right, below = self.blocks(x, f, parts, eps)
-        start = int(np.argmax(np.where(self.allowed, self.gaps(x) - f, np.inf))) + 1
-        order = np.roll(np.arange(self.count), -start)
-        band = np.zeros((2 * BAND + 1, 5 * self.count))
-        for part, place in zip((mid[order], right[order][:-1], below[order][:-1]), self.places, strict=True):
-            band[place] = part
-        side = -np.concatenate([parts.balance, parts.comp[:, None]], axis=1)[order].ravel()
-        found = solve_banded((BAND, BAND), band, side, overwrite_ab=True, check_finite=False).reshape(-1, 5)
-        out = np.empty_like(found)
-        out[order] = found
-        return out[:, :4], out[:, 4]
-
     def solve(self, x: Array, f: Array, eps: float, goal: float, limit: int) -> tuple[Array, Array, float, int]:
-        """Newton from (x, f) at one regularising speed, steps halved until the residual falls; its size and steps.
-
-        Ends at ``goal``, after ``limit`` steps, or where round-off lets the residual fall no more.
-        """
-        parts = self.residual(x, f, eps)
-        size = _size(parts)
-        for steps in range(limit):
-            if size <= goal:
-                return x, f, size, steps
-            dx, df = self.step(x, f, parts, eps)
-            length, best = min(1.0, REACH / max(float(np.max(np.abs(dx))), 1e-300)), None
-            for _ in range(3 if size <= ACCEPTED else 25):
-                trial = self.residual(x + length * dx, f + length * df, eps)
-                if _size(trial) < (1.0 - 0.1 * length) * size:
-                    best = trial
-                    break
-                length *= 0.5
-            if best is None:
-                return x, f, size, steps + 1
-            x, f, parts, size = x + length * dx, f + length * df, best, _size(best)
-        return x, f, size, limit
+        """Newton from (x, f) at one regularising speed: motions, forces, what is left, steps; see the kernel."""
+        x, f = plain_array(x).copy(), plain_array(f).copy()
+        size, steps = self.kernels.newton(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
+        return x, f, float(size), int(steps)
 
     def balanced(self, x: Array, f: Array) -> bool:
         """Whether (x, f) counts as converged."""
-        return _balanced(self.residual(x, f, SPEEDS[-1]), f)
+        self.kernels.residual(self.groove, self.balls, x, f, SPEEDS[-1], self.parts)
+        return bool(self.kernels.worst(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
+
+    def direct(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
+        """Newton at the last regularising speed, cut short unless it comes near; whether (x, f) counts as converged."""
+        x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
+        good = self.balanced(x, f)
+        if good and steps == SHORT:
+            x, f, _, more = self.solve(x, f, SPEEDS[-1], GOAL, STEPS)
+            steps += more
+        return x, f, good, steps
 
     def by_stages(self, x: Array) -> tuple[Array, Array, int]:
         """Newton from motions x, friction between balls rising at the first regularising speed, then that falling.
@@ -243,7 +144,7 @@ class _Solver:
         at, tries = goals[-1], 0
         while goals:
             part, eps = goals[-1]
-            self.mu = part * full
+            self.balls = (*self.balls[:5], part * full, self.balls[6])
             x_new, f_new, size, steps = self.solve(x, f, eps, COARSE if eps > SPEEDS[-1] else GOAL, STEPS)
             total += steps
             if size > MISSED and tries < DEPTH and at != goals[-1]:
@@ -254,119 +155,50 @@ class _Solver:
         return x, f, total
 
 
-def _size(parts: _Parts) -> float:
-    return float(np.sqrt(np.sum(parts.balance**2) + np.sum(parts.comp**2)))
-
-
-def _balanced(parts: _Parts, f: Array) -> bool:
-    worst = max(float(np.max(np.abs(parts.balance))), float(np.max(np.abs(parts.comp))))
-    return worst <= ACCEPTED * max(1.0, float(np.max(f)))
-
-
-@cache
-def _band_places(count: int) -> tuple[tuple[NDArray[np.int64], NDArray[np.int64]], ...]:
-    """Rows and columns in the band of the blocks on the diagonal, right of it and below it."""
-    base = 5 * np.arange(count, dtype=np.int64)
-    i, j = np.meshgrid(np.arange(5), np.arange(5), indexing="ij")
-    out: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
-    for rows, columns in ((base, base), (base[:-1], base[1:]), (base[1:], base[:-1])):
-        r, c = rows[:, None, None] + i, columns[:, None, None] + j
-        out.append((BAND + r - c, c))
-    return tuple(out)
-
-
-def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None) -> ChainMotion:
+def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None, fast: bool = True) -> ChainMotion:
     """Motions and ball-to-ball forces; start: motions (N, 4) [rad/s] and forces (N,) [N] of a similar chain.
 
     Newton at the last regularising speed from a start with contacts, then from the balls' motions without neighbours,
     and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls is not determined.
+    ``fast`` takes the compiled kernels.
     """
-    s = _Solver(chain)
+    s = Search(chain, fast)
     total = 0
     if start is not None and np.any(start[1] > 0.0):
-        x, f, size, total = s.solve(start[0] * s.units / s.speed, start[1] / s.bound, SPEEDS[-1], GOAL, SHORT)
-        if size <= ACCEPTED or s.balanced(x, f):
+        x, f, good, total = s.direct(start[0] * s.units / s.speed, start[1] / s.bound)
+        if good:
             return _result(s, x, f, total)
-    alone, none = s.alone(), np.zeros(s.count)
-    x, f, _, steps = s.solve(alone, none, SPEEDS[-1], GOAL, SHORT)
+    alone = s.alone()
+    x, f, good, steps = s.direct(alone, np.zeros(s.count))
     total += steps
-    if not s.balanced(x, f):
+    if not good:
         x, f, steps = s.by_stages(alone)
         total += steps
     return _result(s, x, f, total)
 
 
-def _result(s: _Solver, x: Array, f: Array, steps: int) -> ChainMotion:
+def _result(s: Search, x: Array, f: Array, steps: int) -> ChainMotion:
     """Forces and losses at the solution, in SI."""
-    chain, n, eps = s.chain, s.count, SPEEDS[-1]
-    parts, gap = s.residual(x, f, eps), s.gaps(x)
-    good = _balanced(parts, f)
-    f = np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
-    q = x * s.speed / s.units
-    motion = s.flat_drives + (s.scaled @ x[:, :, None]).reshape(-1, 3)
-    d = dissipation(s.at, motion, eps * s.speed, fast=True)
-    axes = contact_axes(chain.normals)
-    force = np.einsum("ncr,ncri->nci", -d.gradient[:, :2].reshape(n, 4, 2), axes[..., :2, :])
-    wrench = np.concatenate([force, -d.gradient[:, 2].reshape(n, 4, 1) * axes[..., 2, :]], axis=-1)
-    unit, _, sliding = s.rubbing(x, eps)
-    ball_force = s.bound * f
-    bite = (s.mu * ball_force)[:, None] * unit
-    pair = chain.groove.pair
-    push = ball_force[:, None] * pair.push[0] - bite @ pair.slide[0]
-    push += (ball_force[:, None] * pair.push[1] + bite @ pair.slide[1])[s.behind]
-    gap = np.where(s.allowed, gap, 0.0)
+    chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
+    good = s.balanced(x, f)
+    left, pair = float(np.max(np.abs(s.parts[0]))) * s.bound, g.pair
+    ahead = np.append(x[1:, 0], x[0, 0])
+    gap = np.where(s.allowed, s.groove[7] * (ahead - x[:, 0]) + s.balls[3], 0.0)
+    ball_force = s.bound * np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
+    wrench, loss, push, ball_loss = np.zeros((n, 4, 6)), np.zeros((n, 4)), np.zeros((n, 3)), np.zeros(n)
+    s.kernels.friction(s.groove, s.balls, x, eps, g.mu, wrench, loss)
+    s.kernels.meeting(s.groove, s.balls, x, ball_force, eps, pair.push, pair.slide, push, ball_loss)
     return ChainMotion(
-        q=q,
+        q=x * s.speed / s.units,
         ball_force=ball_force,
         wrench=wrench,
         ball_push=push,
-        groove_loss=(d.value - d.excess).reshape(n, 4),
-        ball_loss=s.mu * ball_force * sliding * s.speed,
-        closing_loss=ball_force * pair.closing * (q[:, 0] - q[s.ahead, 0]),
-        input_power=helical_power(chain.groove, chain.normals, wrench),
-        left=float(np.max(np.abs(parts.balance))) * s.bound,
+        groove_loss=loss,
+        ball_loss=ball_loss,
+        closing_loss=ball_force * pair.closing * s.speed / g.radius * (x[:, 0] - ahead),
+        input_power=helical_power(g, chain.normals, wrench),
+        left=left,
         violation=max(0.0, -float(np.min(gap))) * s.speed / pair.closing,
         steps=steps,
         converged=good,
     )
-
-
-@dataclass(frozen=True)
-class CoupledChain:
-    """Loads and motion of a chain that agree; change: last change of the friction fed back [N]."""
-
-    load: ScrewLoad
-    motion: ChainMotion
-    change: float
-    rounds: int
-    converged: bool
-
-
-def coupled_chain(
-    cell: Cell, slack: Array, coupling: Coupling, near: CoupledChain | None = None, rounds: int = ROUNDS
-) -> CoupledChain:
-    """Loads and motion of N balls in agreement, ball-to-ball forces included; ``near``: solution of a similar chain.
-
-    slack: see ``Chain``. "ball": the screw stays where it is without friction and ball-to-ball forces.
-    """
-    same = near is not None and near.load.screw.shape == cell.force.shape
-    load = settle(cell, (near.load.ball, near.load.screw) if near is not None and same else None)
-    if coupling == "ball":
-        cell = hold_screw(cell, load)
-    push, drag, mixer = cell.push, cell.drag, Mixer()
-    if near is not None and coupling != "none":
-        push, drag = feedback(cell, near.motion.wrench, near.motion.ball_push[:, [0, 2]], coupling)
-    start = None if near is None else (near.motion.q, near.motion.ball_force)
-    count = 0
-    while True:
-        load = settle(replace(cell, push=push, drag=drag), (load.ball, load.screw[: cell.rows.shape[2]]))
-        moved = solve_chain(Chain(cell.groove, load.force, cell.groove.normals(load.angle), slack), start)
-        new_push, new_drag = feedback(cell, moved.wrench, moved.ball_push[:, [0, 2]], coupling)
-        x, g = np.append(push, drag), np.append(new_push, new_drag)
-        change, count = float(np.max(np.abs(g - x))), count + 1
-        agreed = change <= AGREED * float(np.sum(load.force))
-        if agreed or count == rounds:
-            return CoupledChain(load, moved, change, count, agreed and load.converged and moved.converged)
-        x = mixer.next(x, g)
-        push, drag = x[: push.size].reshape(push.shape), x[push.size :]
-        start = (moved.q, moved.ball_force)

@@ -11,7 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from .ellipse import Array
-from .screw_groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, frame
+from .screw_engine import engine, plain_array
+from .screw_groove import SIGN_X, SIGN_Z, ScrewGroove, frame
+from .screw_kernels.arrays import Cell as Arrays
+from .screw_kernels.load import State
 
 #: Round-off limit of the search and what counts as converged, as parts of the sum of forces.
 GOAL, ACCEPTED = 1e-13, 1e-8
@@ -57,57 +60,20 @@ class ScrewLoad:
     converged: bool
 
 
-@dataclass(frozen=True)
-class _State:
-    energy: float
-    ball: Array
-    screw: Array
-    stiff: Array
-    force: Array
-    normal: Array
-
-    def worst(self) -> float:
-        """Largest force out of balance [N]."""
-        return float(max(np.max(np.abs(self.ball), initial=0.0), np.max(np.abs(self.screw), initial=0.0)))
-
-
-def _evaluate(cell: Cell, p: Array, u: Array) -> _State:
-    """Energy, gradients by balls (N, 2) and screw (m,), contact stiffness (N, 4, 2, 2), forces and normals."""
+def load_arrays(cell: Cell) -> Arrays:
+    """The cell as the kernels take it."""
     start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
-    move = p[:, None, :] - np.where(ON_SCREW[:, None], (cell.section @ u + cell.offset)[:, None, :], 0.0)
-    w = start + move
-    size = np.sqrt(np.sum(w * w, axis=-1))
-    # distance less reach, built as a change so that its round-off is that of the motion
-    grown = np.sum(move * (2.0 * start + move), axis=-1) / (size + cell.groove.reach)
-    c = cell.groove.constants.C
-    d = np.maximum(grown + cell.interference, 0.0) / c
-    f = d * np.sqrt(d)
-    n = w / size[..., None]
-    nn = n[..., :, None] * n[..., None, :]
-    k_n, k_t = 1.5 * np.sqrt(d) / c, f / size
-    stiff = (k_n - k_t)[..., None, None] * nn + k_t[..., None, None] * np.eye(2)
-    pull = f[..., None] * n
-    screw = -np.einsum("nim,ni->m", cell.section, pull[:, ON_SCREW].sum(axis=1)) - cell.force - cell.drag
-    energy = float(np.sum(0.4 * c * d * f) - np.sum(cell.push * p) - (cell.force + cell.drag) @ u)
-    return _State(energy, pull.sum(axis=1) - cell.push, screw, stiff, f, n)
+    start, interference, C, section, offset, push, pull = map(
+        plain_array, (start, cell.interference, cell.groove.constants.C, cell.section, cell.offset, cell.push,
+                      cell.force + cell.drag)
+    )  # fmt: skip
+    return start, interference, C, section, offset, push, pull, float(cell.groove.reach)
 
 
-def _newton(cell: Cell, state: _State, floor: float) -> tuple[Array, Array]:
-    """Newton step of balls (N, 2) and screw (m,); the balls are eliminated."""
-    own = state.stiff.sum(axis=1) + floor * np.eye(2)
-    on_screw = state.stiff[:, ON_SCREW].sum(axis=1)
-    rows = cell.section
-    cross = -on_screw @ rows
-    inverse = np.linalg.inv(own)
-    solved = inverse @ np.concatenate([cross, state.ball[..., None]], axis=2)
-    m = rows.shape[2]
-    if m == 0:
-        return -solved[..., 0], np.zeros(0)
-    schur = np.einsum("nim,nij,njk->mk", rows, on_screw, rows) + floor * np.eye(m)
-    schur -= np.einsum("nim,nik->mk", cross, solved[..., :m])
-    right = -state.screw + np.einsum("nim,ni->m", cross, solved[..., m])
-    du = np.linalg.solve(schur, right)
-    return -solved[..., m] - solved[..., :m] @ du, du
+def load_state(cell: Cell) -> State:
+    """Room for the state that the kernels write, see ``screw_kernels.load``."""
+    n, m = cell.angle.shape[0], cell.rows.shape[2]
+    return np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2))
 
 
 def _first_guess(cell: Cell) -> tuple[Array, Array]:
@@ -121,37 +87,22 @@ def _first_guess(cell: Cell) -> tuple[Array, Array]:
     return 0.5 * (cell.section @ u), u
 
 
-def settle(cell: Cell, start: tuple[Array, Array] | None = None) -> ScrewLoad:
-    """Loads of the cell, from positions of balls (N, 2) and screw (m,) if given; forces do not depend on the start.
+def settle(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> ScrewLoad:
+    """Loads of the cell, from positions of balls (N, 2) and screw (m,) [m] if given; forces do not depend on the start.
 
-    Minimises sum (2/5) C^(-3/2) <approach>^(5/2) - force . u - push . p by Newton with line search.
+    Minimises sum (2/5) C^(-3/2) <approach>^(5/2) - force . u - push . p by Newton with line search, in the compiled
+    kernels if ``fast``.
     """
-    p, u = _first_guess(cell) if start is None else (start[0].copy(), start[1].copy())
-    state = _evaluate(cell, p, u)
     load = float(np.linalg.norm(cell.force) + np.linalg.norm(cell.drag) + np.sum(np.abs(cell.push)))
-    steps = 0
-    while steps < STEPS and state.worst() > GOAL * (load + float(np.sum(state.force))):
-        steps += 1
-        floor = 1e-12 * float(np.max(state.stiff)) + 1e-12 * max(load, 1e-9) / cell.groove.reach
-        dp, du = _newton(cell, state, floor)
-        largest = float(max(np.max(np.abs(dp)), np.max(np.abs(du), initial=0.0)))
-        length = min(1.0, 0.3 * cell.groove.reach / largest)
-        slope = float(np.sum(state.ball * dp) + state.screw @ du)
-        work = load * float(max(np.max(np.abs(p)), np.max(np.abs(u), initial=0.0)))  # what cancels in the energy
-        moved = None
-        for _ in range(50):
-            new = _evaluate(cell, p + length * dp, u + length * du)
-            flat = -length * slope <= 1e-12 * (abs(state.energy) + work)
-            if new.energy <= state.energy + 1e-4 * length * slope or (flat and new.worst() < state.worst()):
-                moved = new
-                break
-            length *= 0.5
-        if moved is None:
-            break
-        p, u, state = p + length * dp, u + length * du, moved
-    n = np.abs(state.normal)
-    left, total = state.worst(), load + float(np.sum(state.force))
-    return ScrewLoad(state.force, np.arctan2(n[..., 1], n[..., 0]), p, u, left, steps, left <= ACCEPTED * total)
+    p, u = _first_guess(cell) if start is None else (plain_array(start[0]).copy(), plain_array(start[1]).copy())
+    state = load_state(cell)
+    steps = int(engine(fast).settle(load_arrays(cell), load, p, u, state, GOAL, STEPS))
+    force, n = state[3], np.abs(state[4])
+    left = float(max(np.max(np.abs(state[0]), initial=0.0), np.max(np.abs(state[1]), initial=0.0)))
+    good = left <= ACCEPTED * (load + float(np.sum(force)))
+    if not good and start is not None:  # from afar a ball all but free may creep along a flat energy
+        return settle(cell, None, fast)
+    return ScrewLoad(force, np.arctan2(n[..., 1], n[..., 0]), p, u, left, steps, good)
 
 
 def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:

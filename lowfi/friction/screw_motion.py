@@ -1,7 +1,7 @@
-"""Quasi-static motion of balls in a ball screw at given loads, and with loads and friction coupled (Lin 3.4.1).
+"""Quasi-static motion of balls in a ball screw at given loads, and what its friction does to the loads (Lin 3.4.1).
 
 The motion of each ball is that of least dissipation. Its in-plane friction (the helix turns nut and screw against each
-other about y3) changes the contact loads through the ball's equilibrium: both are iterated until they agree.
+other about y3) changes the contact loads through the ball's equilibrium: ``screw_coupled`` iterates both.
 """
 
 from __future__ import annotations
@@ -14,13 +14,14 @@ import numpy as np
 from .ellipse import Array, Contacts, contacts
 from .laws import Law, Sigmoid
 from .motion import Motion, Problem, balance_by_root, least_dissipation
+from .screw_engine import engine, plain_array
 from .screw_groove import ON_SCREW, ScrewGroove, contact_axes
-from .screw_load import Cell, ScrewLoad, screw_rows, settle
+from .screw_load import Cell, ScrewLoad, screw_rows
 
 #: What friction may change: nothing; the balls' places (as the source, 3.4.1); those and the screw's.
 Coupling = Literal["none", "ball", "ball and screw"]
 #: Change of friction [of the sum of contact forces] between rounds that counts as agreement, and most rounds.
-AGREED, ROUNDS = 1e-9, 100
+AGREED, ROUNDS = 1e-11, 100
 
 
 @dataclass(frozen=True)
@@ -61,16 +62,17 @@ def helical_power(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
     at the contact times force, axis times moment.
     """
     body = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed)
-    surface = np.cross(groove.axis, groove.ball_radius * normals) + groove.radius * np.array([0.0, 1.0, 0.0])
+    surface = groove.ball_radius * (normals @ groove.crosses[0].T) + groove.radius * np.array([0.0, 1.0, 0.0])
     per_speed = np.sum(surface * wrench[..., :3], axis=-1) + wrench[..., 3:] @ groove.axis
     return float(np.sum(body * per_speed))
 
 
 def screw_contacts(groove: ScrewGroove, force: Array) -> Contacts:
     """Friction contacts (n,) of forces (..., 4), flattened; an unloaded one keeps a vanishing ellipse."""
-    h = groove.constants
-    cube = np.cbrt(np.maximum(force, max(1e-9 * float(np.max(force)), 1e-30)))
-    return contacts((h.C_a * cube).ravel(), (h.C_b * cube).ravel(), force.ravel(), groove.mu)
+    h, four = groove.constants, np.reshape(force, (-1, 4)).astype(float)
+    a, b = np.empty_like(four), np.empty_like(four)
+    engine(True).semi_axes(four, plain_array(h.C_a), plain_array(h.C_b), a, b)
+    return contacts(a.ravel(), b.ravel(), four.ravel(), groove.mu)
 
 
 def ball_motion(
@@ -97,21 +99,10 @@ def source_law(groove: ScrewGroove, sharpness: float = 100.0) -> Sigmoid:
 def ball_motion_by_root(one: BallMotion, law: Law, start: Array | None = None, fast: bool = True) -> Motion:
     """The source's way at the same loads, kept for comparison: a root of the balance under ``law`` (Lin 3.69, 3.71).
 
-    start (4,): rolling at the nominal contact angle where None. "failed" from most starts near two-point contact.
+    start (4,): rolling at the nominal contact angle where None. "failed" from many starts near two-point contact.
     """
     first = np.array([one.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
     return balance_by_root(one.problem, law, first, fast)
-
-
-@dataclass(frozen=True)
-class CoupledBall:
-    """Loads and motion that agree. change: last change of the friction fed back [N]; converged: also the parts are."""
-
-    load: ScrewLoad
-    motion: BallMotion
-    change: float
-    rounds: int
-    converged: bool
 
 
 def ball_cell(
@@ -159,36 +150,6 @@ class Mixer:
         dx, dr = np.diff(self.x, axis=0).T, np.diff(self.r, axis=0).T
         share = np.linalg.lstsq(dr, self.r[-1], rcond=1e-8)[0]
         return np.asarray(x + part * (g - x) - (dx + part * dr) @ share)
-
-
-def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool = True) -> CoupledBall:
-    """Loads and motion of the one ball of a cell in agreement, by accelerated rounds of settling and least dissipation.
-
-    "ball": the screw stays where it is without friction (Lin 3.4.1); "ball and screw": it keeps balance with friction.
-    The former need not converge for tiny loads and micrometres of clearance, where friction wedges balls against the
-    screw: ``converged`` says so.
-    """
-    load = settle(cell)
-    if coupling == "ball":
-        cell = hold_screw(cell, load)
-        load = settle(cell)
-    groove, mixer = cell.groove, Mixer()
-    push, drag, start = cell.push, cell.drag, None
-    rounds, change, good = 0, np.inf, False
-    while True:
-        moved = ball_motion(groove, load.force[0], load.angle[0], start=start, fast=fast)
-        new_push, new_drag = feedback(cell, moved.wrench[None], np.zeros((1, 2)), coupling)
-        x, g = np.append(push, drag), np.append(new_push, new_drag)
-        change = float(np.max(np.abs(g - x)))
-        good = load.converged and moved.motion.status != "failed"
-        rounds += 1
-        if change <= AGREED * float(np.sum(load.force)) or rounds == ROUNDS:
-            break
-        x = mixer.next(x, g)
-        push, drag = x[:2].reshape(1, 2), x[2:]
-        load = settle(replace(cell, push=push, drag=drag), (load.ball, load.screw))
-        start = moved.motion.q
-    return CoupledBall(load, moved, change, rounds, good and change <= AGREED * float(np.sum(load.force)))
 
 
 def hold_screw(cell: Cell, load: ScrewLoad) -> Cell:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from .ellipse import Array
-from .screw_chain import CoupledChain, coupled_chain
+from .screw_coupled import CoupledChain, Guess, coupled_chain
 from .screw_groove import ScrewGroove
 from .screw_load import Cell, screw_rows
 from .screw_motion import Coupling, ball_motion
@@ -94,11 +94,14 @@ def _over(part: float, whole: float) -> float:
     return part / whole if whole > 0.0 else float("nan")
 
 
-def solve_pair(pair: Pair) -> PairResult:
-    """Both states of the pair (Lin 3.69-3.76); force and rate are complementary, so that balls that part stay apart."""
-    cell = pair.cell()
-    free = coupled_chain(cell, np.full(2, np.inf), pair.coupling)
-    return PairResult(free, coupled_chain(cell, np.array([0.0, np.inf]), pair.coupling, free))
+def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
+    """Both states of the pair (Lin 3.69-3.76); force and rate are complementary, so that balls that part stay apart.
+
+    guess: forces and motion of two balls from which both states are sought, in place of none and of the balls apart.
+    """
+    cell, apart = pair.cell(), None if guess is None else replace(guess, ball_force=np.zeros(2))
+    free = coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
+    return PairResult(free, coupled_chain(cell, np.array([0.0, np.inf]), pair.coupling, free, guess=guess))
 
 
 def table_3_6(**changes: object) -> ScrewGroove:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .ellipse import Array
-from .screw_chain import CoupledChain, coupled_chain
+from .screw_coupled import CoupledChain, coupled_chain
 from .screw_groove import ScrewGroove
 from .screw_load import Cell, screw_rows
 from .screw_motion import Coupling
@@ -76,7 +76,8 @@ class RunResult:
 
     nut_angle (T,) [rad]; azimuth (T, N) unwrapped, at the start of each step; gap (T, N) [rad] at its end; ball_force
     (T, N) [N]; omega (T, N) [rad/s]; load (T, N, 4) [N]; torques (T,) [N m] of grooves, of ball-to-ball sliding and of
-    closing gaps; imbalance (T,): input power less losses, relative; change (T,): of friction fed back to loads [N].
+    closing gaps; imbalance (T,): input power less losses, relative; change (T,): of friction fed back to loads [N];
+    converged (T,): loads and motion, and with more than one round that they agree.
     """
 
     run: Run
@@ -160,7 +161,7 @@ def simulate(run: Run) -> RunResult:
             ball_torque=float(m.ball_loss.sum()) / abs(g.speed),
             closing_torque=float(m.closing_loss.sum()) / abs(g.speed),
             imbalance=m.input_power / m.loss - 1.0, change=near.change,
-            converged=m.converged and near.load.converged,
+            converged=m.converged and near.load.converged and (near.converged or run.rounds == 1),
         )  # fmt: skip
         azimuth = azimuth + dt * omega
     return RunResult(run, **{key: np.array(rows) for key, rows in log.rows.items()})

@@ -78,6 +78,24 @@ def test_chains(count: int, mu: float) -> None:
         assert result.ball_force.max() > 0.0
 
 
+@pytest.mark.parametrize("bare", [0.0, 0.25])
+@pytest.mark.parametrize(
+    ("count", "mu", "tries"),
+    [(2, 0.5, 20), (5, 0.5, 20), (10, 0.3, 10), (20, 0.5, 6), (50, 0.001, 3), (50, 0.3, 3), (100, 0.5, 1)],
+)
+def test_chains_with_much_friction_between_balls(count: int, mu: float, tries: int, bare: float) -> None:
+    """Every angle off by up to 5 degrees, loads apart by up to nine times; contacts without load at probability bare.
+
+    With less than three contacts a ball has motions that cost nothing, which are free.
+    """
+    bearing, rng = replace(BEARING, mu_balls=mu), np.random.default_rng([count, int(1000 * mu), int(4 * bare)])
+    for _ in range(tries):
+        angles = bearing.contact_angle + np.radians(rng.uniform(-5.0, 5.0, (count, 4)))
+        loads = balanced_loads(angles, 100.0, rng.uniform(-0.9, 0.9, count)) * rng.uniform(0.2, 1.8, (count, 1))
+        loads = np.where(rng.uniform(size=(count, 4)) < bare, 0.0, loads)
+        check(bearing, angles, loads, rng, motion=1e-6 if bare == 0.0 else 2.0)
+
+
 @pytest.mark.parametrize("speed", [0.0, 1e-12, -1e-12, 1e3])
 def test_any_speed(speed: float) -> None:
     angles = BEARING.contact_angle + deviations(np.radians([2.0, 2.0]))

@@ -61,6 +61,27 @@ def test_equilibrium_of_every_ball(count):
     np.testing.assert_allclose(moment, 0.0, atol=1e-7)
 
 
+@pytest.mark.parametrize(("count", "mu"), [(5, 0.5), (20, 0.5), (50, 0.3)])
+def test_equilibrium_with_much_friction_between_balls(count, mu):
+    """The same where the path round folds decides, of balls all of whose contacts slide: those that stick bear less."""
+    bearing = replace(BEARING, mu_balls=mu)
+    angles, loads = random_chain(count, 2, 5.0)
+    result = solve(prepare(bearing, angles, loads))
+    assert result.status == "converged"
+    force, moment = out_of_balance(bearing, angles, loads, result)
+    spin = result.spin * semi_axes(bearing, loads)[0]
+    slides = np.all(np.hypot(result.sliding, spin) > 1e-6 * bearing.speed, axis=1)
+    rubs = np.linalg.norm(result.rotation[:-1] + result.rotation[1:], axis=1) * bearing.ball_radius
+    rubs = (rubs > 1e-6 * bearing.speed) | (result.ball_force == 0.0)
+    slides[:-1] &= rubs
+    slides[1:] &= rubs
+    assert slides.mean() > 0.5
+    np.testing.assert_allclose(force[slides], 0.0, atol=1e-6)
+    np.testing.assert_allclose(moment[slides], 0.0, atol=1e-6)
+    assert np.all(np.diff(result.velocity) >= -1e-10 * bearing.speed)
+    assert result.power == pytest.approx(result.loss, rel=1e-8)
+
+
 def test_contact_slip_is_that_of_rigid_bodies():
     """(3.22), (F.1)-(F.3) against v + omega x r in space, and only there where a contact carries load."""
     result = solve(prepare(BEARING, ANGLES, LOADS), kernels="interpreted")

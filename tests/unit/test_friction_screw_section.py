@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from compare import friction_bench, friction_stability
-from compare.friction_stability import Record
+from compare.friction_tally import Record, Tally
 from compare.printed_data import load_table
 from compare.sections import friction_screw, friction_screw_values
 from compare.study import Study
@@ -179,7 +179,7 @@ def test_root_finding_of_the_source_fails(records):
 
 def test_a_failure_would_be_counted(records):
     """Wrong answers, lost power and failures show up in a record."""
-    tally = friction_stability._Tally()
+    tally = Tally()
     tally.add(True, 1.0, 1.0, 0.0)
     tally.add(False, 1.1, 1.0, 0.2)
     r = tally.record("group", "model")
@@ -195,11 +195,11 @@ def test_a_failure_would_be_counted(records):
 
 def test_bench_rows_are_positive():
     rows = list(friction_bench.jobs(1))
-    assert len({r.name for r in rows}) == len(rows) == 11
+    assert len({r.name for r in rows}) == len(rows) == 14
     for r in rows:
         assert r.seconds > 0.0
         assert r.target > 0.0
         assert r.ratio is None or r.ratio > 0.0
         assert r.reached == (r.seconds <= r.target)
         assert len(r.note) > 10
-    assert {r.target for r in rows} == {1e-6, 0.15e-3, 1e-3, 20e-3, 3.0}
+    assert {r.target for r in rows} == {1e-6, 0.15e-3, 1e-3, 5 * 0.15e-3, 20 * 0.15e-3, 20e-3, 3.0}

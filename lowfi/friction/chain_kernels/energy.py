@@ -4,11 +4,11 @@ Velocities are in units of the carriage's speed, forces in units of the largest 
 ball: axial velocity and ball radius times the two spin components across the track, x = (v, R omega_x, R omega_y).
 """
 
-from math import sqrt
 from typing import Any
 
 from lowfi.jit import kernel
 
+from .band import HALF
 from .law import Array, regularised
 
 #: (contacts (N, C, 5), shapes (N, C, 4), nodes (2, m), closed (N-1,), mu, hold (N,), nominal (N, 3)).
@@ -16,14 +16,10 @@ Problem = Any
 #: (slip (N, C, 2), pair (N-1, 3), drift (N, 3)): slips, differences of neighbours, deviation from the nominal motion:
 #: linear in the unknowns, moved by increments so that nothing cancels where contacts stick.
 State = Any
-#: Columns of the banded matrix: half a band, the diagonal, half a band. A ball has four rows: x and, last, the force
-#: towards the next ball, so that elimination adds compliances and nothing cancels.
-HALF = 5
-WIDTH = 11
 
 
 @kernel
-def _add_contacts(problem: Problem, state: State, eps: float, K: Array, g: Array) -> float:
+def add_contacts(problem: Problem, state: State, eps: float, K: Array, g: Array) -> float:
     """Contacts' part of energy, gradient g ``(4N,)`` and banded Hessian K ``(4N, 11)``."""
     contacts, shapes, nodes, _, _, _, _ = problem
     slip, _, _ = state
@@ -49,61 +45,12 @@ def _add_contacts(problem: Problem, state: State, eps: float, K: Array, g: Array
 
 
 @kernel
-def _add_rubbing(eps: float, bound: float, slope: float, k: int, pair: Array, K: Array, g: Array) -> float:
-    """Friction between balls k and k+1 that slide at ``pair[k, 1:]``; slope: growth of its bound with their force."""
-    i, tx, ty = 4 * k, pair[k, 1], pair[k, 2]
-    size2 = tx * tx + ty * ty
-    eta = sqrt(size2 + eps * eps)
-    across = (tx / eta, ty / eta)
-    for a in range(2):
-        for row in (i + 1 + a, i + 5 + a):
-            g[row] += bound * across[a]
-            K[row, HALF + i + 3 - row] += slope * across[a]
-            for b in range(2):
-                h = bound * ((1.0 if a == b else 0.0) - across[a] * across[b]) / eta
-                for column in (i + 1 + b, i + 5 + b):
-                    K[row, HALF + column - row] += h
-    return float(bound * size2 / (eta + eps))
+def assemble(problem: Problem, state: State, eps: float, lam: Array, rho: float, K: Array, g: Array) -> float:
+    """Convex energy without friction between balls, its gradient g ``(4N,)`` and the banded matrix of Newton's step.
 
-
-@kernel
-def _add_pairs(
-    problem: Problem, state: State, eps: float, lam: Array, grip: Array, rho: float, coupled: bool, K: Array, g: Array
-) -> float:
-    """Ball-to-ball part: augmented Lagrangian of the order of the velocities, and friction bounded by mu ``grip``.
-
-    coupled: bounded by mu times the contact force itself instead, which makes K unsymmetric.
+    The order of the velocities enters by its augmented Lagrangian, multipliers lam and penalty rho.
     """
-    _, _, _, closed, mu, _, _ = problem
-    _, pair, _ = state
-    energy = 0.0
-    for k in range(closed.shape[0]):
-        i = 4 * k + 3
-        push = lam[k] + rho * pair[k, 0]
-        active = closed[k] != 0.0 and push > 0.0
-        if active:
-            energy += 0.5 * push * push / rho
-            g[i - 3] += push
-            g[i + 1] -= push
-            K[i, HALF] = -1.0 / rho
-            K[i, HALF - 3] = 1.0
-            K[i, HALF + 1] = -1.0
-            K[i - 3, HALF + 3] = 1.0
-            K[i + 1, HALF - 1] = -1.0
-        else:
-            push = 0.0
-        bound = mu * (push if coupled else grip[k])
-        if bound > 0.0:
-            energy += _add_rubbing(eps, bound, mu if coupled else 0.0, k, pair, K, g)
-    return energy
-
-
-@kernel
-def assemble(
-    problem: Problem, state: State, eps: float, lam: Array, grip: Array, rho: float, coupled: bool, K: Array, g: Array
-) -> float:
-    """Energy of the chain (convex unless coupled), its gradient g ``(4N,)`` and the banded matrix of Newton's step."""
-    drift, hold = state[2], problem[5]
+    drift, closed, hold = state[2], problem[3], problem[5]
     K[:] = 0.0
     g[:] = 0.0
     energy = 0.0
@@ -113,26 +60,21 @@ def assemble(
             g[4 * j + k] = hold[j] * drift[j, k]
             K[4 * j + k, HALF] = hold[j]
         K[4 * j + 3, HALF] = -1.0
-    energy += _add_contacts(problem, state, eps, K, g)
-    energy += _add_pairs(problem, state, eps, lam, grip, rho, coupled, K, g)
+    energy += add_contacts(problem, state, eps, K, g)
+    for k in range(closed.shape[0]):
+        i = 4 * k + 3
+        push = lam[k] + rho * state[1][k, 0]
+        if closed[k] == 0.0 or push <= 0.0:
+            continue
+        energy += 0.5 * push * push / rho
+        g[i - 3] += push
+        g[i + 1] -= push
+        K[i, HALF] = -1.0 / rho
+        K[i, HALF - 3] = 1.0
+        K[i, HALF + 1] = -1.0
+        K[i - 3, HALF + 3] = 1.0
+        K[i + 1, HALF - 1] = -1.0
     return energy
-
-
-@kernel
-def solve_banded(K: Array, x: Array) -> None:
-    """Solve K y = x in place by elimination without pivoting; K ``(n, 11)`` is overwritten by its factors."""
-    n = x.shape[0]
-    for i in range(n):
-        for r in range(i + 1, min(n, i + HALF + 1)):
-            factor = K[r, HALF + i - r] / K[i, HALF]
-            if factor != 0.0:
-                for c in range(i + 1, min(n, i + HALF + 1)):
-                    K[r, HALF + c - r] -= factor * K[i, HALF + c - i]
-                x[r] -= factor * x[i]
-    for i in range(n - 1, -1, -1):
-        for c in range(i + 1, min(n, i + HALF + 1)):
-            x[i] -= K[i, HALF + c - i] * x[c]
-        x[i] /= K[i, HALF]
 
 
 @kernel

@@ -1,154 +1,124 @@
 """Motion of a chain of balls: order of the velocities, ball-to-ball friction."""
 
 from math import sqrt
-from typing import Any
-
-import numpy as np
 
 from lowfi.jit import kernel
 
+from .band import solve_banded
+from .coupled import Point, copied, reopen, restore
 from .energy import Problem, State, rebuild
 from .law import Array
-from .newton import descend, polish
+from .newton import Work, descend, leap, settle
+from .path import FIRST, convex_sign, trace
 
-#: Above this factor the steps of the continuation in eps are not shortened any more.
-SHORTEST = 0.85
+#: Stiffness towards nominal rolling per creeping speed, until the last: motions without resistance stay in place.
+SPRING = 1e-3
+#: Friction between balls, over that of the grooves, up to which Newton's method may try without the path, and up to
+#: which it may take more than ``FEW`` steps at a creeping speed: beyond, the solution it found was at times another.
+#: Forces of N - 1 contacts that push at random add up like the root of their number.
+LARGE, SLIGHT = 0.8, 0.3
+#: Contacts of a ball without which it has a motion that meets no resistance.
+SUPPORTS = 3
+#: Most damping of velocities at the end, and most whole steps.
+FIRMEST, LEAPS = 1.0, 20
+#: Residual that counts as converged between creeping speeds, and most Newton steps at one of them.
+COARSE, FEW, MANY = 1e-6, 8, 60
 
 
 @kernel
-def _push(problem: Problem, state: State, lam: Array, rho: float) -> float:
-    """Take the augmented multipliers as contact forces ``lam``; returns the largest change."""
-    change = 0.0
-    for k in range(lam.shape[0]):
-        push = max(0.0, lam[k] + rho * state[1][k, 0]) if problem[3][k] != 0.0 else 0.0
-        change = max(change, abs(push - lam[k]))
-        lam[k] = push
-    return change
-
-
-@kernel
-def _order(
-    problem: Problem, state: State, eps: float, lam: Array, grip: Array, rho: float, work: Any, tolerance: float,
-    rounds: int,
-) -> tuple[int, float]:  # fmt: skip
-    """Minimum of the energy under v_k <= v_(k+1) at given friction bounds, multipliers in ``lam``.
-
-    Returns iterations and the largest force out of balance or last change of a multiplier.
-    """
-    total, residual = 0, 0.0
-    for _ in range(rounds):
-        used, residual = descend(problem, state, eps, lam, grip, rho, work, tolerance, 200)
+def _order(problem: Problem, state: State, lam: Array, work: Work) -> int:
+    """Least energy under v_k <= v_(k+1) without friction between balls at eps ``FIRST``, multipliers in ``lam``."""
+    total, rho = 0, 100.0 / FIRST
+    for _ in range(20):
+        used, _ = descend(problem, state, FIRST, lam, rho, work, 1e-10, 200)
         total += used
-        change = _push(problem, state, lam, rho)
-        residual = max(residual, change)
-        if change <= tolerance:
+        change = 0.0
+        for k in range(lam.shape[0]):
+            push = max(0.0, lam[k] + rho * state[1][k, 0]) if problem[3][k] != 0.0 else 0.0
+            change = max(change, abs(push - lam[k]))
+            lam[k] = push
+        if change <= COARSE:
             break
-    return total, residual
-
-
-@kernel
-def _couple(
-    problem: Problem, state: State, eps: float, lam: Array, grip: Array, rho: float, work: Any, tolerance: float
-) -> tuple[int, bool]:
-    """Try ``polish`` from the present state; on success its forces become ``lam`` and ``grip``."""
-    total = 0
-    for _ in range(4):
-        used, residual = polish(problem, state, eps, lam, rho, work, tolerance, 30)
-        total += used
-        if residual > tolerance:
-            return total, False
-        change = _push(problem, state, lam, rho)
-        grip[:] = lam
-        if change <= tolerance:
-            break
-    return total, True
-
-
-@kernel
-def _gap(lam: Array, grip: Array) -> float:
-    size = 0.0
-    for k in range(lam.shape[0]):
-        size = max(size, abs(lam[k] - grip[k]))
-    return size
-
-
-@kernel
-def _regrip(lam: Array, grip: Array, memory: Array, top: float, halve: bool) -> None:
-    """Next friction bounds: per pair a secant step on lam(grip) = grip, kept in the bracket, now and then its middle.
-
-    memory ``(4, N-1)``: grip and lam of the last round, lower and upper end of the bracket. lam falls where friction
-    grows, steeply where balls near two-point contact begin to stick to each other: repetition would not settle there.
-    """
-    for k in range(lam.shape[0]):
-        excess, d_grip = lam[k] - grip[k], grip[k] - memory[0, k]
-        if excess > 0.0:
-            memory[2, k] = grip[k]
-        else:
-            memory[3, k] = grip[k]
-        low, high = memory[2, k], memory[3, k]
-        if high - low <= 4e-16 * top and abs(excess) > 0.0:  # neighbours have moved the root out of its bracket
-            low, high = max(0.0, grip[k] - 10.0 * abs(excess)), min(top, grip[k] + 10.0 * abs(excess))
-            memory[2, k], memory[3, k] = low, high
-        slope = (lam[k] - memory[1, k]) / d_grip if d_grip != 0.0 else 0.0
-        memory[0, k], memory[1, k] = grip[k], lam[k]
-        new = grip[k] + (excess / (1.0 - slope) if slope < 0.9 else excess)
-        if excess != 0.0:
-            grip[k] = new if low < new < high and not (halve and high < top) else 0.5 * (low + high)
-
-
-@kernel
-def _continue(problem: Problem, state: State, lam: Array, grip: Array, work: Any, eps_end: float) -> int:
-    """Bring state, forces and friction bounds from smooth friction (eps 0.1) to just above ``eps_end``.
-
-    Steps in eps are shortened where the coupled equations do not follow; where no step helps, the bounds lag.
-    """
-    drift = state[2]
-    kept, kept_lam, kept_grip = drift.copy(), lam.copy(), grip.copy()
-    total, eps, factor = 0, 1.0, 0.1
-    while factor * eps > eps_end:
-        rebuild(problem, state)
-        rho = 100.0 / (factor * eps)  # stiffer than sticking contacts, else the multipliers creep
-        used, _ = _order(problem, state, factor * eps, lam, grip, rho, work, 1e-6, 1)
-        total += used
-        done = True
-        if problem[4] > 0.0 and lam.shape[0] > 0:
-            used, done = _couple(problem, state, factor * eps, lam, grip, rho, work, 1e-6)
-            total += used
-        if done or factor > SHORTEST:
-            eps *= factor
-            factor = max(0.1, factor * factor) if done else 0.1
-            kept[:], kept_lam[:], kept_grip[:] = drift, lam, grip
-        else:
-            factor = sqrt(factor)
-            drift[:], lam[:], grip[:] = kept, kept_lam, kept_grip
     return total
 
 
 @kernel
-def solve(
-    problem: Problem, state: State, lam: Array, grip: Array, work: Any, eps: float, tolerance: float, rounds: int
-) -> tuple[int, float, float]:
-    """Motion of all balls at creeping speed ``eps``: order by multipliers, ball-to-ball friction coupled or lagged.
+def _supported(contacts: Array) -> bool:
+    """Whether every ball has at least ``SUPPORTS`` loaded contacts."""
+    for j in range(contacts.shape[0]):
+        count = 0
+        for i in range(contacts.shape[1]):
+            if contacts[j, i, 3] > 0.0:
+                count += 1
+        if count < SUPPORTS:
+            return False
+    return True
 
-    The first step has no ball-to-ball friction, so that a convex problem alone decides where the answer starts from:
-    at high mu a jammed state may exist beside the one that develops from there.
-    lam ``(N-1,)``: contact forces out; grip: the forces that bound the friction. Returns Newton iterations, largest
-    force out of balance, and largest difference of contact force and friction bound, both per unit bound.
+
+@kernel
+def _pressed(z: Array) -> int:
+    """Number of contacts under force."""
+    count = 0
+    for k in range(z.shape[0]):
+        if z[k] > 0.0:
+            count += 1
+    return count
+
+
+@kernel
+def _descend_eps(problem: Problem, point: Point, work: Work, eps_end: float, limit: int) -> tuple[int, bool]:
+    """Coupled equations at creeping speeds from ``FIRST`` to ``eps_end``, the whole friction from the beginning.
+
+    Returns Newton steps and whether all went well: a determinant of the other sign tells of another branch.
     """
-    rho, residual, top = 100.0 / eps, 1.0, float(problem[0].shape[0])
-    memory = np.zeros((4, lam.shape[0]))
-    memory[3] = top
-    total = _continue(problem, state, lam, grip, work, eps)
-    rebuild(problem, state)
-    for i in range(rounds):
-        used, residual = _order(problem, state, eps, lam, grip, rho, work, tolerance, 20)
+    total, eps = 0, FIRST
+    while True:
+        reopen(point, eps)
+        used, left = settle(problem, point, (eps, 1.0, 0.0, SPRING * eps), work, COARSE, limit, 0.0)
         total += used
-        if _gap(lam, grip) <= tolerance:
+        if not left <= COARSE:
+            return total, False
+        if eps <= eps_end:
             break
-        if i % 8 == 1:
-            used, done = _couple(problem, state, eps, lam, grip, rho, work, tolerance)
-            total += used
-            if done:
-                continue
-        _regrip(lam, grip, memory, top, i % 3 == 2)
-    return total, residual, _gap(lam, grip)
+        eps = max(eps_end, 0.1 * eps)
+    K, factors, _, step, other = work
+    return total, solve_banded(K, factors, step, other) == convex_sign(point)
+
+
+@kernel
+def solve(
+    problem: Problem, state: State, z: Array, work: Work, eps: float, tolerance: float, limit: int
+) -> tuple[int, float]:
+    """Motion of all balls at creeping speed ``eps`` and forces max(z, 0); Newton steps and largest residual.
+
+    The first step has no ball-to-ball friction, so that a convex problem alone decides where the answer starts from.
+    Where friction between balls may bring further solutions, and where Newton's method does not follow from there at
+    once while creeping speeds fall, the path by ``trace`` decides, unless the balls all part without that friction.
+    """
+    point = state[0], state[1], state[2], z
+    contacts, shapes, nodes, closed, mu, hold, nominal = problem
+    rebuild(problem, state)
+    total = _order((contacts, shapes, nodes, closed, mu, hold + SPRING * FIRST, nominal), state, z, work)
+    first = copied(point)
+    share = mu * sqrt(z.shape[0])
+    good = mu == 0.0 or (share <= LARGE and _supported(contacts))
+    if good:
+        used, good = _descend_eps(problem, point, work, eps, FEW if share > SLIGHT else MANY)
+        total += used
+    if not good:
+        restore(point, first)
+        used, good = _descend_eps((contacts, shapes, nodes, closed, 0.0, hold, nominal), point, work, eps, MANY)
+        total += used
+        good = good and _pressed(z) == 0
+    if not good:
+        restore(point, first)
+        used, _ = trace(problem, point, eps, work, limit)
+        total += used
+        reopen(point, eps)
+    exact = eps, 1.0, 0.0, 0.0
+    used, residual = settle(problem, point, exact, work, tolerance, 100, FIRMEST)
+    total += used
+    if residual > tolerance:
+        used, residual = leap(problem, point, exact, work, tolerance, LEAPS)
+        total += used
+    return total, residual

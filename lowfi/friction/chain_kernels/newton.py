@@ -1,22 +1,44 @@
 """Newton's method on the energy of a chain and on its coupled equations."""
 
+from math import sqrt
 from typing import Any
+
+import numpy as np
 
 from lowfi.jit import kernel
 
-from .energy import HALF, Problem, State, assemble, move, solve_banded
+from . import coupled, energy
+from .band import HALF, solve_banded
+from .coupled import Law, Point
+from .energy import Problem, State
 from .law import Array
 
 #: Longest step of a velocity: longer ones, back and forth in the line search, would cost digits.
 LONGEST = 2.0
+#: Least damping of velocities.
+SOFTEST = 1e-14
+#: (matrix (4N, 11), the same with room for exchanged rows (4N, 16), residual (4N,), step (4N,), second step (4N,)).
+Work = Any
 
 
 @kernel
-def _largest(x: Array) -> float:
+def largest(x: Array) -> float:
+    """Largest size of an entry; nan where there is one."""
     size = 0.0
     for i in range(x.shape[0]):
-        size = max(size, abs(x[i]))
+        if not abs(x[i]) <= size:
+            size = abs(x[i])
     return size
+
+
+@kernel
+def _reach(step: Array) -> float:
+    """Part of the step after which no velocity has changed by more than ``LONGEST``."""
+    longest = LONGEST
+    for i in range(step.shape[0]):
+        if i % 4 != 3:
+            longest = max(longest, abs(step[i]))
+    return LONGEST / longest
 
 
 @kernel
@@ -30,85 +52,115 @@ def _dot(x: Array, y: Array) -> float:
 
 
 @kernel
-def _direction(K: Array, factors: Array, g: Array, step: Array) -> float:
-    """Newton's step by K, damped where round-off spoils it; returns the slope of the energy along it, negative."""
-    damping, top = 0.0, 0.0
+def _direction(work: Work) -> float:
+    """Newton's step, damped where round-off spoils it; returns the slope of the energy along it, negative."""
+    K, factors, g, step, other = work
+    damping, top, slope = 0.0, 0.0, 0.0
     for i in range(g.shape[0]):
         top = max(top, K[i, HALF])
-    slope, longest = 0.0, 0.0
     for _ in range(9):
-        factors[:] = K
         step[:] = -g
-        for i in range(g.shape[0]):
-            if i % 4 != 3:
-                factors[i, HALF] += damping
-        solve_banded(factors, step)
+        solve_banded(K, factors, step, other)
         slope = _dot(g, step)
         if slope < 0.0:
             break
-        damping = max(1e-15 * top, 100.0 * damping)
-    for i in range(g.shape[0]):
-        if i % 4 != 3:
-            longest = max(longest, abs(step[i]))
-    if longest > LONGEST:
-        step *= LONGEST / longest
-        slope *= LONGEST / longest
-    return slope
+        more = max(1e-15 * top, 100.0 * damping) - damping
+        damping += more
+        for i in range(g.shape[0]):
+            if i % 4 != 3:
+                K[i, HALF] += more
+    part = _reach(step)
+    step *= part
+    return slope * part
 
 
 @kernel
 def descend(
-    problem: Problem, state: State, eps: float, lam: Array, grip: Array, rho: float, work: Any, tolerance: float,
-    limit: int,
-) -> tuple[int, float]:  # fmt: skip
+    problem: Problem, state: State, eps: float, lam: Array, rho: float, work: Work, tolerance: float, limit: int
+) -> tuple[int, float]:
     """Newton's method with line search on the convex energy; returns iterations and largest force out of balance."""
-    K, factors, g, step = work
-    energy = assemble(problem, state, eps, lam, grip, rho, False, K, g)
+    K, _, g, step, _ = work
+    level = energy.assemble(problem, state, eps, lam, rho, K, g)
     for iteration in range(limit):
-        residual = _largest(g)
+        residual = largest(g)
         if residual <= tolerance:
             return iteration, residual
-        slope = _direction(K, factors, g, step)
+        slope = _direction(work)
         if not slope < 0.0:
             return iteration, residual
         t, at = 1.0, 0.0
         for _ in range(60):
-            move(problem, state, step, t - at)
+            energy.move(problem, state, step, t - at)
             at = t
-            trial = assemble(problem, state, eps, lam, grip, rho, False, K, g)
-            if trial <= energy + 1e-4 * t * slope + 1e-14 * abs(energy):  # the last term is round-off
+            trial = energy.assemble(problem, state, eps, lam, rho, K, g)
+            if trial <= level + 1e-4 * t * slope + 1e-14 * abs(level):  # the last term is round-off
                 break
             t *= min(0.7, max(0.1, slope / (slope - _dot(g, step))))
-        energy = trial
-    return limit, _largest(g)
+        level = trial
+    return limit, largest(g)
 
 
 @kernel
-def polish(
-    problem: Problem, state: State, eps: float, lam: Array, rho: float, work: Any, tolerance: float, limit: int
+def settle(
+    problem: Problem, point: Point, law: Law, work: Work, tolerance: float, limit: int, firmest: float
 ) -> tuple[int, float]:
-    """Semismooth Newton's method on the coupled equations (friction bounded by the contact force itself).
+    """Semismooth Newton's method on the coupled equations, steps halved until the residual falls.
 
-    Goes on only while the force out of balance falls; returns iterations and that force.
+    Where it does not, velocities are damped by up to ``firmest``: steps of motions without resistance are noise.
+    Returns iterations and the largest residual; leaves ``work`` as assembled at the point.
     """
-    K, factors, g, step = work
-    assemble(problem, state, eps, lam, lam, rho, True, K, g)
-    residual = _largest(g)
+    K, factors, g, step, other = work
+    coupled.assemble(problem, point, law, K, g)
+    size, damping = sqrt(np.dot(g, g)), 0.0
     for iteration in range(limit):
-        if residual <= tolerance:
-            return iteration, residual
-        _direction(K, factors, g, step)
-        t, at, trial = 1.0, 0.0, residual
+        if largest(g) <= tolerance:
+            return iteration, largest(g)
+        for i in range(g.shape[0]):
+            if i % 4 != 3:
+                K[i, HALF] += damping
+        step[:] = -g
+        solve_banded(K, factors, step, other)
+        t, at, trial = _reach(step), 0.0, size
         for _ in range(12):
-            move(problem, state, step, t - at)
+            coupled.shift(problem, point, step, t - at)
             at = t
-            assemble(problem, state, eps, lam, lam, rho, True, K, g)
-            trial = _largest(g)
-            if trial < (1.0 - 0.1 * t) * residual:
+            coupled.assemble(problem, point, law, K, g)
+            trial = sqrt(np.dot(g, g))
+            if trial < (1.0 - 0.1 * t) * size:
                 break
             t *= 0.5
-        if not trial < residual:
-            move(problem, state, step, -at)
-            return iteration, residual
-        residual = trial
-    return limit, residual
+        if trial < size:
+            size = trial
+            if t > 0.2 or firmest == 0.0:
+                damping *= 0.1
+            else:
+                damping = min(firmest, max(SOFTEST, 100.0 * damping))
+            continue
+        coupled.shift(problem, point, step, -at)
+        coupled.assemble(problem, point, law, K, g)
+        damping = max(SOFTEST, 100.0 * damping)
+        if not damping <= firmest:
+            return iteration, largest(g)
+    return limit, largest(g)
+
+
+@kernel
+def leap(problem: Problem, point: Point, law: Law, work: Work, tolerance: float, limit: int) -> tuple[int, float]:
+    """Whole Newton steps on the coupled equations, whatever the residual on the way: across kinks it rises first.
+
+    Returns iterations and the largest residual; the point is left where it was if that has not fallen.
+    """
+    K, factors, g, step, other = work
+    coupled.assemble(problem, point, law, K, g)
+    start, kept = largest(g), coupled.copied(point)
+    for iteration in range(limit):
+        step[:] = -g
+        solve_banded(K, factors, step, other)
+        coupled.shift(problem, point, step, _reach(step))
+        coupled.assemble(problem, point, law, K, g)
+        if largest(g) <= tolerance:
+            return iteration + 1, largest(g)
+    if not largest(g) < start:
+        coupled.restore(point, kept)
+        return limit, start
+    return limit, largest(g)

@@ -1,0 +1,176 @@
+"""Balance of many balls in motion with ball-to-ball contact as a complementarity problem, and Newton's method on it."""
+
+from math import sqrt
+
+import numpy as np
+
+from lowfi.jit import kernel
+
+from .arrays import Array, Balls, Groove
+from .band import solve
+from .contacts import ball, rubbing, semi_axes
+
+#: (balance (N, 4), complementarity (N,), its slopes by force and gap (N, 2), the grooves' Hessian (N, 4, 4)).
+Parts = tuple[Array, Array, Array, Array]
+#: Half bandwidth with a ball's motion and the force on the next in one block of five.
+HALF = 9
+#: Largest step of a ball's surface speeds, as part of its nominal speed: far off, friction no longer tells the way.
+REACH = 0.3
+
+
+@kernel
+def room(groove: Groove, balls: Balls, x: Array, k: int) -> float:
+    """What is left of the slack between ball k and the next, scaled."""
+    ahead = (k + 1) % x.shape[0]
+    return float(groove[7] * (x[ahead, 0] - x[k, 0]) + balls[3][k])
+
+
+@kernel
+def residual(groove: Groove, balls: Balls, x: Array, f: Array, eps: float, parts: Parts) -> float:
+    """Writes ``parts`` at motions x (N, 4) and forces f (N,) from ball k to k + 1; returns the root of the squares.
+
+    Complementarity by Fischer-Burmeister's function f + gap - sqrt(f^2 + gap^2).
+    """
+    force, normal, hold, _, allowed, mu, strength = balls
+    nominal, first, second, closing = groove[4], groove[5], groove[6], groove[7]
+    balance, comp, slopes, hessian = parts
+    n = f.shape[0]
+    a, b = np.empty_like(force), np.empty_like(force)
+    semi_axes(force, groove[2], groove[3], a, b)
+    balance[:] = 0.0
+    hessian[:] = 0.0
+    for k in range(n):
+        ball(groove, force[k], normal[k], (a[k], b[k]), strength, x[k], eps, balance[k], hessian[k])
+        for j in range(4):
+            balance[k, j] += hold[k] * (x[k, j] - nominal[j])
+            hessian[k, j, j] += hold[k]
+    for k in range(n):
+        ahead = (k + 1) % n
+        u, v, size = rubbing(groove, x[k], x[ahead], eps)
+        bite = mu[k] * max(f[k], 0.0) / size
+        for j in range(4):
+            balance[k, j] += bite * (u * first[0, j] + v * first[1, j])
+            balance[ahead, j] -= bite * (u * second[0, j] + v * second[1, j])
+        balance[k, 0] += closing * f[k]
+        balance[ahead, 0] -= closing * f[k]
+        comp[k], slopes[k, 0], slopes[k, 1] = f[k], 1.0, 0.0
+        if allowed[k] > 0.0:
+            left = room(groove, balls, x, k)
+            size = max(sqrt(f[k] * f[k] + left * left), 1e-300)
+            comp[k], slopes[k, 0], slopes[k, 1] = f[k] + left - size, 1.0 - f[k] / size, 1.0 - left / size
+    return float(sqrt(np.sum(balance * balance) + np.sum(comp * comp)))
+
+
+@kernel
+def worst(parts: Parts) -> float:
+    """Largest entry of balance and complementarity."""
+    return float(max(np.max(np.abs(parts[0])), np.max(np.abs(parts[1]))))
+
+
+@kernel
+def couple(groove: Groove, balls: Balls, x: Array, f: Array, slopes: Array, eps: float, k: int, out: Array) -> None:
+    """Writes the blocks (4, 5, 5) that ball k and the next share: on k, right of it, below it, on the next."""
+    first, second, closing = groove[5], groove[6], groove[7]
+    u, v, size = rubbing(groove, x[k], x[(k + 1) % f.shape[0]], eps)
+    u, v = u / size, v / size
+    bite = balls[5][k] * max(f[k], 0.0) / size
+    sliding = balls[5][k] if f[k] > 0.0 else 0.0
+    out[:] = 0.0
+    for j in range(4):
+        one, two = u * first[0, j] + v * first[1, j], u * second[0, j] + v * second[1, j]
+        for q in range(4):
+            r_one, r_two = u * first[0, q] + v * first[1, q], u * second[0, q] + v * second[1, q]
+            ff = first[0, j] * first[0, q] + first[1, j] * first[1, q] - one * r_one
+            fs = first[0, j] * second[0, q] + first[1, j] * second[1, q] - one * r_two
+            sf = second[0, j] * first[0, q] + second[1, j] * first[1, q] - two * r_one
+            ss = second[0, j] * second[0, q] + second[1, j] * second[1, q] - two * r_two
+            out[0, j, q], out[1, j, q], out[2, j, q], out[3, j, q] = bite * ff, -bite * fs, -bite * sf, bite * ss
+        out[0, j, 4], out[2, j, 4] = sliding * one, -sliding * two
+    out[0, 0, 4] += closing
+    out[2, 0, 4] -= closing
+    out[0, 4, 0], out[1, 4, 0] = -closing * slopes[k, 1], closing * slopes[k, 1]
+    out[0, 4, 4] = slopes[k, 0]
+
+
+@kernel
+def jacobian(groove: Groove, balls: Balls, x: Array, f: Array, parts: Parts, eps: float, start: int, K: Array) -> None:
+    """Writes the banded Jacobian (see ``band``) of motions and forces with ball ``start`` first, cut open before it."""
+    n, out = f.shape[0], np.empty((4, 5, 5))
+    K[:] = 0.0
+    for k in range(n):
+        row = 5 * ((k - start) % n)
+        for i in range(4):
+            for j in range(4):
+                K[row + i, HALF + j - i] += parts[3][k, i, j]
+        couple(groove, balls, x, f, parts[2], eps, k, out)
+        last = row == 5 * (n - 1)
+        other = 0 if last else row + 5
+        for i in range(5):
+            for j in range(5):
+                K[row + i, HALF + j - i] += out[0, i, j]
+                K[other + i, HALF + j - i] += out[3, i, j]
+                if not last:
+                    K[row + i, HALF + 5 + j - i] += out[1, i, j]
+                    K[other + i, HALF - 5 + j - i] += out[2, i, j]
+
+
+@kernel
+def opening(groove: Groove, balls: Balls, x: Array, f: Array) -> int:
+    """The ball after the contact that is most clearly open: there a closed track may be cut."""
+    start, most = 0, -np.inf
+    for k in range(f.shape[0]):
+        left = room(groove, balls, x, k) - f[k] if balls[4][k] > 0.0 else np.inf
+        if left > most:
+            start, most = (k + 1) % f.shape[0], left
+    return start
+
+
+@kernel
+def step(groove: Groove, balls: Balls, x: Array, f: Array, parts: Parts, eps: float, dx: Array, df: Array) -> None:
+    """Writes Newton's step (N, 4), (N,)."""
+    n, start = f.shape[0], opening(groove, balls, x, f)
+    K, side = np.empty((5 * n, 3 * HALF + 1)), np.empty((5 * n, 1))
+    jacobian(groove, balls, x, f, parts, eps, start, K)
+    for k in range(n):
+        row = 5 * ((k - start) % n)
+        for j in range(4):
+            side[row + j, 0] = -parts[0][k, j]
+        side[row + 4, 0] = -parts[1][k]
+    solve(K, side, HALF)
+    for k in range(n):
+        row = 5 * ((k - start) % n)
+        for j in range(4):
+            dx[k, j] = side[row + j, 0]
+        df[k] = side[row + 4, 0]
+
+
+@kernel
+def newton(
+    groove: Groove, balls: Balls, x: Array, f: Array, eps: float, goal: float, near: float, limit: int, parts: Parts
+) -> tuple[float, int]:
+    """Newton from (x, f), overwritten, at one regularising speed, steps halved until the residual falls.
+
+    Ends at ``goal``, after ``limit`` steps, or where round-off lets the residual, below ``near``, fall no more.
+    Returns its size and the steps; ``parts`` are those of the end.
+    """
+    dx, df = np.empty_like(x), np.empty_like(f)
+    size = residual(groove, balls, x, f, eps, parts)
+    trial = (np.empty_like(parts[0]), np.empty_like(f), np.empty_like(parts[2]), np.empty_like(parts[3]))
+    for count in range(limit):
+        if size <= goal:
+            return size, count
+        step(groove, balls, x, f, parts, eps, dx, df)
+        length, new, better = min(1.0, REACH / max(np.max(np.abs(dx)), 1e-300)), size, False
+        for _ in range(3 if size <= near else 25):
+            new = residual(groove, balls, x + length * dx, f + length * df, eps, trial)
+            if new < (1.0 - 0.1 * length) * size:
+                better = True
+                break
+            length *= 0.5
+        if not better:
+            return size, count + 1
+        x += length * dx
+        f += length * df
+        size = new
+        parts[0][:], parts[1][:], parts[2][:], parts[3][:] = trial[0], trial[1], trial[2], trial[3]
+    return size, limit

@@ -1,0 +1,36 @@
+"""Banded linear systems by elimination with row exchange."""
+
+from lowfi.jit import kernel
+
+from .arrays import Array
+
+
+@kernel
+def solve(K: Array, x: Array, half: int) -> None:
+    """Overwrites right-hand sides x (n, c) by the solutions, K by its factors; not finite where K is singular.
+
+    Entry (i, j) of the matrix is K[i, half + j - i]; K (n, 3 half + 1) has room for what row exchange fills in.
+    """
+    n = x.shape[0]
+    for c in range(n):
+        low, right, top = min(n, c + half + 1), min(n, c + 2 * half + 1), c
+        for r in range(c + 1, low):
+            if abs(K[r, half + c - r]) > abs(K[top, half + c - top]):
+                top = r
+        if top != c:
+            for j in range(c, right):
+                K[c, half + j - c], K[top, half + j - top] = K[top, half + j - top], K[c, half + j - c]
+            for q in range(x.shape[1]):
+                x[c, q], x[top, q] = x[top, q], x[c, q]
+        for r in range(c + 1, low):
+            part = K[r, half + c - r] / K[c, half]
+            if part != 0.0:
+                for j in range(c + 1, right):
+                    K[r, half + j - r] -= part * K[c, half + j - c]
+                for q in range(x.shape[1]):
+                    x[r, q] -= part * x[c, q]
+    for c in range(n - 1, -1, -1):
+        for q in range(x.shape[1]):
+            for j in range(c + 1, min(n, c + 2 * half + 1)):
+                x[c, q] -= K[c, half + j - c] * x[j, q]
+            x[c, q] /= K[c, half]

@@ -1,0 +1,50 @@
+"""Coupled loads and friction of a pair in a ball screw do not depend on where the search begins.
+
+Valid where the load presses both balls against their grooves by more than friction moves them: a ball with play may
+float or be wedged by its own friction (tests/unit/test_friction_screw_coupled.py).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi.friction.screw_coupled import Guess
+from lowfi.friction.screw_pair import Pair, PairResult, plain, solve_pair, table_3_6
+
+#: Load [N] and oversize of the ball radii [m], negative for clearance.
+STATES = ((1.0, 1.7e-6), (1.0, 0.0), (50.0, 1.7e-6), (50.0, 0.0), (50.0, -1e-7), (50.0, -1e-6), (2000.0, -3e-6),
+          (2000.0, -1e-5))  # fmt: skip
+STARTS = 4
+
+
+def random_guess(pair: Pair, found: PairResult, rng: np.random.Generator) -> Guess:
+    """Pushes, drags and forces from a tenth of the friction bound to ten times it, motions off by half."""
+    held = pair.coupling == "ball"
+    size = pair.groove.mu * float(found.load.max()) * 10.0 ** rng.uniform(-1.0, 1.0)
+    q = found.touching.motion.q
+    return Guess(
+        push=size * rng.normal(size=(2, 2)),
+        drag=np.zeros(1) if held else size * rng.normal(size=1),
+        q=q * (1.0 + 0.5 * rng.normal(size=q.shape)),
+        ball_force=size * np.array([rng.uniform(), 0.0]),
+    )
+
+
+@pytest.mark.parametrize("coupling", ["ball", "ball and screw"])
+@pytest.mark.parametrize("mu", [0.01, 0.05, 0.1, 0.2, 0.35, 0.5])
+def test_random_starts_give_the_same_coupled_state(mu: float, coupling: str) -> None:
+    """All contact forces and the ball-to-ball force within 1e-6 of the friction bound of a ball."""
+    rng = np.random.default_rng(int(1000 * mu))
+    for force, oversize in STATES:
+        pair = replace(plain(np.radians(2.0)), groove=table_3_6(mu=mu), oversize=oversize, force=(force,))
+        pair = replace(pair, coupling=coupling)  # type: ignore[arg-type]
+        found = solve_pair(pair)
+        assert found.converged
+        near = 1e-6 * mu * float(found.load.max())
+        for _ in range(STARTS):
+            again = solve_pair(pair, random_guess(pair, found, rng))
+            assert again.converged
+            for one, two in ((found.free, again.free), (found.touching, again.touching)):
+                assert two.load.force == pytest.approx(one.load.force, abs=near)
+                assert two.motion.ball_force == pytest.approx(one.motion.ball_force, abs=near)
