@@ -44,15 +44,16 @@ def interpreted() -> ModuleType:
     return importlib.import_module("lowfi.kernel")
 
 
-def drop_stale(folder: Path) -> bool:
+def drop_stale(folder: Path, *used: Path) -> bool:
     """Remove cached machine code made from other sources; returns whether any source had changed.
 
     numba keys its cache by the file of a function, not by the functions it calls in other files: after a change in one
-    kernel its callers would keep the old machine code.
+    kernel its callers would keep the old machine code. used: other folders whose kernels those of this one call.
     """
     digest = hashlib.sha256()
-    for source in sorted(folder.glob("*.py")):
-        digest.update(source.read_bytes())
+    for place in (folder, *used):
+        for source in sorted(place.glob("*.py")):
+            digest.update(source.read_bytes())
     stamp, text = folder / "__pycache__" / "kernels.sha256", digest.hexdigest()
     try:
         if stamp.exists() and stamp.read_text(encoding="ascii") == text:
@@ -67,12 +68,12 @@ def drop_stale(folder: Path) -> bool:
     return True
 
 
-def load_compiled(name: str, folder: Path) -> ModuleType:
+def load_compiled(name: str, folder: Path, *used: Path) -> ModuleType:
     """The kernels of a folder loaded as a package of that ``name``, which must begin like ``COMPILED``.
 
-    Raises ImportError where the folder holds no package.
+    used: folders of other kernels that they call. Raises ImportError where the folder holds no package.
     """
-    drop_stale(folder)
+    drop_stale(folder, *used)
     spec = importlib.util.spec_from_file_location(
         name, folder / "__init__.py", submodule_search_locations=[str(folder)]
     )

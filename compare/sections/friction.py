@@ -10,7 +10,6 @@ from math import degrees, radians
 
 import numpy as np
 
-from compare.bench import timed
 from compare.findings import Finding, entry
 from compare.measure import error_percent
 from compare.sections.friction_values import (
@@ -19,9 +18,7 @@ from compare.sections.friction_values import (
     LINEAR,
     LOADS,
     ROTARY,
-    SIDE,
     TABLES,
-    THETA,
     VERTICAL,
     WORST,
     Ours,
@@ -33,16 +30,14 @@ from compare.sections.friction_values import (
 )
 from compare.study import Study
 from lowfi.friction.chain import Chain, prepare, solve
-from lowfi.friction.ellipse import Array, about_point
-from lowfi.friction.engine import engine
-from lowfi.friction.linear_pair import PairMaps, maps, pair_state, solve_pair
+from lowfi.friction.ellipse import Array
+from lowfi.friction.linear_pair import PairMaps, maps, pair_state
 from lowfi.friction.motion import balance_by_root, least_dissipation
 from lowfi.friction.rotary import (
     SIDES,
     Solution,
     Sweep,
     inner_torque,
-    solve_ball,
     source_law,
     sweep,
 )
@@ -282,44 +277,6 @@ def root_table() -> Table:
     return Table("friction-roots", "Rotary bearing: starts from which the motion is found", columns, root_rows(), note)
 
 
-# --- timing
-
-
-def timing_table() -> Table:
-    """Run times, with the source's formulation in this process where it has one."""
-    n, state = 2000, right("III", "as printed")
-    shape = np.full(n, 1e-3), np.full(n, 2e-4)
-    motion, out = about_point(np.ones(n), np.linspace(-2e-3, 2e-3, n), np.full(n, 1e-4)), np.empty((n, 11))
-    call = engine(True).dissipation_many
-    contact = timed(lambda: call(*shape, motion, 0.0, out), 9) / n
-    ball = timed(lambda: least_dissipation(state.problem, fast=True), 25)
-    law, start = source_law(ROTARY), state.motion.q
-    theirs = timed(lambda: balance_by_root(state.problem, law, start, fast=True), 9)
-    whole = timed(lambda: solve_ball(ROTARY, AXIAL, CASES["III"], fast=True), 25)
-    chain = prepare(LINEAR, *pair_state(LINEAR, THETA, SIDE, VERTICAL))
-    touching = timed(lambda: solve(chain), 25)
-    both = timed(lambda: solve_pair(LINEAR, THETA, SIDE, VERTICAL), 25)
-    printed = entry("lin-3.5", "a_time_numerical")
-    rows: list[dict[str, Cell]] = [
-        {"job": "one contact: friction, first and second derivatives", "us": 1e6 * contact,
-         "note": "mean of 2000 in a call"},
-        {"job": "motion of one ball at given loads, case III", "us": 1e6 * ball, "ratio": theirs / ball,
-         "note": "ratio: the source's root finding, started from the solution, over ours"},
-        {"job": "loads and motion of one ball, case III", "us": 1e6 * whole, "note": "loads by plain Python"},
-        {"job": "linear pair in contact, given loads", "us": 1e6 * touching, "note": "prepared"},
-        {"job": "linear pair, apart and in contact, with loads", "us": 1e6 * both,
-         "theirs": 1e6 * (printed.value or 0.0), "note": "the source's time is of another machine and language"},
-    ]  # fmt: skip
-    columns = (
-        Column("job", "job", "", "s"),
-        Column("us", "median", "µs", "g3"),
-        Column("ratio", "source's formulation over ours, this process", "", "g3"),
-        Column("theirs", "printed by the source, another machine", "µs", "g3"),
-        Column("note", "what is included", "", "s"),
-    )
-    return Table("friction-timing", "Run times, compiled kernels", columns, rows)
-
-
 # --- figures
 
 
@@ -444,7 +401,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     drawn += map_figures()
     step("extreme cases and starts")
     checks = (stability_table(), root_table())
-    step("run times")
     tables = {t: printed_table(found, t) for t in TABLES}
     return Section(
         "friction",
@@ -452,6 +408,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         (
             Text(INTRODUCTION), tables["lin-3.1"], tables["lin-3.2"], balance_table(), drawn[0], drawn[1],
             tables["lin-3.3"], tables["lin-3.4"], tables["lin-3.5"], sensitivity_table(), drawn[2], drawn[3],
-            tables["lin-G"], *checks, timing_table(),
+            tables["lin-G"], *checks,
         ),
     )  # fmt: skip

@@ -206,7 +206,7 @@ def table_3_5() -> dict[str, Ours]:
     out["error_analytic"] = Ours(holds=off < 6.0, evidence=f"{off:.1f} % off the printed ANSYS force")
     for model in ("numerical", "analytic", "ansys"):
         for case in "ab":
-            words = "another machine and language; not compared, see table friction-timing"
+            words = "another machine and language; not compared, see table timing-friction"
             out[f"{case}_time_{model}"] = Ours(evidence=words)
     return out
 

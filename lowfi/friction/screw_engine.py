@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from functools import cache, lru_cache
 from pathlib import Path
 from types import ModuleType
@@ -30,29 +29,7 @@ def _compiled() -> ModuleType:
     """The kernels' folder loaded a second time under a name whose functions ``lowfi.jit.kernel`` compiles."""
     folder = _HERE / "screw_kernels"
     contact_engine.compiled()
-    drop_older(folder, _HERE / "kernel")
-    return jit.load_compiled(f"{jit.COMPILED}_screw", folder)
-
-
-def drop_older(folder: Path, used: Path) -> bool:
-    """Remove machine code cached in ``folder`` that was made with other sources of the kernels in ``used``.
-
-    ``lowfi.jit.drop_stale`` looks into one folder only, and these kernels call those of one contact in another.
-    Returns whether anything had changed.
-    """
-    text = hashlib.sha256(b"".join(source.read_bytes() for source in sorted(used.glob("*.py")))).hexdigest()
-    stamp = folder / "__pycache__" / "used.sha256"
-    try:
-        if stamp.exists() and stamp.read_text(encoding="ascii") == text:
-            return False
-        stamp.parent.mkdir(exist_ok=True)
-        for pattern in ("*.nbi", "*.nbc"):
-            for file in stamp.parent.glob(pattern):
-                file.unlink(missing_ok=True)
-        stamp.write_text(text, encoding="ascii")
-    except OSError:  # a read-only installation: its sources do not change one by one
-        return False
-    return True
+    return jit.load_compiled(f"{jit.COMPILED}_screw", folder, _HERE / "kernel")
 
 
 @lru_cache(maxsize=64)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lowfi.friction.screw_chain import Chain, Search, solve_chain
-from lowfi.friction.screw_engine import drop_older, engine, groove_arrays
+from lowfi.friction.screw_engine import engine, groove_arrays
 from lowfi.friction.screw_groove import ScrewGroove
 from lowfi.friction.screw_joint import solve_joint, system_of
 from lowfi.friction.screw_kernels import band, contacts, joint
@@ -121,18 +121,3 @@ def test_jacobian_of_the_joint_system_against_differences() -> None:
     found[:7, 13] = 0.0  # the force of the last ball on the first, which do not touch
     assert full == pytest.approx(found, rel=1e-6, abs=1e-6)
     assert residual(z, fast=True)[0] == pytest.approx(value, rel=1e-11, abs=1e-13)
-
-
-def test_machine_code_made_with_older_sources_goes(tmp_path) -> None:
-    used, folder = tmp_path / "used", tmp_path / "own"
-    used.mkdir()
-    folder.mkdir()
-    (used / "a.py").write_text("x = 1\n")
-    assert drop_older(folder, used)
-    old = folder / "__pycache__" / "f.nbc"
-    old.write_bytes(b"machine code")
-    assert not drop_older(folder, used)
-    assert old.exists()
-    (used / "a.py").write_text("x = 2\n")
-    assert drop_older(folder, used)
-    assert not old.exists()

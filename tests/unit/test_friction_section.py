@@ -106,14 +106,6 @@ def test_least_dissipation_comes_from_every_start_and_root_finding_does_not(made
     assert len(lost) == 6
 
 
-def test_times_are_positive_and_theirs_is_labelled(made):
-    table = tables(made)["friction-timing"]
-    assert all(row["us"] > 0.0 for row in table.rows)
-    labels = {c.key: c.label for c in table.columns}
-    assert "another machine" in labels["theirs"]
-    assert sum("theirs" in row for row in table.rows) == 1
-
-
 def test_figures_have_data_and_can_be_drawn(made):
     figures = [item for item in made.items if isinstance(item, Figure)]
     assert [f.name for f in figures] == [
