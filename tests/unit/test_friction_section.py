@@ -16,7 +16,7 @@ from reports.records import Figure, Section, Table
 def made() -> Section:
     steps: list[str] = []
     section = friction.section(Study(), steps.append)
-    assert len(steps) == 5
+    assert len(steps) == 4
     return section
 
 
