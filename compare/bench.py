@@ -30,8 +30,8 @@ from compare.ensemble import run_ensemble
 from compare.stability import with_balls
 from lowfi import source as lin
 from lowfi.compliance.bodies import REFINED, forget
-from lowfi.elastic import Rebuild
 from lowfi.elastic import run as run_elastic
+from lowfi.elastic_system import Rebuild
 from lowfi.problem import Problem, build
 from lowfi.selection import choose_sides
 from lowfi.static import TOLERANCE as OWN_TOLERANCE

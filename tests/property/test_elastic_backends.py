@@ -9,7 +9,8 @@ import pytest
 from compare import catalogue
 from lowfi import jit
 from lowfi.compliance.bodies import LADDER, REFINED, held_at
-from lowfi.elastic import Rebuild, ready, run, solve_elastic
+from lowfi.elastic import run, solve_elastic
+from lowfi.elastic_system import Rebuild, ready
 from lowfi.kernel import elastic as kernel
 from lowfi.mechanism import free_motions
 from lowfi.static import pin

@@ -187,18 +187,18 @@ def test_shipped_runs_are_converged_and_in_balance(name: str) -> None:
 def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     """The gate sees a low-order shaft, or a low-order contact, whose stiffness is off by 20 per cent."""
     assert [row.name for row in gate.reference_rows(Study(), 7.0) if not row.passed] == []
-    import lowfi.elastic
+    import lowfi.elastic_system
     import lowfi.problem
     from meshes.section import BeamSection
 
-    right = lowfi.elastic.grooved_section
+    right = lowfi.elastic_system.grooved_section
 
     def soft(geometry, screw):  # type: ignore[no-untyped-def]
         s = right(geometry, screw)
         return BeamSection(0.8 * s.EA, 0.8 * s.EI, 0.8 * s.GJ, 0.8 * s.kGA)
 
     with monkeypatch.context() as patch:
-        patch.setattr(lowfi.elastic, "grooved_section", soft)
+        patch.setattr(lowfi.elastic_system, "grooved_section", soft)
         assert any(not row.passed for row in gate.reference_rows(Study(), 7.0))
     stiff = lowfi.problem.hertz_C
     with monkeypatch.context() as patch:

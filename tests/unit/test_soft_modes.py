@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compare import catalogue
-from lowfi import elastic as model
+from lowfi import elastic_system as model
 from lowfi import jit
 from lowfi.compliance import modes as compliance_modes
 from lowfi.compliance.modes import SOFT, soft_modes
