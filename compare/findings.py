@@ -9,6 +9,9 @@ import numpy as np
 from compare.measure import error_percent
 from compare.printed_data import Printed, load_table
 
+#: Verdict of a number or claim of class band that agrees: no more can be said of it.
+WITHIN = "within its band"
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -51,7 +54,7 @@ class Finding:
 
     @property
     def verdict(self) -> str:
-        """In words: reproduced, not reproduced, or open with what we see."""
+        """In words: reproduced, within its band, not reproduced, or open with what we see."""
         agrees = self.agrees
         if self.printed.cls == "open":
             if agrees is None or self.printed.value is not None:
@@ -61,7 +64,15 @@ class Finding:
             return "open"
         if self.printed.cls == "as-printed":
             return "reproduced as printed" if agrees else "not reproduced"
+        if self.printed.cls == "band" and agrees:
+            return WITHIN
         return "reproduced" if agrees else "not reproduced"
+
+
+def sentences(*texts: str) -> str:
+    """Remarks one after the other, each with one full stop between it and the next; empty ones left out."""
+    given = [text for text in texts if text]
+    return ". ".join([text.rstrip(".") for text in given[:-1]] + given[-1:])
 
 
 def collect(table: str, found: dict[str, Finding]) -> list[Finding]:

@@ -47,7 +47,7 @@ def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | T
         f"{sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. It fails most in rotary "
         "and linear bearings (from most starts, near two-point contact from nearly all) and in pairs of a screw with "
         "clearance. What touches, it decides from the motions apart (Lin 3.31, 3.77), so that most roots of longer "
-        "chains let balls overlap; these do not count as solved. At rest there is nothing to find.",
+        "chains let balls overlap; these do not count as solved.",
     )
     note = (
         "Each case is solved from the solver's own start and from random ones. Spread: of the loss of one ball, or of "

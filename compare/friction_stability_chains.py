@@ -34,8 +34,8 @@ from lowfi.friction.ellipse import Array
 from lowfi.friction.linear import LinearBearing, deviations
 from lowfi.friction.linear_loads import balanced_loads
 from lowfi.friction.linear_pair import pair_state
-from lowfi.friction.screw_chain import SHORT, ChainMotion, solve_chain
 from lowfi.friction.screw_chain import Chain as ScrewChain
+from lowfi.friction.screw_chain import ChainMotion, solve_chain
 from lowfi.friction.screw_pair import Pair, inferred, plain, solve_pair, table_3_6
 from lowfi.friction.source_starts import from_linear_starts, from_pair_starts, from_screw_starts
 
@@ -136,7 +136,7 @@ def restart(tally: Tally, chain: ScrewChain, first: ChainMotion, rng: np.random.
         apart = float(np.max(np.abs(m.ball_force - first.ball_force))) / bound
         tally.add(m.converged, m.input_power, m.loss, apart)
         tally.restarts += 1
-        tally.direct += m.steps <= SHORT
+        tally.direct += m.from_start
 
 
 def screw_chain_state(count: int) -> tuple[Array, Array, Array]:

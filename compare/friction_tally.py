@@ -94,7 +94,7 @@ class Tally:
             note = f"{note}; {own}" if note else own
         for count, what in ((self.overlapping, "let balls overlap"), (self.other, "are another answer than ours")):
             if count:
-                more = f"{count} roots of the source's {what}"
+                more = f"roots of the source's that {what}: {count}"
                 note = f"{note}; {more}" if note else more
         return Record(
             group, model, self.cases, self.ours, self.tries, self.energy, self.spread,

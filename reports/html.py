@@ -266,7 +266,7 @@ def _verdict(text: str) -> str:
     """``good``, ``bad``, ``open`` or ``other``, by the first word of a verdict."""
     first = re.split(r"\W", text.strip().lower(), maxsplit=1)[0]
     kinds = {
-        "good": ("reproduced", "converged", "agrees", "passed", "yes"),
+        "good": ("reproduced", "within", "converged", "agrees", "passed", "yes"),
         "bad": ("not", "no", "failed", "fails", "diverged", "differs"),
         "open": ("open", "partly", "mechanism"),
     }

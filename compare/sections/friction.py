@@ -10,7 +10,7 @@ from math import degrees, radians
 
 import numpy as np
 
-from compare.findings import Finding, entry
+from compare.findings import Finding, entry, sentences
 from compare.measure import error_percent
 from compare.sections.friction_values import (
     AXIAL,
@@ -85,7 +85,7 @@ def printed_rows(found: Sequence[Finding]) -> list[dict[str, Cell]]:
             {
                 "label": (p.claim or p.label) + where, "unit": p.unit,
                 "printed": p.printed or "–", "as_printed": f.as_printed, "right": true, "error": own_error(f),
-                "class": p.cls, "verdict": f.verdict, "remark": ". ".join(t for t in (f.evidence, p.remark) if t),
+                "class": p.cls, "verdict": f.verdict, "remark": sentences(f.evidence, p.remark),
             }
         )  # fmt: skip
     return rows

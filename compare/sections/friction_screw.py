@@ -8,7 +8,7 @@ from math import degrees, radians
 
 import numpy as np
 
-from compare.findings import entry
+from compare.findings import entry, sentences
 from compare.measure import error_percent
 from compare.sections.friction_screw_values import (
     AMPLITUDES,
@@ -87,7 +87,7 @@ def printed_rows(values: dict[str, dict[str, Ours]], table: str) -> list[dict[st
                 "place": p.place.removeprefix("Lin (2019), "), "label": p.claim or p.label, "unit": p.unit,
                 "printed": p.printed or "–", "as_printed": own.inferred, "right": own.value, "inferred_error": off,
                 "error": None if error is None else round(error, 9) + 0.0, "class": p.cls, "verdict": f.verdict,
-                "remark": ". ".join(t for t in (own.evidence, p.remark, p.origin and f"Band: {p.origin}") if t),
+                "remark": sentences(own.evidence, p.remark, p.origin and f"Band: {p.origin}"),
             }
         )  # fmt: skip
     return rows

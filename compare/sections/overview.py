@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from compare.findings import Finding
+from compare.findings import WITHIN, Finding
 from compare.sections.cases import FINDING_COLUMNS, finding_rows
 from reports.records import Cell, Column, Section, Table, Text
 
@@ -24,7 +24,7 @@ HOW_TO_READ = (
 def counts(found: Sequence[Finding]) -> list[tuple[str, str]]:
     """Headline figures: entries by verdict."""
     tally = Counter(f.verdict.split(":")[0] for f in found)
-    order = ("reproduced", "reproduced as printed", "not reproduced", "open")
+    order = ("reproduced", "reproduced as printed", WITHIN, "not reproduced", "open")
     return [(f"entries {verdict}", str(tally[verdict])) for verdict in order]
 
 

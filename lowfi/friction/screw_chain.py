@@ -56,7 +56,7 @@ class ChainMotion:
 
     ball_push (N, 3): all forces from neighbours on each ball in x3, y3, z3 [N]; groove_loss (N, 4), ball_loss (N,) by
     sliding and closing_loss (N,) by gaps that close under force [W]; input_power [W]; left: largest force out of
-    balance [N]; violation: largest rate beyond the slack [rad/s].
+    balance [N]; violation: largest rate beyond the slack [rad/s]; from_start: whether the given start led here.
     """
 
     q: Array
@@ -71,6 +71,7 @@ class ChainMotion:
     violation: float
     steps: int
     converged: bool
+    from_start: bool = False
 
     @property
     def loss(self) -> float:
@@ -167,7 +168,7 @@ def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None, fast: bo
     if start is not None and np.any(start[1] > 0.0):
         x, f, good, total = s.direct(start[0] * s.units / s.speed, start[1] / s.bound)
         if good:
-            return _result(s, x, f, total)
+            return _result(s, x, f, total, True)
     alone = s.alone()
     x, f, good, steps = s.direct(alone, np.zeros(s.count))
     total += steps
@@ -177,7 +178,7 @@ def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None, fast: bo
     return _result(s, x, f, total)
 
 
-def _result(s: Search, x: Array, f: Array, steps: int) -> ChainMotion:
+def _result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
     """Forces and losses at the solution, in SI."""
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
     good = s.balanced(x, f)
@@ -201,4 +202,5 @@ def _result(s: Search, x: Array, f: Array, steps: int) -> ChainMotion:
         violation=max(0.0, -float(np.min(gap))) * s.speed / pair.closing,
         steps=steps,
         converged=good,
+        from_start=from_start,
     )

@@ -90,8 +90,8 @@ def test_roots_are_counted_by_what_they_are():
     tally.theirs(motion([0.0], "overlapping"), ours, 10.0)
     record = tally.record("group", "model")
     assert (record.source, record.source_tries) == (2, 5)
-    assert "1 roots of the source's let balls overlap" in record.note
-    assert "1 roots of the source's are another answer than ours" in record.note
+    assert "roots of the source's that let balls overlap: 1" in record.note
+    assert "roots of the source's that are another answer than ours: 1" in record.note
 
 
 def test_linear_groups_try_rolling_and_random_starts():

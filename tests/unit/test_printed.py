@@ -6,6 +6,7 @@ import pytest
 
 from compare import catalogue, printed_data
 from compare.errors import InputError
+from compare.findings import Finding, sentences
 
 TABLES = printed_data.tables()
 ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "hard"\n'
@@ -156,3 +157,16 @@ def test_faulty_rows_are_refused(text, key):
 def test_unknown_table():
     with pytest.raises(InputError, match="lin-B1"):
         printed_data.load_table("lin-B2")
+
+
+def test_remarks_have_one_full_stop_between_them():
+    assert sentences("one", "", "two.", "Band: three.") == "one. two. Band: three."
+    assert sentences("one.", "") == "one."
+    assert sentences("", "") == ""
+
+
+def test_a_band_is_not_called_reproduced():
+    entry = next(r for r in printed_data.load_table("lin-3.4.4") if r.cls == "band" and r.value is not None)
+    assert Finding(entry, entry.low).verdict == "within its band"
+    assert Finding(entry, entry.high + 1.0).verdict == "not reproduced"
+    assert Finding(entry).verdict == "open"
