@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import degrees, radians
@@ -61,9 +62,7 @@ from reports.records import Cell, Column, Figure, Panel, Section, Series, Table,
 # --- tables
 
 COLUMNS = (
-    Column("place", "place", "", "s"),
     Column("label", "quantity or claim", "", "s"),
-    Column("unit", "unit", "", "s"),
     Column("printed", "printed", "", "s"),
     Column("as_printed", "inferred reading", "", "g5"),
     Column("right", "right (plain reading)", "", "g5"),
@@ -76,15 +75,17 @@ COLUMNS = (
 
 
 def printed_rows(values: dict[str, dict[str, Ours]], table: str) -> list[dict[str, Cell]]:
-    """Rows of a printed table."""
+    """Rows of a printed table; an entry from elsewhere in the text says where from."""
     rows: list[dict[str, Cell]] = []
-    for f in findings_of({table: values[table]}):
+    found = findings_of({table: values[table]})
+    usual = Counter(f.printed.place for f in found).most_common(1)[0][0]
+    for f in found:
         p, own = f.printed, values[table].get(f.printed.key, Ours())
         off = None if own.inferred is None or p.value is None else float(error_percent(own.inferred, p.value))
-        error = f.error_percent
+        error, where = f.error_percent, "" if p.place == usual else f" ({p.place.removeprefix('Lin (2019), ')})"
         rows.append(
             {
-                "place": p.place.removeprefix("Lin (2019), "), "label": p.claim or p.label, "unit": p.unit,
+                "label": (p.claim or p.label) + where + (f" [{p.unit}]" if p.unit else ""),
                 "printed": p.printed or "–", "as_printed": own.inferred, "right": own.value, "inferred_error": off,
                 "error": None if error is None else round(error, 9) + 0.0, "class": p.cls, "verdict": f.verdict,
                 "remark": sentences(own.evidence, p.remark, p.origin and f"Band: {p.origin}"),
