@@ -6,236 +6,38 @@ Those of ball screws and of bearings in pairs are in ``friction_screw_scene``.
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import resources
 from math import degrees, pi, tan
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
-from pydantic import Field, GetJsonSchemaHandler, ValidationError
+from pydantic import ValidationError
 
 from compare import units
 from compare.catalogue import looks_like_path
 from compare.errors import InputError, SceneError
+from compare.friction_keys import (
+    KINDS,
+    ChainKeys,
+    CommonKeys,
+    Kind,
+    Law,
+    LinearBearingKeys,
+    PairKeys,
+    RotaryKeys,
+)
 from compare.scene_checks import Fault, mm
 from compare.scene_file import _toml, read_text
 from compare.scene_refusal import _allowed, _node, refuse
 from compare.scene_schema import (
-    Conformity,
-    ContactAngle,
-    Modulus,
-    Poisson,
-    Quantity,
-    Radius,
-    Sentence,
-    Size,
-    Table,
     _without_null,
-    key,
 )
 from lowfi.friction.linear import Array, LinearBearing, deviations
 from lowfi.friction.linear_loads import Loads
 from lowfi.friction.rotary import Bearing, Mode
-
-Law = Literal["coulomb", "regularised", "sigmoid"]
-Kind = Literal["rotary bearing", "linear pair", "linear chain", "screw pair", "screw run", "bearing pair"]
-_NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(\S.*)?")
-#: Units of speeds, angular speeds and times, as factors to SI.
-RATES = {
-    "speed": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "m/min": 1.0 / 60.0},
-    "angular speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rps": 2.0 * pi, "rpm": pi / 30.0},
-    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0},
-}
-
-
-@dataclass(frozen=True)
-class Rate(Quantity):
-    """Range of a speed, an angular speed or a time."""
-
-    def read(self, value: object) -> float:
-        """SI value; raises pydantic's error carrying ``allowed`` and ``advice``."""
-        number, low, high = (self._number(v) for v in (value, self.low, self.high))
-        if low <= number <= high and not (self.above and number == low):
-            return number
-        side = "large" if number > high else "small"
-        raise self._refused(self.allowed, f"the value is too {side}; a usual one is {units.show(self.example)}")
-
-    def _number(self, value: object) -> float:
-        rates = RATES[self.dimension]
-        match = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) else None
-        unit = units.tidy(match[2] or "") if match else ""
-        if match is None or unit not in rates:
-            advice = f"write a number and one of {', '.join(rates)}, e.g. {units.show(self.example)}"
-            article = "an" if self.dimension[0] == "a" else "a"
-            raise self._refused(f"{article} {self.dimension}, {self.allowed}", advice)
-        return float(match[1]) * rates[unit]
-
-    def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Text with a unit."""
-        found = {"type": "string", "examples": [self.example]}
-        return found | {"x-dimension": self.dimension, "x-allowed": self.allowed}
-
-
-Speed = Annotated[float, Rate("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
-Creep = Annotated[float, Rate("speed", "0 m/s", "1 m/s", "0.1 mm/s", above=True)]
-Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "10 rps")]
-Play = Annotated[float, Quantity("length", "-1 mm", "1 mm", "-1 um")]
-Move = Annotated[float, Quantity("length", "-1 mm", "1 mm", "5 um")]
-Gap = Annotated[float, Quantity("length", "0 mm", "1 m", "0.5 mm")]
-Axial = Annotated[float, Quantity("force", "-1 MN", "1 MN", "100 N")]
-Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]
-Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1, above=True)]
-Rubbing = Annotated[float, Quantity("number", 0, 2, 0.1)]
-SideRatio = Annotated[float, Quantity("number", -10, 10, -0.6)]
-Deviation = Annotated[float, Quantity("angle", "-15 deg", "15 deg", "2 deg")]
-Sharpness = Annotated[float, Quantity("number", 0, 1_000_000, 100, above=True)]
-MapStep = Annotated[float, Quantity("number", 0, 1, 0.08, above=True)]
-
-
-class MaterialKeys(Table):
-    """Isotropic elastic material of rings, rails and balls."""
-
-    youngs_modulus: Modulus = key("Young's modulus")
-    poissons_ratio: Poisson = key("Poisson's ratio")
-
-
-class LinearBearingKeys(Table):
-    """A ball between two gothic grooves."""
-
-    ball_radius: Radius = key("radius of the balls")
-    groove_radius: Radius | None = key("radius of curvature of the grooves (or conformity)", None, "5.6 mm")
-    conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
-    contact_angle: ContactAngle = key("nominal angle of the contact normals against the pressing direction or radius")
-
-
-class RotaryBearingKeys(LinearBearingKeys):
-    """One ball of a rotary bearing with gothic grooves."""
-
-    pitch_radius: Size = key("radius of the circle of ball centres", example="35 mm")
-    clearance: Play = key("play of the ball along each contact normal; negative: interference", "0 um", "-1 um")
-
-
-class RotaryLoadKeys(Table):
-    """What is done to the inner ring."""
-
-    axial_force: Axial = key("force along the axis, towards +x")
-    radial_displacement: Move = key("displacement towards the ball", "0 um", "5 um")
-
-
-_DISTRIBUTION = "loads in balance at the angles, equal on each diagonal, or with angles that follow"
-
-
-class PairLoadKeys(Table):
-    """Force of the carriage on each ball; the side force acts on the second ball in the opposite sense."""
-
-    vertical_force: Pressing = key("force that presses on each ball")
-    side_force_ratio: SideRatio = key("side force on the first ball over vertical_force")
-    distribution: Loads = key(_DISTRIBUTION, "balanced", "elastic")
-
-
-class ChainLoadKeys(Table):
-    """Force of the carriage on every ball."""
-
-    vertical_force: Pressing = key("force that presses on each ball")
-    distribution: Loads = key(_DISTRIBUTION, "balanced", "elastic")
-
-
-class RotaryMotionKeys(Table):
-    """Motion of the inner ring."""
-
-    inner_ring: Turning = key("angular speed about the axis")
-
-
-class LinearMotionKeys(Table):
-    """Motion of the carriage."""
-
-    carriage: Speed = key("speed along the track")
-
-
-class RotaryFrictionKeys(Table):
-    """Friction of the contacts."""
-
-    coefficient: Coefficient = key("friction coefficient")
-    law: Law = key("Coulomb's, Coulomb's regularised, or the sigmoid of Lin 3.20", "coulomb", "coulomb")
-    creep: Creep | None = key('speed that regularises, for law = "regularised"', None)
-    sharpness: Sharpness | None = key('k_S, for law = "sigmoid"', None)
-    map_step: MapStep | None = key("step in c/a of the source's maps; exact integrals if left out", None)
-
-
-class LinearFrictionKeys(Table):
-    """Friction of grooves and balls."""
-
-    coefficient: Coefficient = key("friction coefficient of the grooves")
-    between_balls: Rubbing | None = key("friction coefficient of ball on ball; as the grooves if left out", None)
-    law: Law = key('only "coulomb" for balls in contact', "coulomb", "coulomb")
-
-
-class GrooveKeys(Table):
-    """Contact angles of the pair: bottom left less, bottom right more by the deviation."""
-
-    angle_deviation: Deviation = key("deviation theta of the bottom groove's contact angles")
-    mated: bool = key("top groove made to match (Lin 3.3.4.2)", False, False)
-
-
-class BallKeys(Table):
-    """One ball of a chain, in order along the track."""
-
-    side_force_ratio: SideRatio = key("side force over vertical_force", 0.0)
-    angle_deviations: Annotated[list[Deviation], Field(min_length=4, max_length=4)] = key(
-        "deviations of the contact angles at BL, BR, TR, TL",
-        ["0 deg", "0 deg", "0 deg", "0 deg"], ["-2 deg", "2 deg", "0 deg", "0 deg"],
-    )  # fmt: skip
-    gap: Gap = key("gap to the next ball; none: in reach of each other", "0 mm", "0.5 mm")
-
-
-class CommonKeys(Table):
-    """What every friction scene has."""
-
-    title: Sentence = key("one line saying what the scene is", example="Ball of Table 3.1")
-    source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, Table 3.1")
-    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
-        "what the source leaves open", [], ["No clearance."]
-    )
-    kind: Kind = key("what the scene describes", example="rotary bearing")
-    material: MaterialKeys = key("material of all parts")
-
-
-class RotaryKeys(CommonKeys):
-    """One ball of a rotary bearing."""
-
-    hertz: Mode = key("Hertz constants: exact, or with the source's faults", "right", "right")
-    bearing: RotaryBearingKeys = key("geometry")
-    loads: RotaryLoadKeys = key("loads")
-    motion: RotaryMotionKeys = key("motion")
-    friction: RotaryFrictionKeys = key("friction")
-
-
-class PairKeys(CommonKeys):
-    """Two balls of a linear bearing."""
-
-    bearing: LinearBearingKeys = key("geometry")
-    grooves: GrooveKeys = key("contact angles")
-    loads: PairLoadKeys = key("loads")
-    motion: LinearMotionKeys = key("motion")
-    friction: LinearFrictionKeys = key("friction")
-
-
-class ChainKeys(CommonKeys):
-    """A chain of balls in a linear bearing."""
-
-    bearing: LinearBearingKeys = key("geometry")
-    loads: ChainLoadKeys = key("loads")
-    balls: Annotated[list[BallKeys], Field(min_length=1, max_length=500)] = key("balls in order along the track")
-    motion: LinearMotionKeys = key("motion")
-    friction: LinearFrictionKeys = key("friction")
-
-
-KINDS: dict[str, type[CommonKeys]] = {
-    "rotary bearing": RotaryKeys, "linear pair": PairKeys, "linear chain": ChainKeys,
-}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -10,25 +10,23 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from compare.friction_scene import (
+from compare.friction_keys import (
     Coefficient,
     CommonKeys,
-    FrictionScene,
     Gap,
+    HertzKeys,
     LinearBearingKeys,
     Play,
     Pressing,
     Rate,
     Rubbing,
     Turning,
-    groove_faults,
-    groove_radius,
 )
+from compare.friction_scene import FrictionScene, groove_faults, groove_radius
 from compare.scene_checks import Fault, mm
 from compare.scene_schema import Azimuth, Quantity, Size, Table, Turns, key
 from lowfi.friction.bearing_pairs import ALL, DIAGONAL, OTHER, BearingCase, Row
 from lowfi.friction.linear import Array
-from lowfi.friction.rotary import Mode
 from lowfi.friction.screw_groove import ScrewGroove
 from lowfi.friction.screw_motion import Coupling
 from lowfi.friction.screw_pair import Pair
@@ -157,10 +155,9 @@ class BearingFrictionKeys(Table):
     coefficient: Coefficient = key("friction coefficient")
 
 
-class ScrewPairKeys(CommonKeys):
+class ScrewPairKeys(HertzKeys):
     """Two balls of a ball screw in touch."""
 
-    hertz: Mode = key("Hertz constants: exact, or with the source's faults", "right", "right")
     screw: ScrewKeys = key("geometry")
     angles: PairAngleKeys = key("contact angles")
     loads: ScrewLoadKeys = key("loads")
@@ -168,10 +165,9 @@ class ScrewPairKeys(CommonKeys):
     friction: ScrewFrictionKeys = key("friction")
 
 
-class ScrewRunKeys(CommonKeys):
+class ScrewRunKeys(HertzKeys):
     """A whole ball screw in time."""
 
-    hertz: Mode = key("Hertz constants: exact, or with the source's faults", "right", "right")
     screw: ScrewKeys = key("geometry")
     track: TrackKeys = key("closed track")
     angles: RunAngleKeys = key("contact angles")
@@ -181,10 +177,9 @@ class ScrewRunKeys(CommonKeys):
     friction: ScrewFrictionKeys = key("friction")
 
 
-class BearingPairKeys(CommonKeys):
+class BearingPairKeys(HertzKeys):
     """A four-point bearing against a double-row one."""
 
-    hertz: Mode = key("Hertz constants: exact, or with the source's faults", "right", "right")
     four_point: RowBearingKeys = key("geometry of the four-point bearing")
     double_row: DoubleRowKeys = key("geometry of the double-row bearing")
     loads: BearingLoadKeys = key("loads")

@@ -119,3 +119,10 @@ def body_specs(scene, sides, *, fine=1.6e-3, coarse=8e-3, beyond=20e-3, size=Non
         return BodySpec(*radii, *z, screw, sockets, size, scale * fine, scale * coarse)
 
     return {"screw": spec((bore, outer), reach, True), "nut": spec((land, outside), ends, False)}
+
+#: Contact forces [N] and angles [rad] of a ball of a ball screw in two-, three- and four-point contact.
+SCREW_STATES = {
+    "two": (np.array([40.0, 0.0, 0.0, 40.0]), np.full(4, np.pi / 4)),
+    "three": (np.array([38.0, 0.0, 4.0, 37.0]), np.array([0.80, 0.78, 0.78, 0.79])),
+    "four": (np.array([53.0, 18.0, 17.0, 54.0]), np.array([0.82, 0.81, 0.78, 0.79])),
+}

@@ -24,6 +24,7 @@ from compare.sections.friction_values import (
     Ours,
     as_printed,
     findings,
+    numbers,
     ours,
     pair,
     right,
@@ -278,11 +279,6 @@ def root_table() -> Table:
 
 
 # --- figures
-
-
-def numbers(values: Array, factor: float = 1.0) -> list[float]:
-    """Plain numbers for a record."""
-    return [factor * float(v) for v in values]
 
 
 def torque_figure() -> Figure:

@@ -259,3 +259,8 @@ def findings(study: Study) -> list[Finding]:  # noqa: ARG001 - every section's f
             found[key] = Finding(p, value, v.as_printed, v.holds, v.evidence)
         out += collect(table, found)
     return out
+
+
+def numbers(values: Array, factor: float = 1.0) -> list[float]:
+    """Plain numbers for a record."""
+    return [factor * float(v) for v in values]

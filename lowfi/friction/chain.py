@@ -8,8 +8,8 @@ bound is the multiplier, which no energy gives.
 A solution always exists: F_k is the sum of the axial friction on balls 1 to k, no larger than the sum B of their bounds
 whatever friction the balls exert on each other, so that the multipliers F(G) of the convex problem with friction bounds
 mu G map [0, B]^(N-1) continuously into itself and have a fixed point F(G) = G (Brouwer). No chain jams with growing
-force. But there may be several solutions (seen from mu 0.1 on, for two balls in two-point contact or many balls in
-four-point contact): friction between balls makes the very forces that cause it.
+force. But there may be several solutions (two balls in two-point contact may part or jam, many in four-point contact have
+states besides): friction between balls makes the very forces that cause it.
 The answer then is the end of the path that begins without friction between balls, at the one solution of the convex
 problem with smoothed friction, and along which that friction rises and smoothing falls (``chain_kernels.path``). Balls
 that all part without it do part.

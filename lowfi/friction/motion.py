@@ -20,7 +20,7 @@ from .laws import Law, Sigmoid
 #: Meaning of ``Motion.status`` by the number the kernel returns.
 STATUS = ("exact", "regularised", "at rest")
 #: MINPACK's hybrid method, which is Matlab's fsolve but for details. Its first step is kept short: of single balls from
-#: random starts, that finds about twice as many roots as its default factor of 100.
+#: random starts, that finds more roots than its default factor of 100.
 HYBRID = {"xtol": 1e-13, "factor": 0.1}
 
 
@@ -109,7 +109,7 @@ def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False
     """The source's way, kept for comparison: a root of the force balance under ``law`` by MINPACK's hybrid method.
 
     start (n,). As Matlab's fsolve for Lin 3.19: fails from many starts near two-point contact and for sharp laws. A short
-    first step finds about twice as many roots as MINPACK's default.
+    first step finds more roots than MINPACK's default.
     """
     units = problem.units()
     scale = max(float(np.sum(problem.at.strength)), 1e-300)

@@ -66,8 +66,6 @@ def volume_cells(mesh: meshio.Mesh) -> meshio.CellBlock:
 @pytest.mark.parametrize("name", VOLUMES)
 @pytest.mark.parametrize("form", FORMATS)
 def test_cells_are_where_they_were(form, name, tmp_path: Path):
-    if form == "med":
-        pytest.importorskip("h5py")
     data = example(name)
     path = tmp_path / f"cube.{form}"
     write_mesh(path, data)
@@ -88,8 +86,6 @@ def test_cells_are_where_they_were(form, name, tmp_path: Path):
 def test_gmsh_reads_cells_groups_and_fields(form, name, tmp_path: Path):
     import gmsh
 
-    if form == "med":
-        pytest.importorskip("h5py")
     data = example(name)
     cells = data.cells[name]
     count = 20 if reduced(data, form) else cells.shape[1]
@@ -177,7 +173,6 @@ def test_abaqus_keeps_to_its_lines_and_sets(name, tmp_path: Path):
 
 
 def test_med_keeps_groups_of_nodes(tmp_path: Path):
-    pytest.importorskip("h5py")
     data = example("Q2")
     write_mesh(tmp_path / "c.med", data, {"t": np.arange(len(data.points)), "u": data.points}, {"n": np.arange(data.count)})
     again = meshio.read(tmp_path / "c.med")
