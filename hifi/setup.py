@@ -128,7 +128,7 @@ def mesh_parts(
 ) -> Meshes:  # fmt: skip
     """Mesh screw, nut and one ball of a scene."""
     cache = cache or Cache(None)
-    size = socket_size(scene, m, layout, sides, dims)
+    size = socket_size(scene, m, layout, sides, dims, settings)
     widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
     _, zone = patch_lines(settings, widths, size.depth)
     low, high = dims.ends(scene)
@@ -141,9 +141,9 @@ def mesh_parts(
         dims.land, nut.outer_diameter / 2.0, position - nut.length / 2.0, position + nut.length / 2.0, False,
         sockets_of(layout, sides, False), size, settings.fine, settings.coarse,
     )  # fmt: skip
-    sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
-    fine, coarse = settings.ball_fine, settings.ball_coarse
-    ball = cache.get("ball", (m, sockets, fine, coarse), lambda: build_ball(m, sockets, fine, coarse), BallBody)
+    sockets = tuple(ball_place(m, size, s)[0] for s in sides)
+    recipe = (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts)
+    ball = cache.get("ball", recipe, lambda: build_ball(*recipe), BallBody)
     screw = cache.get("screw", (m, screw_spec), lambda: build_body(m, screw_spec), GroovedBody)
     outer = cache.get("nut", (m, nut_spec), lambda: build_body(m, nut_spec), GroovedBody)
     return Meshes(screw, outer, ball, size, zone, widths)
@@ -233,7 +233,7 @@ def condense_side(scene: Scene, m: GrooveMap, meshes: Meshes, side: int, setting
     """Condensed patches of groove and ball at one side, on the same contact nodes."""
     body = meshes.screw if side < 2 else meshes.nut
     mesh = patch_mesh(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)
-    place = ball_place(m, meshes.size, side, meshes.zone)[1]
+    place = ball_place(m, meshes.size, side)[1]
     ball_patch = patch_mesh(meshes, meshes.ball.sockets[side], place, settings)
     normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
     found = patch_normals(ball_patch, np.zeros(3))

@@ -1,4 +1,4 @@
-"""Coarse mesh of a ball by gmsh: second-order tetrahedra with a socket, a truncated pyramid, at every contact.
+"""Coarse mesh of a ball by gmsh: second-order tetrahedra with a socket, a pyramid of rays between two spheres, at every contact.
 
 Each half of the sphere is triangulated in the plane onto which it projects from the opposite pole; sockets become holes,
 and no seam is needed. The projection keeps angles, and stretches lengths by a known factor from 1/2 to 1.
@@ -19,10 +19,11 @@ from meshes.groove_map import GrooveMap
 from meshes.parts import SIDES
 from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
 from meshes.shell import BEND, POOREST, STRAIGHTENED, Shell, best_of, fill, graded
-from meshes.sockets import SocketMesh, rim, socket_mesh
+from meshes.sockets import SocketMesh, SocketSize, local_points, rim, socket_mesh
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 #: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.
 GROWTH = (0.072, 0.72)
@@ -30,11 +31,10 @@ GROWTH = (0.072, 0.72)
 
 @dataclass(frozen=True)
 class BallSocket:
-    """Socket of one side: half widths of the pyramid's base (tangents of its angles), depth below the surface [m]."""
+    """Socket of one side: the groove's socket, whose rays to the ball's centre bound it, and its depth [m]."""
 
     side: int
-    across: float
-    along: float
+    groove: SocketSize
     depth: float
 
 
@@ -60,35 +60,23 @@ def directions(m: GrooveMap, side: int) -> Array:
     return np.stack([sx * c * x3 + sz * s * z3, -sx * s * x3 + sz * c * z3, y3])
 
 
-def pyramid_points(m: GrooveMap, socket: BallSocket, s: Array, t: Array, depth: Array) -> Array:
-    """Points ``(n, 3)`` [m] on the rays n + s t1 + t t2: depth 0 on the sphere, 1 on the inner plane."""
-    n, t1, t2 = directions(m, socket.side)
-    ray = n[None, :] + s[:, None] * t1 + t[:, None] * t2
-    outer = m.ball / np.linalg.norm(ray, axis=1)
-    return np.asarray(ray * (outer + depth * (m.ball - socket.depth - outer))[:, None])
-
-
 def ball_points(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Points ``(n, 3)`` [m] of local coordinates: across and along in [-1, 1], depth in [0, 1]."""
-    return pyramid_points(m, socket, socket.across * xi[:, 0], socket.along * xi[:, 2], xi[:, 1])
+    """Points ``(n, 3)`` [m] of local coordinates: on the rays from the ball's centre through the groove's surface at the
+    same gamma and azimuth in [-1, 1], on the sphere at depth 0, on a concentric one at depth 1."""
+    ray = local_points(m, socket.groove, socket.side, xi * [1.0, 0.0, 1.0]) - np.array([m.R, 0.0, 0.0])
+    return np.asarray(ray * ((m.ball - xi[:, 1] * socket.depth) / np.linalg.norm(ray, axis=1))[:, None])
 
 
-def ball_coordinates(m: GrooveMap, socket: BallSocket, points: Array) -> Array:
-    """Local coordinates xi ``(n, 3)`` of points on the socket's side of the ball; inverse of ``ball_points``."""
-    n, t1, t2 = directions(m, socket.side)
-    height = points @ n
-    s, t = (points @ t1) / height, (points @ t2) / height
-    outer = m.ball / np.sqrt(1.0 + s * s + t * t)
-    return np.stack([s / socket.across, (outer - height) / (outer - (m.ball - socket.depth)), t / socket.along], axis=1)
-
-
-def build_ball(m: GrooveMap, sockets: tuple[BallSocket, ...], fine: float, coarse: float, cuts: int = 2) -> BallBody:
-    """Mesh a ball with a socket for each contact; fine, coarse: element sizes near and away from them [m].
+def build_ball(
+    m: GrooveMap, sockets: tuple[BallSocket, ...], fine: float, coarse: float, cuts: tuple[int, int, int] = (2, 2, 2)
+) -> BallBody:
+    """Mesh a ball with a socket for each contact; fine, coarse: element sizes near and away from them [m]; cuts: of the
+    sockets' edges.
 
     Raises ValueError where sockets overlap or no attempt gives a good mesh.
     """
     begin = perf_counter()
-    boxes = [socket_mesh(partial(ball_points, m, socket), (cuts, cuts, cuts)) for socket in sockets]
+    boxes = [socket_mesh(partial(ball_points, m, socket), cuts) for socket in sockets]
     _refuse_overlap(m, sockets)
     near = np.concatenate([ball_points(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)])
 
@@ -150,16 +138,29 @@ def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
     if not sockets:
         raise ValueError("a ball is meshed around its contacts: give it at least one socket")
     remedy = "make the sockets smaller (meshes.sockets.fitted_socket finds a size that fits)"
-    a, b = np.linspace(-1.0, 1.0, 41), np.ones(41)
-    around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (a, 0 * a, b), (-b, 0 * a, a), (b, 0 * a, a))])
+    a, b = np.linspace(-1.0, 1.0, 41)[:-1], np.ones(40)
+    around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
+    outlines = {one.side: 1.02 * ball_points(m, one, around) for one in sockets}
     for one in sockets:
         name = f"socket {SIDES[one.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
         if not 0.0 < one.depth < 0.8 * m.ball:
             raise ValueError(f"the {name} is {1e3 * one.depth:.4g} mm deep: {remedy}")
-        points = ball_points(m, one, around)
+        points = outlines[one.side]
         if np.ptp(np.sign(points @ parting(m))) > 0.0:
             raise ValueError(f"the {name} reaches over the ball's middle: {remedy}")
         for other in sockets:
-            xi = ball_coordinates(m, other, points[points @ directions(m, other.side)[0] > 0.0])
-            if other is not one and np.any((np.abs(xi[:, 0]) < 1.02) & (np.abs(xi[:, 2]) < 1.02)):
+            if other is not one and _inside(outlines[other.side], points, directions(m, other.side)).any():
                 raise ValueError(f"the {name} and its socket {SIDES[other.side]} overlap: {remedy}")
+
+
+def _inside(outline: Array, points: Array, frame: Array) -> Flags:
+    """Which points ``(n, 3)`` lie in the cone from the ball's centre through a closed outline ``(k, 3)``, by the winding
+    number in the plane onto which both project; frame: its normal and axes ``(3, 3)``."""
+    before = points @ frame[0] > 0.0
+    turn = np.zeros(len(points))
+    flat = outline @ frame[1:].T / (outline @ frame[0])[:, None]
+    at = points[before] @ frame[1:].T / (points[before] @ frame[0])[:, None]
+    arms = flat[None] - at[:, None]
+    angle = np.unwrap(np.arctan2(arms[..., 1], arms[..., 0])[:, [*range(len(flat)), 0]], axis=1)
+    turn[before] = np.abs(angle[:, -1] - angle[:, 0])
+    return np.asarray(turn > np.pi)

@@ -26,14 +26,19 @@ Index = NDArray[np.int64]
 GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
 #: Smallest share of that size at which a contact zone still finds room.
 LEAST = 0.4
-#: Land kept free beside a socket on its flank, over its half width; track kept free between two, over their half length.
-BESIDE, BETWEEN = 0.25, 0.6
+#: Share of a socket's half width and length that its contact zone fills, if there is room; and at most.
+FILLED, ZONE = 0.6, 0.95
+#: Flank kept free beside a socket, over its half width: as a rule, and where the contact needs the room.
+BESIDE, CLOSE = 0.25, 0.03
+#: Track kept free between two sockets, over their half length.
+BETWEEN = 0.6
 #: Material kept under a socket, over its depth; and beside it to an end or to the next turn, over the ball's radius.
 UNDER, AWAY = 0.5, 0.12
 #: How far a ball may lie off its groove, over its radius.
 ON_GROOVE = 1e-3
-#: Shares tried by which a socket's corners move out while a body is filled, see `socket_mesh`.
-RAISED = (0.04, 0.06, 0.08)
+#: Shares tried by which a socket's faces bulge while a body is filled, see `socket_mesh`; how far edges then stand out at
+#: least, over their lengths; bulge of side faces along the rim over that in depth.
+RAISED, RIDGE, ALONGSIDE = (0.04, 0.06, 0.09, 0.13, 0.18, 0.24), 8e-3, 0.3
 
 
 @dataclass(frozen=True)
@@ -60,9 +65,10 @@ class SocketMesh:
 def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> tuple[SocketMesh, Array]:
     """Inner faces of a socket, each edge cut into equal parts, and raised local coordinates of their corners.
 
-    place: points ``(n, 3)`` of local coordinates ``(n, 3)``. Every diagonal is the one that stands out into the body, so
-    that no flat tetrahedron fits over it. Where rectangles are plane, neither does: while a body is filled, its socket's
-    corners lie at the raised coordinates, at which every other one is moved out a little; the rim stays.
+    place: points ``(n, 3)`` of local coordinates ``(n, 3)``. While a body is filled, the corners of its sockets lie at the
+    raised coordinates, blown up to a convex body; the rim stays. A tetrahedron with all corners on a convex socket lies in
+    the socket, so that none can fit flat over its faces. Of both diagonals of a rectangle the one that stands out into the
+    body is taken; of `RAISED`, the least share that makes every edge stand out by `RIDGE`, or else the best.
     """
     lines = (np.linspace(-1.0, 1.0, cuts[0] + 1), np.linspace(0.0, 1.0, cuts[1] + 1), np.linspace(-1.0, 1.0, cuts[2] + 1))
     number: dict[tuple[int, ...], int] = {}
@@ -77,20 +83,53 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
             owner.append(face)
     step = np.array(list(number))
     xi = np.stack([lines[k][step[:, k]] for k in range(3)], axis=1)
-    square = np.array(squares)
-    moved = (step.sum(axis=1) % 2 == 0) & (xi[:, 1] > 0.0)
-    best = (-1.0, np.zeros(0), xi)
+    square, inside = np.array(squares), place(np.array([[0.0, 0.5, 0.0]]))[0]
+    best = (-np.inf, np.zeros((0, 3), dtype=np.int64), xi)
     for share in RAISED:
-        raised = np.where(moved[:, None], xi + share * (xi - [0.0, 0.5, 0.0]), xi)
-        height = _ridges(place(raised), square, place(np.array([[0.0, 0.5, 0.0]]))[0])
-        best = max(best, (float(np.abs(height).min()), height, raised), key=lambda x: x[0])
-    turned = np.where((best[1] > 0.0)[:, None], square, np.roll(square, 1, axis=1))
-    return _second_order(xi, turned[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3), np.repeat(owner, 2)), best[2]
+        raised = blown_up(xi, share)
+        points = place(raised)
+        first = _ridges(points, square, inside) > 0.0
+        tris = np.where(first[:, None], square, np.roll(square, 1, axis=1))[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+        best = max(best, (float(edge_heights(points, tris, inside).min()), tris, raised), key=lambda x: x[0])
+        if best[0] >= RIDGE:
+            break
+    return _second_order(xi, best[1], np.repeat(owner, 2)), best[2]
+
+
+def blown_up(xi: Array, share: float) -> Array:
+    """Local coordinates ``(n, 3)`` of a socket's faces moved out by up to ``share``, so that they bulge; the rim stays."""
+    a, u, b = xi.T
+    rise = u * (2.0 - u)
+    return np.stack(
+        [
+            a * (1.0 + share * (rise + ALONGSIDE * u * (1.0 - b * b))),
+            u + share * u * u * (2.0 - a * a - b * b),
+            b * (1.0 + share * (rise + ALONGSIDE * u * (1.0 - a * a))),
+        ],
+        axis=1,
+    )
+
+
+def edge_heights(points: Array, tris: Index, inside: Array) -> Array:
+    """How far the inner edges of a triangulated surface stand out from the side of ``inside``, over their lengths.
+
+    Negative where the two triangles of an edge make a hollow, seen from the other side.
+    """
+    across: dict[tuple[int, int], list[int]] = {}
+    for a, b, c in tris.tolist():
+        for i, j, k in ((a, b, c), (b, c, a), (c, a, b)):
+            across.setdefault((min(i, j), max(i, j)), []).append(k)
+    i, j, k, n = np.array([(*pair, *own) for pair, own in across.items() if len(own) == 2]).T
+    return _standing(points[i], points[k], points[j], points[n], inside)
 
 
 def _ridges(points: Array, square: Index, inside: Array) -> Array:
     """How far the first diagonal of quadrilaterals ``(s, 4)`` lies outside the second, over their lengths ``(s,)``."""
-    a, b, c, d = (points[square[:, k]] for k in range(4))
+    return _standing(*(points[square[:, k]] for k in range(4)), inside)
+
+
+def _standing(a: Array, b: Array, c: Array, d: Array, inside: Array) -> Array:
+    """How far the edges a - c of triangles a b c and a c d lie beyond the lines b - d, over their size ``(s,)``."""
     out = np.cross(c - a, d - b)
     out = out * np.sign(np.einsum("sx,sx->s", out, 0.25 * (a + b + c + d) - inside))[:, None]
     area = np.linalg.norm(out, axis=1)
@@ -262,19 +301,24 @@ def turn_left(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
 
 def fitted_socket(
     m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], land_screw: float, bore_screw: float, land_nut: float,
-    outer_nut: float, ends: tuple[float, float],
+    outer_nut: float, ends: tuple[float, float], need: tuple[float, float] = (0.0, 0.0),
 ) -> SocketSize:  # fmt: skip
     """Largest socket, up to the usual one, that fits every ball on all of ``sides`` (0 to 3: SL, SR, NL, NR).
 
-    land_screw, bore_screw, land_nut, outer_nut: radii [m]; ends: z [m] of the flat ends nearest the balls (the nut's).
-    The usual socket is 0.30 rad wide to each side, 0.43 ball radii deep and 0.45 ball radii long to each side. It is
-    made narrower beside the groove's edge and its apex; shallower over a thin wall; shorter between close balls; smaller
-    altogether beside an end or the next turn of the groove.
-    Raises ValueError, with the cause and a remedy, where less than 0.4 of any of the three would be left.
+    land_screw, bore_screw, land_nut, outer_nut: radii [m]; ends: z [m] of the flat ends nearest the balls (the nut's);
+    need: how far contacts reach from their nominal middle, across along the groove's arc and along the track [m].
+    The usual socket is 0.30 rad wide to each side, or wider if the contacts fill more than 0.6 of that, 0.43 ball radii
+    deep and 0.45 ball radii long to each side. It is made narrower beside the groove's edge and its apex, though not
+    below what the contacts need; shallower over a thin wall; shorter between close balls; smaller altogether beside an
+    end or the next turn of the groove.
+    Raises ValueError, with the cause and a remedy, where a contact reaches beyond what apex and edge leave to a socket,
+    or less than 0.4 of the usual depth, length or (without ``need``) width would be left.
     """
-    whole = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
+    usual = SocketSize(GAMMA, DEPTH * m.ball, ALONG * m.ball / m.R)
     bodies = [tuple(s for s in sides if (s < 2) == screw) for screw in (True, False)]
-    gamma, why_gamma = _narrowed(m, sides, land_screw, land_nut)
+    least = max((need[0] / float(m.radius[s]) for s in sides), default=0.0) / ZONE
+    whole = replace(usual, gamma=max(GAMMA, least * ZONE / FILLED), phi=max(usual.phi, need[1] / (FILLED * m.R)))
+    gamma, why_gamma = _narrowed(m, sides, land_screw, land_nut, whole.gamma, need[0])
     size = replace(whole, gamma=gamma)
     cause = {"gamma": why_gamma, "depth": "", "phi": ""}
 
@@ -303,12 +347,16 @@ def fitted_socket(
 
     low, high = layout.z.min() - ends[0], ends[1] - layout.z.max()
 
+    def scaled(share: float) -> SocketSize:
+        narrow = max(share * size.gamma, min(size.gamma, least))
+        return replace(size, gamma=narrow, depth=share * size.depth, phi=share * size.phi)
+
     def inside(share: float) -> bool:
-        below, above = reach(m, _scaled(size, share), sides)
+        below, above = reach(m, scaled(share), sides)
         return bool(below + AWAY * m.ball <= low and above + AWAY * m.ball <= high)
 
     def clear(share: float) -> bool:
-        return min(turn_left(m, _scaled(size, share), own) for own in bodies if own) >= AWAY * m.ball
+        return min(turn_left(m, scaled(share), own) for own in bodies if own) >= AWAY * m.ball
 
     for fits, why in (
         (inside, f"the outermost balls are {mm(low)} and {mm(high)} from the flat ends; lengthen the nut or move balls"),
@@ -316,38 +364,50 @@ def fitted_socket(
     ):  # fmt: skip
         share = _largest(fits)
         if share < 1.0:
-            size = _scaled(size, share)
+            size = scaled(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
             cause = dict.fromkeys(cause, why)
-    for name, word in (("gamma", "narrow"), ("depth", "shallow"), ("phi", "short")):
-        left = getattr(size, name) / getattr(whole, name)
-        if left < LEAST:
+    for name, word, floor in (
+        ("gamma", "narrow", least or LEAST * GAMMA), ("depth", "shallow", LEAST * usual.depth),
+        ("phi", "short", max(LEAST * usual.phi, need[1] / (ZONE * m.R))),
+    ):  # fmt: skip
+        if getattr(size, name) < floor * (1.0 - 1e-9):
+            found, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
             raise ValueError(
-                f"no room for the sockets of the contact patches: only {100.0 * left:.0f} % of the usual one is left, less "
-                f"than {100.0 * LEAST:.0f} % (too {word}), because {cause[name]}"
+                f"no room for the sockets of the contact patches: only {100.0 * found:.0f} % of the usual one is left, less "
+                f"than {100.0 * wanted:.0f} % (too {word}), because {cause[name]}"
             )
     return size
 
 
-def _scaled(size: SocketSize, share: float) -> SocketSize:
-    return replace(size, gamma=share * size.gamma, depth=share * size.depth, phi=share * size.phi)
-
-
-def _narrowed(m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float) -> tuple[float, str]:
-    """Half width in gamma [rad] that edges and apexes allow, and what set it.
+def _narrowed(
+    m: GrooveMap, sides: tuple[int, ...], land_screw: float, land_nut: float, wanted: float, need: float
+) -> tuple[float, str]:
+    """Half width in gamma [rad], at most ``wanted``, that edges and apexes allow, and what set it; need: half width of the
+    contacts along the arc [m].
 
     On the ball, sockets are then as far from the middle between two contacts as here from apex or pitch cylinder.
+    Raises ValueError where a contact reaches beyond what they leave to a socket.
     """
-    gamma, why = GAMMA, ""
+    gamma, why = wanted, ""
     for side in sides:
-        land = land_screw if side < 2 else land_nut
+        land, radius = land_screw if side < 2 else land_nut, float(m.radius[side])
         apex, edge = flank_limits(m, side, land)
         for room, name, remedy in (
             (m.beta - apex, "apex between the two arcs", "bring the groove radius closer to the ball's"),
             (edge - m.beta, f"edge of the groove, at the land radius of {1e3 * land:.4g} mm,", "deepen the groove"),
         ):
-            if room / (1.0 + BESIDE) < gamma:
-                gamma = room / (1.0 + BESIDE)
-                why = f"the {name} is {np.degrees(room):.3g} deg from the contact of side {SIDES[side]}; {remedy}"
+            where = f"the {name} is {np.degrees(room):.3g} deg from the contact of side {SIDES[side]}"
+            usable = ZONE * room / (1.0 + CLOSE)
+            if need / radius > usable:
+                raise ValueError(
+                    f"no room for the contact ellipse of side {SIDES[side]}: it reaches {1e3 * need:.3g} mm "
+                    f"({np.degrees(need / radius):.3g} deg) from its nominal middle, and the mesh has room for "
+                    f"{1e3 * usable * radius:.3g} mm ({np.degrees(usable):.3g} deg), because {where}; {remedy}, lower the "
+                    "load, or open the groove (a larger groove radius makes the ellipse shorter)"
+                )
+            own = max(room / (1.0 + BESIDE), min(need / (radius * ZONE), room / (1.0 + CLOSE)))
+            if own < gamma:
+                gamma, why = own, f"{where}; {remedy}"
     return gamma, why
 
 

@@ -1,0 +1,201 @@
+"""What the contacts of a scene will be like, by a rigid nut, a beam and Hertz springs: for the mesh only.
+
+The screw is a Timoshenko beam through its supports, loads and balls (one rigid section where the scene says so), the nut
+is rigid, every ball moves freely in its section, and every contact is Hertz's. Groove and ball stay circles, so that the
+contact angle follows the motion: with the vector d from the groove's to the ball's centre, the approach is
+|d| + r_ball - r_groove. The energy of a convex function of |d| is convex, so that damped Newton steps find its minimum.
+
+This sees forces, moments, oversize, groove errors, and prescribed displacements. It leaves out the bodies' compliance, so
+that the largest contact comes out some per cent too large and loads by prescribed displacements more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import spsolve
+
+from hifi.hertz import HertzSolution, hertz
+from hifi.response import transport
+from hifi.shaft import beam_stiffness, round_section
+from meshes.errors import specimen
+from meshes.helix import ball_layout, groove_radii, lead_angle
+from meshes.parts import FREEDOMS, SIDE_SIGNS, Material, Scene
+from meshes.solid import dimensions
+
+Array = NDArray[np.float64]
+
+#: Newton steps at most, and the imbalance over the largest force at which they end.
+STEPS, BALANCED = 200, 1e-6
+#: Stiffness that keeps open balls and unheld screws in place, and that of supports, over that of a loaded contact.
+SOFT, HELD = 1e-7, 1e4
+#: Contacts that carry less than this share of the largest load do not count towards the mean.
+LOADED = 0.05
+
+
+@dataclass(frozen=True)
+class ExpectedContacts:
+    """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad] (nominal where open), semi-axes across and along the groove
+    ``(n, 4)`` [m], and how far a contact's middle lies from the nominal one along its groove's arc ``(n, 4)`` [m], counted
+    towards the edge."""
+
+    load: Array
+    angle: Array
+    across: Array
+    along: Array
+    shift: Array
+
+    def semi(self) -> tuple[float, float]:
+        """Semi-axes (a, b) [m] of a typical contact: the mean over the balls of the larger contact of each."""
+        largest = self.load.max(axis=1)
+        ball = np.flatnonzero(largest > LOADED * largest.max(initial=0.0))
+        if not ball.size:
+            return float(self.across.max()), float(self.along.max())
+        side = self.load[ball].argmax(axis=1)
+        scale = np.cbrt(float(largest[ball].mean()) / largest[ball])
+        return float((self.across[ball, side] * scale).mean()), float((self.along[ball, side] * scale).mean())
+
+    def reach(self, sides: tuple[int, ...] = (0, 1, 2, 3)) -> tuple[float, float]:
+        """How far contacts reach from their nominal middle across and along the groove [m], the farthest of all."""
+        own = list(sides)
+        return float((self.across + np.abs(self.shift))[:, own].max()), float(self.along[:, own].max())
+
+
+@dataclass(frozen=True)
+class _Model:
+    """Stiffness of the screw's stations and of its supports, loads on them; A: change of all vectors from groove to ball
+    centre ``(8 n,)`` by all freedoms, their values at rest ``(n, 4, 2)`` [m] and the lengths at which ball and groove touch
+    ``(n, 4)`` [m]; Hertz's constant F / approach^(3/2) of each side ``(4,)``; a typical stiffness [N/m]."""
+
+    K: sp.csc_matrix
+    P: Array
+    A: sp.csr_matrix
+    arms: Array
+    touch: Array
+    constant: Array
+    stiffness: float
+
+
+@lru_cache(maxsize=64)
+def expected_contacts(scene: Scene) -> ExpectedContacts:
+    """Expected contacts of a scene.
+
+    Raises ValueError where the model finds no equilibrium, or an ellipse is too thin for Hertz's formulas.
+    """
+    units = hertz_units(scene)
+    load, vectors = _equilibrium(_model(scene, units))
+    signs, beta = np.array(SIDE_SIGNS), scene.track.contact_angle
+    angle = np.where(load > 0.0, np.arctan2(vectors[..., 1] * signs[:, 1], vectors[..., 0] * signs[:, 0]), beta)
+    scale = np.cbrt(load)
+    across, along = (scale * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
+    return ExpectedContacts(load, angle, across, along, (angle - beta) * groove_radii(scene))
+
+
+def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
+    """Hertz's contact under 1 N of each side: x across the groove, y along it, with the normal curvatures of its helix."""
+    track, r = scene.track, scene.balls.radius
+    beta, alpha = track.contact_angle, lead_angle(track)
+    found = []
+    for part, sign in ((scene.screw, -1.0), (scene.nut, 1.0)):
+        hollow = sign * np.cos(beta) * np.cos(alpha) ** 2 / (track.pitch_radius + sign * r * np.cos(beta))
+        radii = 1.0 / (1.0 / r - 1.0 / part.groove_radius), 1.0 / (1.0 / r - hollow)
+        found += [hertz(1.0, *radii, 2.0 * _modulus(scene.balls.material, part.material), 0.0)] * 2
+    return tuple(found)
+
+
+def _modulus(first: Material, second: Material) -> float:
+    """Contact modulus E* [Pa] of two bodies."""
+    return 1.0 / sum((1.0 - x.poissons_ratio**2) / x.youngs_modulus for x in (first, second))
+
+
+def _model(scene: Scene, units: tuple[HertzSolution, ...]) -> _Model:
+    layout, track, e = ball_layout(scene), scene.track, scene.screw.material
+    drawn, n = specimen(scene, layout), layout.z.size
+    rigid = scene.ingredients.screw == "rigid" or dimensions(scene).screw_held == "bore"
+    own = {x.at for x in (*scene.supports, *scene.loads)} | set(layout.z.tolist())
+    nodes = [scene.nut.position] if rigid else sorted({round(z, 9) for z in own})
+    section = round_section(
+        0.5 * (scene.screw.outer_diameter / 2.0 + track.pitch_radius - scene.balls.radius), e.youngs_modulus, e.poissons_ratio
+    )
+    K = sp.lil_matrix((6 * len(nodes),) * 2)
+    for k, (a, b) in enumerate(pairwise(nodes)):
+        K[6 * k : 6 * k + 12, 6 * k : 6 * k + 12] += beam_stiffness(b - a, section)
+
+    def motion(z: float) -> sp.csr_matrix:
+        """Motion ``(6, size)`` of a station by the screw's freedoms."""
+        k = 0 if rigid else nodes.index(round(z, 9))
+        out = sp.lil_matrix((6, K.shape[0]))
+        out[:, 6 * k : 6 * k + 6] = transport(z - nodes[k])
+        return out.tocsr()
+
+    share = sum(float(np.linalg.norm(x.force)) + float(np.linalg.norm(x.moment)) / track.pitch_radius for x in scene.loads)
+    constant = np.array([unit.approach for unit in units]) ** -1.5
+    stiffness = 1.5 * float(constant.max()) ** (2.0 / 3.0) * max(share / n, 1.0) ** (1.0 / 3.0)
+    P, held = np.zeros(K.shape[0]), sp.csr_matrix(K.shape)
+    for load in scene.loads:
+        P += motion(load.at).T @ np.concatenate([load.force, load.moment])
+    size = np.array([1.0, 1.0, 1.0, *[track.pitch_radius] * 3])
+    for support in scene.supports:
+        at = motion(support.at)
+        for name, value in support.fixed:
+            row = at[FREEDOMS.index(name)]
+            spring = HELD * n * stiffness * size[FREEDOMS.index(name)] ** 2
+            held = held + spring * (row.T @ row)
+            P += spring * value * row.toarray()[0]
+    blocks = []
+    for i, z in enumerate(layout.z.tolist()):
+        frame = np.stack([layout.radial[i], layout.binormal[i]])
+        arm = layout.centre[i] - np.array([0.0, 0.0, z])
+        turn = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])
+        screw = -sp.csr_matrix(np.hstack([frame, frame @ turn])) @ motion(z)
+        blocks.append(sp.vstack([screw, screw, sp.csr_matrix((4, K.shape[0]))]))
+    A = sp.hstack([sp.vstack(blocks), sp.kron(sp.identity(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
+    soft = SOFT * stiffness * np.concatenate([np.tile(size**2, len(nodes)), np.ones(2 * n)])
+    whole = sp.block_diag([K.tocsr() + held, sp.csr_matrix((2 * n, 2 * n))]) + sp.diags(soft)
+    inward = np.array([np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile])
+    touch = (drawn.radius - inward)[None, :] - drawn.ball_radius[:, None]
+    return _Model(whole.tocsc(), np.append(P, np.zeros(2 * n)), A, -drawn.centre, touch, constant, stiffness)
+
+
+def _contact(model: _Model, x: Array) -> tuple[float, Array, Array, Array, Array]:
+    """Energy [J], loads and their slopes ``(n, 4)``, vectors ``(n, 4, 2)`` and their lengths at a state."""
+    vectors = model.arms + (model.A @ x).reshape(model.arms.shape)
+    length = np.linalg.norm(vectors, axis=2)
+    closed = np.maximum(length - model.touch, 0.0)
+    energy = 0.5 * x @ (model.K @ x) - model.P @ x + 0.4 * float((model.constant * closed**2.5).sum())
+    return energy, model.constant * closed**1.5, 1.5 * model.constant * np.sqrt(closed), vectors, length
+
+
+def _equilibrium(model: _Model) -> tuple[Array, Array]:
+    """Loads ``(n, 4)`` [N] and vectors from groove to ball centre ``(n, 4, 2)`` [m] of least energy."""
+    x = np.zeros(model.P.size)
+    energy, load, slope, vectors, length = _contact(model, x)
+    for step in range(STEPS):
+        unit = vectors / length[..., None]
+        wrong = model.P - model.K @ x - model.A.T @ (load[..., None] * unit).ravel()
+        scale = max(float(load.max()), 1e-3 * float(np.abs(model.P).max(initial=0.0)), 1e-9)
+        if float(np.abs(wrong).max()) < BALANCED * scale and step:
+            return load, vectors
+        # a stiffness of open contacts that dies out keeps the first steps short
+        own = np.maximum(slope, model.stiffness * 10.0 ** (-step / 4.0))
+        turned = (load / length)[..., None, None] * np.eye(2)
+        blocks = turned + (own - load / length)[..., None, None] * unit[..., :, None] * unit[..., None, :]
+        H = model.K + model.A.T @ sp.block_diag(list(blocks.reshape(-1, 2, 2)), format="csr") @ model.A
+        move = spsolve(H.tocsc(), wrong)
+        descent, size = float(wrong @ move), 1.0
+        while size > 1e-9:
+            found = _contact(model, x + size * move)
+            if found[0] <= energy - 1e-4 * size * descent or abs(size * descent) < 1e-12 * abs(energy):
+                break
+            size *= 0.5
+        x = x + size * move
+        energy, load, slope, vectors, length = found
+    raise ValueError(
+        "no equilibrium of the contacts is found with a rigid nut and Hertz springs, which size the patches: support the "
+        "screw against the motion that its loads drive"
+    )
