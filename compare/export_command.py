@@ -184,7 +184,7 @@ def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bo
     from meshes.sockets import local_points
 
     if of_ball:
-        place = ball_place(m, meshes.size, side)[1]
+        place = ball_place(m, meshes.size, side, meshes.zone)[1]
         return patch_mesh(meshes, meshes.ball.sockets[side], place, settings)
     body = meshes.screw if side < 2 else meshes.nut
     return patch_mesh(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)

@@ -164,7 +164,7 @@ def groove_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
 
 def ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
     """Mesh of the ball's patch at a side, about the ball's centre."""
-    place = ball_place(setup.map, meshes.size, side)[1]
+    place = ball_place(setup.map, meshes.size, side, meshes.zone)[1]
     return patch_mesh(meshes, meshes.ball.sockets[side], place, setup.settings)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hifi.expected import expected_contacts
 from hifi.patch import Lines, graded, growing
-from meshes.ball_body import BallSocket, ball_points
+from meshes.ball_body import BallSocket, ball_depth, ball_points
 from meshes.groove_map import GrooveMap
 from meshes.helix import BallLayout
 from meshes.parts import Scene
@@ -49,8 +49,6 @@ class Settings:
 
 #: Half width of the contact zone over the expected reach of the contacts, across and along the groove.
 MARGIN = (1.15, 1.2)
-#: Depth of a ball's socket over that of the groove's.
-BALL_DEPTH = 0.75
 #: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.
 ROUNDING = 5e-6
 
@@ -104,7 +102,10 @@ def socket_size(
     return replace(size, cuts=settings.cuts)
 
 
-def ball_place(m: GrooveMap, size: SocketSize, side: int) -> tuple[BallSocket, Callable[[Array], Array]]:
-    """Socket of the ball at a side and the map of local coordinates into it: its rays pass through the groove's nodes."""
-    socket = BallSocket(side, size, BALL_DEPTH * size.depth)
+def ball_place(
+    m: GrooveMap, size: SocketSize, side: int, zone: tuple[float, float]
+) -> tuple[BallSocket, Callable[[Array], Array]]:
+    """Socket of the ball at a side and the map of local coordinates into it: in the contact zone its rays pass exactly
+    through the groove's nodes."""
+    socket = BallSocket(side, size, ball_depth(m, size, side), zone[1])
     return socket, partial(ball_points, m, socket)

@@ -141,7 +141,7 @@ def mesh_parts(
         dims.land, nut.outer_diameter / 2.0, position - nut.length / 2.0, position + nut.length / 2.0, False,
         sockets_of(layout, sides, False), size, settings.fine, settings.coarse,
     )  # fmt: skip
-    sockets = tuple(ball_place(m, size, s)[0] for s in sides)
+    sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
     recipe = (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts)
     ball = cache.get("ball", recipe, lambda: build_ball(*recipe), BallBody)
     screw = cache.get("screw", (m, screw_spec), lambda: build_body(m, screw_spec), GroovedBody)
@@ -233,7 +233,7 @@ def condense_side(scene: Scene, m: GrooveMap, meshes: Meshes, side: int, setting
     """Condensed patches of groove and ball at one side, on the same contact nodes."""
     body = meshes.screw if side < 2 else meshes.nut
     mesh = patch_mesh(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)
-    place = ball_place(m, meshes.size, side)[1]
+    place = ball_place(m, meshes.size, side, meshes.zone)[1]
     ball_patch = patch_mesh(meshes, meshes.ball.sockets[side], place, settings)
     normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
     found = patch_normals(ball_patch, np.zeros(3))

@@ -1,4 +1,4 @@
-"""Coarse mesh of a ball by gmsh: second-order tetrahedra with a socket, a pyramid of rays between two spheres, at every contact.
+"""Coarse mesh of a ball by gmsh: second-order tetrahedra with a socket, a truncated pyramid, at every contact.
 
 Each half of the sphere is triangulated in the plane onto which it projects from the opposite pole; sockets become holes,
 and no seam is needed. The projection keeps angles, and stretches lengths by a known factor from 1/2 to 1.
@@ -27,15 +27,19 @@ Flags = NDArray[np.bool_]
 
 #: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.
 GROWTH = (0.072, 0.72)
+#: Depth of a ball's socket over that of the groove's; depth of its corners at least, over the ball's radius.
+SHALLOWER, CORNER = 0.75, 0.12
 
 
 @dataclass(frozen=True)
 class BallSocket:
-    """Socket of one side: the groove's socket, whose rays to the ball's centre bound it, and its depth [m]."""
+    """Socket of one side: the groove's socket that it faces, its depth below the surface [m], and the share of its length
+    in which its rays pass through the groove's surface."""
 
     side: int
     groove: SocketSize
     depth: float
+    exact: float = 0.5
 
 
 @dataclass(frozen=True)
@@ -60,11 +64,40 @@ def directions(m: GrooveMap, side: int) -> Array:
     return np.stack([sx * c * x3 + sz * s * z3, -sx * s * x3 + sz * c * z3, y3])
 
 
+def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
+    """Rays ``(n, 3)`` from the ball's centre at local coordinates, of length 1 along the contact direction.
+
+    They pass through the groove's surface at the same gamma and azimuth; towards the ends of the socket, beyond ``exact`` of
+    its length, they go over to planes through the ball's centre, because the cone of rays through a groove's section is
+    hollow in its middle.
+    """
+    n, t1, t2 = directions(m, socket.side)
+
+    def flat(at: Array) -> tuple[Array, Array]:
+        x = local_points(m, socket.groove, socket.side, at * [1.0, 0.0, 1.0]) - np.array([m.R, 0.0, 0.0])
+        return (x @ t1) / (x @ n), (x @ t2) / (x @ n)
+
+    line = np.linspace(-1.0, 1.0, 9)
+    along = max(float(np.abs(flat(np.stack([line, 0.0 * line, end + 0.0 * line], axis=1))[1]).max()) for end in (-1.0, 1.0))
+    s, t = flat(xi)
+    u = np.clip((np.abs(xi[:, 2]) - socket.exact) / (1.0 - socket.exact), 0.0, 1.0)
+    w = u * u * (3.0 - 2.0 * u)
+    t = t * (1.0 - w) + w * along * xi[:, 2]
+    return np.asarray(n[None, :] + s[:, None] * t1 + t[:, None] * t2)
+
+
 def ball_points(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
-    """Points ``(n, 3)`` [m] of local coordinates: on the rays from the ball's centre through the groove's surface at the
-    same gamma and azimuth in [-1, 1], on the sphere at depth 0, on a concentric one at depth 1."""
-    ray = local_points(m, socket.groove, socket.side, xi * [1.0, 0.0, 1.0]) - np.array([m.R, 0.0, 0.0])
-    return np.asarray(ray * ((m.ball - xi[:, 1] * socket.depth) / np.linalg.norm(ray, axis=1))[:, None])
+    """Points ``(n, 3)`` [m] of local coordinates: on their rays, on the sphere at depth 0, on a plane at depth 1."""
+    ray = rays(m, socket, xi)
+    outer = m.ball / np.linalg.norm(ray, axis=1)
+    return np.asarray(ray * (outer + xi[:, 1] * (m.ball - socket.depth - outer))[:, None])
+
+
+def ball_depth(m: GrooveMap, size: SocketSize, side: int) -> float:
+    """Depth [m] of a ball's socket that faces a groove's: a share of the groove's, or what leaves its corners thick enough."""
+    corners = np.array([[a, 0.0, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
+    widest = float(np.linalg.norm(rays(m, BallSocket(side, size, size.depth), corners), axis=1).max())
+    return max(SHALLOWER * size.depth, m.ball * (1.0 - (1.0 - CORNER) / widest))
 
 
 def build_ball(
@@ -140,12 +173,14 @@ def _refuse_overlap(m: GrooveMap, sockets: tuple[BallSocket, ...]) -> None:
     remedy = "make the sockets smaller (meshes.sockets.fitted_socket finds a size that fits)"
     a, b = np.linspace(-1.0, 1.0, 41)[:-1], np.ones(40)
     around = np.concatenate([np.stack(x, 1) for x in ((a, 0 * a, -b), (b, 0 * a, a), (-a, 0 * a, b), (-b, 0 * a, -a))])
-    outlines = {one.side: 1.02 * ball_points(m, one, around) for one in sockets}
+    outlines = {one.side: ball_points(m, one, 1.02 * around) for one in sockets}
     for one in sockets:
         name = f"socket {SIDES[one.side]} of a ball of {1e3 * m.ball:.4g} mm radius"
         if not 0.0 < one.depth < 0.8 * m.ball:
             raise ValueError(f"the {name} is {1e3 * one.depth:.4g} mm deep: {remedy}")
-        points = outlines[one.side]
+        points = ball_points(m, one, around)
+        if np.linalg.norm(rays(m, one, around), axis=1).max() * (m.ball - one.depth) >= m.ball:
+            raise ValueError(f"the {name} is wider than its depth of {1e3 * one.depth:.4g} mm allows: {remedy}")
         if np.ptp(np.sign(points @ parting(m))) > 0.0:
             raise ValueError(f"the {name} reaches over the ball's middle: {remedy}")
         for other in sockets:

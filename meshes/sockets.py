@@ -36,9 +36,11 @@ BETWEEN = 0.6
 UNDER, AWAY = 0.5, 0.12
 #: How far a ball may lie off its groove, over its radius.
 ON_GROOVE = 1e-3
-#: Shares tried by which a socket's faces bulge while a body is filled, see `socket_mesh`; how far edges then stand out at
-#: least, over their lengths; bulge of side faces along the rim over that in depth.
-RAISED, RIDGE, ALONGSIDE = (0.04, 0.06, 0.09, 0.13, 0.18, 0.24), 8e-3, 0.3
+#: Shares tried by which a socket's faces bulge while a body is filled, see `socket_mesh`, and how far diagonals stand out
+#: then at least, over their lengths; terms that twist the rectangles of side faces and bottom, so that one diagonal does, and
+#: those in the middle of symmetric faces.
+RAISED, RIDGE, TWIST = (0.04, 0.06, 0.08), 1e-4, (0.8, 0.4)
+SKEW = 0.2
 
 
 @dataclass(frozen=True)
@@ -66,9 +68,9 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
     """Inner faces of a socket, each edge cut into equal parts, and raised local coordinates of their corners.
 
     place: points ``(n, 3)`` of local coordinates ``(n, 3)``. While a body is filled, the corners of its sockets lie at the
-    raised coordinates, blown up to a convex body; the rim stays. A tetrahedron with all corners on a convex socket lies in
-    the socket, so that none can fit flat over its faces. Of both diagonals of a rectangle the one that stands out into the
-    body is taken; of `RAISED`, the least share that makes every edge stand out by `RIDGE`, or else the best.
+    raised coordinates, at which the faces bulge into the body; the rim stays. A tetrahedron with all corners on a convex
+    socket lies in the socket, so that none fits flat over a bulging face. Of both diagonals of a rectangle the one that
+    stands out into the body is taken; of `RAISED`, the least share with which all stand out by `RIDGE`, or else the best.
     """
     lines = (np.linspace(-1.0, 1.0, cuts[0] + 1), np.linspace(0.0, 1.0, cuts[1] + 1), np.linspace(-1.0, 1.0, cuts[2] + 1))
     number: dict[tuple[int, ...], int] = {}
@@ -84,52 +86,29 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
     step = np.array(list(number))
     xi = np.stack([lines[k][step[:, k]] for k in range(3)], axis=1)
     square, inside = np.array(squares), place(np.array([[0.0, 0.5, 0.0]]))[0]
-    best = (-np.inf, np.zeros((0, 3), dtype=np.int64), xi)
+    best = (-1.0, np.zeros(0), xi)
     for share in RAISED:
-        raised = blown_up(xi, share)
-        points = place(raised)
-        first = _ridges(points, square, inside) > 0.0
-        tris = np.where(first[:, None], square, np.roll(square, 1, axis=1))[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
-        best = max(best, (float(edge_heights(points, tris, inside).min()), tris, raised), key=lambda x: x[0])
+        raised = bulging(xi, share)
+        height = _ridges(place(raised), square, inside)
+        best = max(best, (float(np.abs(height).min()), height, raised), key=lambda x: x[0])
         if best[0] >= RIDGE:
             break
-    return _second_order(xi, best[1], np.repeat(owner, 2)), best[2]
+    turned = np.where((best[1] > 0.0)[:, None], square, np.roll(square, 1, axis=1))
+    return _second_order(xi, turned[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3), np.repeat(owner, 2)), best[2]
 
 
-def blown_up(xi: Array, share: float) -> Array:
-    """Local coordinates ``(n, 3)`` of a socket's faces moved out by up to ``share``, so that they bulge; the rim stays."""
+def bulging(xi: Array, share: float) -> Array:
+    """Local coordinates ``(n, 3)`` of a socket's faces moved out, by up to about ``share`` times their size; the rim stays."""
     a, u, b = xi.T
-    rise = u * (2.0 - u)
-    return np.stack(
-        [
-            a * (1.0 + share * (rise + ALONGSIDE * u * (1.0 - b * b))),
-            u + share * u * u * (2.0 - a * a - b * b),
-            b * (1.0 + share * (rise + ALONGSIDE * u * (1.0 - a * a))),
-        ],
-        axis=1,
-    )
-
-
-def edge_heights(points: Array, tris: Index, inside: Array) -> Array:
-    """How far the inner edges of a triangulated surface stand out from the side of ``inside``, over their lengths.
-
-    Negative where the two triangles of an edge make a hollow, seen from the other side.
-    """
-    across: dict[tuple[int, int], list[int]] = {}
-    for a, b, c in tris.tolist():
-        for i, j, k in ((a, b, c), (b, c, a), (c, a, b)):
-            across.setdefault((min(i, j), max(i, j)), []).append(k)
-    i, j, k, n = np.array([(*pair, *own) for pair, own in across.items() if len(own) == 2]).T
-    return _standing(points[i], points[k], points[j], points[n], inside)
+    rise, across, along = u * (2.0 - u), 1.0 - a * a, 1.0 - b * b
+    bottom = u * u * (across + along + TWIST[1] * across * along + SKEW * a * b)
+    side, end = (1.0 + share * (rise + TWIST[0] * u * (x + SKEW * y)) for x, y in ((along, b), (across, a)))
+    return np.stack([a * side, u + share * bottom, b * end], axis=1)
 
 
 def _ridges(points: Array, square: Index, inside: Array) -> Array:
     """How far the first diagonal of quadrilaterals ``(s, 4)`` lies outside the second, over their lengths ``(s,)``."""
-    return _standing(*(points[square[:, k]] for k in range(4)), inside)
-
-
-def _standing(a: Array, b: Array, c: Array, d: Array, inside: Array) -> Array:
-    """How far the edges a - c of triangles a b c and a c d lie beyond the lines b - d, over their size ``(s,)``."""
+    a, b, c, d = (points[square[:, k]] for k in range(4))
     out = np.cross(c - a, d - b)
     out = out * np.sign(np.einsum("sx,sx->s", out, 0.25 * (a + b + c + d) - inside))[:, None]
     area = np.linalg.norm(out, axis=1)
