@@ -22,8 +22,11 @@ from meshes.parts import Scene
 
 Array = NDArray[np.float64]
 
-#: Screws that were not used while the refined model was developed.
-UNSEEN = ("unseen-thin-nut", "unseen-short-nut", "unseen-hollow", "unseen-flange", "unseen-lead10")
+#: Screws and a bearing that were not used while the refined model was developed.
+UNSEEN = (
+    "unseen-thin-nut", "unseen-short-nut", "unseen-hollow", "unseen-flange", "unseen-lead10", "unseen-16x5", "unseen-25x5",
+    "unseen-32x10", "unseen-40x10", "unseen-63x20", "unseen-four-point",
+)  # fmt: skip
 #: Rungs by model name, with what each adds.
 RUNGS = {
     "lin": "the source's model: beam by C.8, rigid nut",
