@@ -157,9 +157,9 @@ def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
     """Screw, nut or ball of ``kind`` elements, with its sockets' inner faces and the flat ends."""
     from hifi.bodies import of_order
 
-    body = {"ball": meshes.ball, "screw": meshes.screw, "nut": meshes.nut}[part]
-    names = [name for name in body.mesh.boundaries if "socket" in name or " end" in name]
-    return from_skfem(of_order(body.mesh, kind), *names)
+    mesh = {"ball": meshes.ball.mesh, "screw": meshes.screw.mesh, "nut": meshes.nut.mesh}[part]
+    names = [name for name in mesh.boundaries if "socket" in name or " end" in name]
+    return from_skfem(of_order(mesh, kind), *names)
 
 
 def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bool) -> PatchMesh:

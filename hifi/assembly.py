@@ -91,7 +91,7 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         flat = ElementTriP1() if len(corners) == 3 else ElementQuad1()
         own = (self.mesh.t[:, tind] == corners[:, None]).argmax(axis=1)
         shapes = np.array([flat.lbasis(X, k)[0] for k in range(len(corners))])
-        return np.einsum("kq,dkf->dfq", shapes, self.mesh.refdom.p[:, own])
+        return np.asarray(np.einsum("kq,dkf->dfq", shapes, self.mesh.refdom.p[:, own]))
 
     def invDF(self, X: Array, tind: Any = None) -> Array:
         """Inverse Jacobians at X in the cells tind."""

@@ -25,7 +25,7 @@ def compliance(K: sp.spmatrix, rows: sp.spmatrix) -> Array:
         return np.zeros((0, 0))
     if rows.shape[0] <= FEW:
         F = np.asarray(rows @ factor(K).solve(rows.toarray().T))
-        return 0.5 * (F + F.T)
+        return np.asarray(0.5 * (F + F.T))
     try:
         F, _ = gram(K, rows.T)
     except FactorError:

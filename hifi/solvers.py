@@ -206,7 +206,10 @@ def _cholmod(matrix: sp.csc_matrix) -> tuple[Callable[[FloatArray], FloatArray],
 
 
 def _supernodal(sparse: Any, order: IntArray | None, *, kept: bool = False) -> Any:
-    """CHOLMOD's factor L L^T of a cvxopt matrix's lower triangle, in the given order if AMD's has no less fill or ``kept``."""
+    """CHOLMOD's factor L L^T of a cvxopt matrix's lower triangle, in the given order unless AMD's has less fill.
+
+    kept: in the given order.
+    """
     import cvxopt
     from cvxopt import cholmod
 

@@ -85,8 +85,8 @@ def hexahedra(order: int, spacing: Sequence[float], core: Sequence[float], size:
         size: edge of the block [m].
         growth: largest ratio of neighbouring cells outside the core.
     """
-    axes = [graded(order * step, length, size, growth) for step, length in zip(spacing, core, strict=True)]
-    return _named(tensor_grid(*axes, f"Q{order}"), size)
+    x, y, z = (graded(order * step, length, size, growth) for step, length in zip(spacing, core, strict=True))
+    return _named(tensor_grid(x, y, z, f"Q{order}"), size)
 
 
 @dataclass(frozen=True)

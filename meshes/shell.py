@@ -294,7 +294,7 @@ class Filled:
         where = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
         if not np.array_equal(self.keys[where], keys):
             raise ValueError("gmsh lost an edge of the surface")
-        return self.middles[where]
+        return np.asarray(self.middles[where])
 
     def box_nodes(self, corners: Index, box: SocketMesh) -> Index:
         """Nodes of a socket's faces in the order of ``box``, from those of its corners."""
