@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from compare.errors import InputError
 from compare.reference import needed_sides, settings_of
 from compare.system import need_gmsh
-from meshes.bridge import FORMATS, MeshData, form_of, need, reduced, write_mesh
+from meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need, reduced, write_mesh
 from meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     """Mesh of a part as the reference of that level uses it; raises ValueError where it cannot be built."""
     if part == BLOCK:
         return _block()
-    from hifi.setup import mesh_parts
+    from hifi.setup import body_kind, mesh_parts
     from meshes.cache import Cache
     from meshes.groove_map import GrooveMap
     from meshes.helix import ball_layout
@@ -108,7 +108,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
     meshes = mesh_parts(scene, m, ball_layout(scene), dimensions(scene), sides, settings, Cache(cache))
     if part in ("screw", "nut", "ball"):
-        return _body(meshes, part, first_order=settings.element == "P1")
+        return _body(meshes, part, body_kind(settings))
     kind, _, side = part.rpartition("-")
     return _patch(_patch_mesh(meshes, m, SIDES.index(side), settings, of_ball=kind == "ball-patch"))
 
@@ -119,6 +119,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     ball: from 0. Raises ValueError where the scene is not solved, or its screw is held or loaded beyond the low end.
     """
     from hifi import fields
+    from hifi.bodies import of_order
     from hifi.reference import solve_reference
     from hifi.setup import body_kind, mesh_parts, prepare
     from meshes.cache import Cache
@@ -136,12 +137,7 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
             u = fields.screw_displacement(made, body, forces, scene)
         else:
             u = fields.nut_displacement(made, body, forces)
-        kind, cells = body_kind(settings), body.cells
-        if kind == "P1":
-            from meshes.tet_patch import split_second_order
-
-            cells = split_second_order(body.points, cells)
-        stress = fields.nodal_stress(body.points, cells, kind, u, material)
+        stress = fields.nodal_stress(of_order(body.mesh, body_kind(settings)), u, material)
     else:
         own, _, side = part.rpartition("-")
         if own == "patch":
@@ -157,25 +153,13 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
 
 
-def _body(meshes: Meshes, part: str, *, first_order: bool) -> MeshData:
-    """Screw, nut or ball, with its sockets' inner faces and the flat ends; first_order: divided as the reference does."""
-    if part == "ball":
-        points, cells = meshes.ball.points, meshes.ball.cells
-        groups = {f"socket {SIDES[s]}": nodes for s, nodes in meshes.ball.socket_nodes.items()}
-        sockets: Sequence[Index] = list(meshes.ball.socket_nodes.values())
-    else:
-        body = meshes.screw if part == "screw" else meshes.nut
-        points, cells, sockets = body.points, body.cells, list(body.socket_nodes)
-        groups = {"low end": body.low_end, "high end": body.high_end}
-    kind = "P2"
-    if first_order:
-        from meshes.tet_patch import split_second_order
+def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
+    """Screw, nut or ball of ``kind`` elements, with its sockets' inner faces and the flat ends."""
+    from hifi.bodies import of_order
 
-        kind, cells = "P1", split_second_order(points, cells)
-    boundaries = {name: faces_within(cells, kind, [nodes]) for name, nodes in groups.items()}
-    if part != "ball":
-        boundaries["sockets"] = faces_within(cells, kind, sockets)
-    return MeshData(points, {kind: cells}, {}, {name: faces for name, faces in boundaries.items() if len(faces)})
+    mesh = {"ball": meshes.ball.mesh, "screw": meshes.screw.mesh, "nut": meshes.nut.mesh}[part]
+    names = [name for name in mesh.boundaries if "socket" in name or " end" in name]
+    return from_skfem(of_order(mesh, kind), *names)
 
 
 def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bool) -> PatchMesh:
@@ -192,11 +176,7 @@ def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bo
 
 def _patch(mesh: PatchMesh) -> MeshData:
     """A patch with its contact zone and the faces that are tied to the body."""
-    boundaries = {
-        "contact": faces_within(mesh.cells, mesh.kind, [mesh.contact]),
-        "interface": faces_within(mesh.cells, mesh.kind, [mesh.interface]),
-    }
-    return MeshData(mesh.points, {mesh.kind: mesh.cells}, {}, {k: f for k, f in boundaries.items() if len(f)})
+    return from_skfem(mesh.mesh, "contact", "interface")
 
 
 def _block() -> MeshData:
@@ -205,16 +185,4 @@ def _block() -> MeshData:
 
     radius = SOURCE_RADIUS
     mesh = tetrahedra(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
-    return MeshData(mesh.points, {mesh.element: mesh.cells}, {}, {"contact": mesh.faces})
-
-
-def faces_within(cells: Index, kind: str, groups: Sequence[Index]) -> Index:
-    """Faces ``(k, nodes of a face)`` of single cells, in gmsh's order, all of whose nodes lie in one of the groups."""
-    from hifi.elements import ELEMENTS
-
-    faces = cells[:, ELEMENTS[kind].face_nodes()]
-    faces = faces.reshape(-1, faces.shape[2])
-    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    outer = faces[first[count == 1]]
-    found = [outer[np.isin(outer, nodes).all(axis=1)] for nodes in groups]
-    return np.concatenate(found) if found else outer[:0]
+    return from_skfem(mesh.mesh, "contact")

@@ -22,14 +22,19 @@ from time import perf_counter
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
+from hifi.assembly import assemble, nodal_areas
 from hifi.compliance import uncoupled
 from hifi.contact import ContactResult, solve_contact
-from hifi.elasticity import nodal_areas, stiffness
-from hifi.elements import ELEMENTS, FloatArray, IntArray
+from hifi.forms import elasticity
 from hifi.hertz import HertzSolution, hertz
 from hifi.solvers import factor
 from meshes.block import BlockMesh, Influence, hexahedra, tetrahedra
+from meshes.fem import freedoms_on, nodes_on
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 #: Right-hand sides solved at once.
 CHUNK = 128
@@ -84,9 +89,7 @@ def carried_areas(mesh: BlockMesh) -> FloatArray:
     A uniform pressure puts nothing on the corners of 6-node triangles and all on their midside nodes: only those may
     touch. Pressures given at the corners too, or linear between them, oscillate by tens of per cent on the same meshes.
     """
-    face = ELEMENTS[mesh.element].face
-    assert face is not None
-    areas = nodal_areas(mesh.points, mesh.faces, face)
+    areas = nodal_areas(mesh.mesh, "contact")
     return np.where(areas > 1e-6 * areas.max(initial=0.0), areas, 0.0)
 
 
@@ -102,17 +105,17 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
         hifi.solvers.FactorError: the mesh does not hold together.
     """
     start = perf_counter()
-    matrix = sp.csr_matrix(stiffness(mesh.points, mesh.cells, mesh.element, young, poisson))
+    matrix = sp.csr_matrix(assemble(elasticity(young, poisson), mesh.mesh))
     areas = carried_areas(mesh)
     near = ((mesh.points[:, :2] / np.array(reach)) ** 2).sum(axis=1) <= 1.0
     nodes = np.flatnonzero((areas > 0.0) & near)
-    cut = (3 * mesh.cut[:, None] + np.arange(3)).ravel()
-    symmetry = np.concatenate([3 * mesh.on_plane(0, 0.0), 3 * mesh.on_plane(1, 0.0) + 1])
-    free = np.setdiff1d(np.arange(3 * len(mesh.points)), np.concatenate([cut, symmetry]))
+    cut = freedoms_on(mesh.mesh, "cut")
+    symmetry = np.concatenate([3 * nodes_on(mesh.mesh, "x = 0"), 3 * nodes_on(mesh.mesh, "y = 0") + 1])
+    free = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([cut, symmetry]))
     unit = sp.csr_matrix((np.ones(len(nodes)), (3 * nodes + 2, np.arange(len(nodes)))), (matrix.shape[0], len(nodes)))
     unit = unit[free].tocsc()
     assembled = perf_counter()
-    solver = factor(matrix[free][:, free].tocsc(), columns=len(nodes))
+    solver = factor(matrix[free][:, free].tocsc())
     factored = perf_counter()
     rows = matrix[cut][:, free]
     held, reactions = np.empty((len(nodes), len(nodes))), np.empty((len(cut), len(nodes)))
@@ -136,7 +139,7 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
 
 def _far_field(mesh: BlockMesh, sources: FloatArray, young: float, poisson: float) -> FloatArray:
     """Displacement (3 cut nodes, m) [m/N] of the cut under a unit force at each source and at its mirror images."""
-    points = mesh.points[mesh.cut]
+    points = mesh.points[nodes_on(mesh.mesh, "cut")]
     images = [np.array(signs) for signs in product((1.0, -1.0), repeat=2)]
     total = sum(boussinesq(points, sources * signs, young, poisson) for signs in images)
     return np.asarray(total).reshape(3 * len(points), len(sources))
@@ -248,7 +251,7 @@ def source_study(job: HertzJob) -> HertzRun:
 
 def _run(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float, far_field: bool) -> HertzRun:
     """Compliance, contact and reading of one mesh."""
-    margin = 1.0 + 1.5 / (ELEMENTS[mesh.element].order * b_over_h)  # the contact may end one node too far
+    margin = 1.0 + 1.5 / (int(mesh.element[1]) * b_over_h)  # the contact may end one node too far
     reach = (margin * job.exact.semi_x, margin * job.exact.semi_y)
     surface = surface_compliance(mesh, reach, job.young, job.poisson)
     start = perf_counter()

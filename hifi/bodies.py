@@ -14,10 +14,14 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import qr
+from skfem import Mesh
 
-from hifi.elasticity import rigid_modes, stiffness
+from hifi import assembly
+from hifi.forms import elasticity
 from hifi.patch import CondensedPatch
-from meshes.tet_patch import split_second_order
+from hifi.rigid import rigid_modes
+from meshes.fem import cells_of, faces_of, freedoms_on, mesh_of, nodes_on, points_of
+from meshes.tet_patch import SUB_TRIANGLES, split_second_order
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -45,18 +49,24 @@ def freedoms(nodes: Index) -> Index:
     return np.asarray((3 * nodes[:, None] + np.arange(3)).ravel(), dtype=np.int64)
 
 
-def assemble(
-    points: Array, cells: Index, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], young: float,
-    poisson: float, *, kind: str = "P2",
-) -> sp.csc_matrix:  # fmt: skip
-    """Stiffness of the coarse body with every patch in its socket, ``(3 n, 3 n)``.
-
-    cells: 10-node tetrahedra; kind: "P2", or "P1" to divide each into eight of first order on the same nodes (half the
-    size; the patches are then tied linearly, `hifi.patch.tie_matrix`).
-    """
+def of_order(mesh: Mesh, kind: str) -> Mesh:
+    """A mesh of 10-node tetrahedra as it is (kind "P2"), or each divided into eight of first order on the same nodes ("P1",
+    half the size; patches are then tied linearly, `hifi.patch.tie_matrix`), boundaries kept. Raises ValueError for another
+    kind."""
     if kind not in ("P1", "P2"):
         raise ValueError(f"coarse body of {kind!r} elements: P1 or P2")
-    K = stiffness(points, split_second_order(points, cells) if kind == "P1" else cells, kind, young, poisson)
+    if kind == "P2":
+        return mesh
+    points = points_of(mesh)
+    named = {name: faces_of(mesh, name)[:, np.array(SUB_TRIANGLES)].reshape(-1, 3) for name in mesh.boundaries or {}}
+    return mesh_of(points, split_second_order(points, cells_of(mesh)), "P1", named)[0]
+
+
+def assemble(
+    mesh: Mesh, sockets: Sequence[Socket], patches: dict[int, CondensedPatch], young: float, poisson: float
+) -> sp.csc_matrix:
+    """Stiffness of a coarse body with every patch in its socket, ``(3 n, 3 n)``."""
+    K = assembly.assemble(elasticity(young, poisson), mesh)
     rows, columns, values = [], [], []
     for socket in sockets:
         S = patches[socket.side].S
@@ -100,3 +110,27 @@ def isostatic(points: Array, avoid: Index) -> Index:
     modes = modes / np.array([1, 1, 1, size, size, size])
     _, _, order = qr(modes.T, pivoting=True)
     return np.asarray(freedoms(pick)[order[:6]])
+
+
+def held_transform(mesh: Mesh, *boundaries: str) -> sp.csc_matrix:
+    """C of a body whose ``boundaries`` are held: its freedoms from the free ones."""
+    size = mesh.doflocs.size
+    free = np.setdiff1d(np.arange(size), freedoms_on(mesh, *boundaries))
+    return sp.identity(size, format="csc")[:, free]
+
+
+def end_transform(mesh: Mesh, high: float) -> sp.csc_matrix:
+    """C of a body held at its "low end", its "high end" a rigid section whose six freedoms about z = high [m] come last.
+
+    C^T K C is the Galerkin stiffness; scikit-fem's `mpc` takes the equations of the free freedoms alone.
+    """
+    size = mesh.doflocs.size
+    upper = nodes_on(mesh, "high end")
+    slaves = freedoms(upper)
+    free = np.setdiff1d(np.arange(size), np.concatenate([freedoms_on(mesh, "low end"), slaves]))
+    matrix = rigid_modes(points_of(mesh)[upper], np.array([0.0, 0.0, high]))
+    r, c = np.nonzero(matrix)
+    rows = np.concatenate([free, slaves[r]])
+    columns = np.concatenate([np.arange(free.size), free.size + c])
+    values = np.concatenate([np.ones(free.size), matrix[r, c]])
+    return sp.coo_matrix((values, (rows, columns)), (size, free.size + 6)).tocsc()

@@ -12,7 +12,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from hifi.elasticity import rigid_modes, stiffness
+from hifi.assembly import assemble
+from hifi.bodies import end_transform
+from hifi.forms import elasticity
 from hifi.response import compliance
 from hifi.shaft import ShaftSection, round_section
 from meshes.groove_map import GrooveMap
@@ -63,18 +65,9 @@ def _flexibility(m: GrooveMap, outer: float, hole: float, material: Material, si
         hole, outer, m.z0 - length / 2.0, m.z0 + length / 2.0, True, (), SocketSize(0.3, 1e-3, 0.05), size, size
     )
     mesh = build_body(m, spec)
-    K = stiffness(mesh.points, mesh.cells, "P2", material.youngs_modulus, material.poissons_ratio)
-    rigid = rigid_modes(mesh.points[mesh.high_end], np.array([0.0, 0.0, spec.z_high]))
-    count = 3 * len(mesh.points)
-    ends = (3 * np.concatenate([mesh.low_end, mesh.high_end])[:, None] + np.arange(3)).ravel()
-    free = np.setdiff1d(np.arange(count), ends)
-    upper = (3 * mesh.high_end[:, None] + np.arange(3)).ravel()
-    T = sp.lil_matrix((count, free.size + 6))
-    T[free, np.arange(free.size)] = 1.0
-    T = T.tocsr() + sp.coo_matrix(
-        (rigid.ravel(), (np.repeat(upper, 6), np.tile(free.size + np.arange(6), upper.size))), T.shape
-    ).tocsr()
-    rows = sp.csr_matrix((np.ones(6), (np.arange(6), free.size + np.arange(6))), (6, free.size + 6))
+    K = assemble(elasticity(material.youngs_modulus, material.poissons_ratio), mesh.mesh)
+    T = end_transform(mesh.mesh, spec.z_high)
+    rows = sp.csr_matrix((np.ones(6), (np.arange(6), T.shape[1] - 6 + np.arange(6))), (6, T.shape[1]))
     return compliance((T.T @ K @ T).tocsc(), rows)
 
 

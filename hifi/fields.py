@@ -14,13 +14,15 @@ from itertools import pairwise
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from skfem import Mesh, condense
+from skfem.helpers import sym_grad
 
-from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, patch_modes
+from hifi.assembly import space
+from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, of_order, patch_modes
 from hifi.compliance import uncoupled
 from hifi.contact import solve_contact
-from hifi.elasticity import strain_stress
-from hifi.elements import element_of
 from hifi.fit import Settings, ball_place
+from hifi.forms import hooke
 from hifi.hertz import HertzSolution, hertz
 from hifi.patch import CondensedPatch, PatchMesh, field
 from hifi.reference import ReferenceResult
@@ -30,25 +32,24 @@ from hifi.setup import (
     ball_compliance,
     body_kind,
     condense_side,
-    end_transform,
-    held_transform,
     mesh_parts,
-    nut_held,
+    nut_transform,
     patch_mesh,
     patch_normals,
     placed,
     rotation,
+    screw_transform,
     sockets_of,
 )
 from hifi.solvers import factor
 from meshes.ball_body import directions
+from meshes.fem import cells_of, moved
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import GroovedBody
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import SIDE_SIGNS, Material, Scene
 from meshes.sockets import local_points
 from meshes.solid import dimensions
-from meshes.tet_patch import split_second_order
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -82,19 +83,22 @@ def von_mises(stress: Array) -> Array:
     return np.asarray(np.sqrt(0.5 * (spread**2).sum(axis=-1) + 3.0 * (stress[..., 3:] ** 2).sum(axis=-1)))
 
 
-def nodal_stress(points: Array, cells: Index, kind: str, u: Array, material: Material) -> Array:
+def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | None = None) -> Array:
     """Stresses ``(n, 6)`` [Pa] of the nodes by displacements u ``(n, 3)`` [m]; not a number at nodes of no cell.
 
+    elements: numbers of the cells that count (all if left out).
     Each cell's own stress at its nodes, averaged over the cells of a node. (Continuing the values of the reduced Gauss
     points to the nodes overshoots by a fifth below a contact with three cells across it; this by a twentieth.)
     """
-    element = element_of(kind)
-    e, nu = material.youngs_modulus, material.poissons_ratio
-    _, own = strain_stress(points, cells, element, u.ravel(), e, nu, at=element.local)
-    total, count = np.zeros((len(points), 6)), np.zeros(len(points))
+    nodes = mesh.elem.doflocs.T
+    basis = space(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])), disable_doflocs=True)
+    stress = hooke(material.youngs_modulus, material.poissons_ratio)(sym_grad(basis.interpolate(u.ravel())))
+    own = np.stack([stress[i, j].T for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))], axis=-1)
+    cells = mesh.dofs.element_dofs if elements is None else mesh.dofs.element_dofs[:, elements]
+    total, count = np.zeros((len(u), 6)), np.zeros(len(u))
     np.add.at(total, cells, own)
     np.add.at(count, cells, 1.0)
-    out = np.full((len(points), 6), np.nan)
+    out = np.full((len(u), 6), np.nan)
     used = count > 0.0
     out[used] = total[used] / count[used, None]
     return out
@@ -115,11 +119,7 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     """
     scene = scene or setup.scene
     low, high = setup.dims.ends(setup.scene)
-    size = 3 * len(mesh.points)
-    if setup.dims.screw_held == "bore":
-        hole = np.flatnonzero(np.abs(np.hypot(mesh.points[:, 0], mesh.points[:, 1]) - setup.dims.hole) < 1e-7)
-        T = held_transform(size, hole)
-    else:
+    if setup.dims.screw_held != "bore":
         stations = [x.at for x in scene.supports] + [x.at for x in scene.loads]
         beyond = sorted({z for z in stations if z > low})
         if beyond:
@@ -127,15 +127,12 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
                 f"{scene.name}: the screw is held or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
                 f"stretch at {1e3 * low:.4g} mm; its field is recovered only where all supports and loads lie below that"
             )
-        T = end_transform(size, mesh, high)
-    return _answer(setup, mesh, forces, T, screw=True)
+    return _answer(setup, mesh, forces, screw_transform(mesh, setup.dims, high), screw=True)
 
 
 def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) -> Array:
     """Displacements ``(n, 3)`` [m] of the coarse nut under all contact forces, held where the scene says."""
-    outer = setup.scene.nut.outer_diameter / 2.0
-    T = held_transform(3 * len(mesh.points), nut_held(mesh, setup.dims, outer))
-    return _answer(setup, mesh, forces, T, screw=False)
+    return _answer(setup, mesh, forces, nut_transform(mesh, setup.dims), screw=False)
 
 
 def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc_matrix, *, screw: bool) -> Array:
@@ -144,7 +141,7 @@ def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc
     own = {s: p.groove for s, p in setup.patches.items() if (s < 2) == screw}
     sockets = placed(mesh, sockets_of(setup.layout, setup.sides, screw))
     e, nu = material.youngs_modulus, material.poissons_ratio
-    K = assemble(mesh.points, mesh.cells, sockets, own, e, nu, kind=body_kind(setup.settings))
+    K = assemble(of_order(mesh.mesh, body_kind(setup.settings)), sockets, own, e, nu)
     kept = {s: patch_modes(p, setup.settings.modes) for s, p in own.items()}
     Q = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0])
     none = np.zeros(setup.layout.z.size)
@@ -152,7 +149,7 @@ def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc
         kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(own[s].A)))
         for i in range(none.size) for s in own
     ]  # fmt: skip
-    q = factor((T.T @ K @ T).tocsc(), columns=1).solve(T.T @ (Q.T @ np.concatenate(amplitude)))
+    q = factor((T.T @ K @ T).tocsc()).solve(T.T @ (Q.T @ np.concatenate(amplitude)))
     return np.asarray(T @ q).reshape(-1, 3)
 
 
@@ -183,7 +180,7 @@ def groove_patch_field(
 
 def _patch_field(mesh: PatchMesh, normals: Array, material: Material, forces: Array, trace: Array) -> SolidField:
     u = field(mesh, normals, material.youngs_modulus, material.poissons_ratio, forces, trace)
-    return SolidField(mesh.points, mesh.cells, mesh.kind, u, nodal_stress(mesh.points, mesh.cells, mesh.kind, u, material))
+    return SolidField(mesh.points, mesh.cells, mesh.kind, u, nodal_stress(mesh.mesh, u, material))
 
 
 def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material: Material, reach: float) -> SolidField:
@@ -191,17 +188,13 @@ def coarse_field(setup: Setup, mesh: GroovedBody, u: Array, ball: int, material:
     R = rotation(float(setup.layout.azimuth[ball]))
     points = (mesh.points - np.array([0.0, 0.0, setup.layout.z[ball]])) @ R
     near = np.linalg.norm(points - np.array([setup.map.R, 0.0, 0.0]), axis=1) < reach
-    cells = mesh.cells[near[mesh.cells].any(axis=1)]
-    used, cells = np.unique(cells, return_inverse=True)
-    return _solid(points[used], cells.reshape(-1, mesh.cells.shape[1]), u[used] @ R, setup, material)
-
-
-def _solid(points: Array, cells: Index, u: Array, setup: Setup, material: Material) -> SolidField:
-    """Field of a coarse mesh of second-order cells, or of the first-order ones they were split into."""
-    kind = body_kind(setup.settings)
-    if kind == "P1":
-        cells = split_second_order(points, cells)
-    return SolidField(points, cells, kind, u, nodal_stress(points, cells, kind, u, material))
+    own = np.flatnonzero(near[mesh.cells].any(axis=1))
+    body = of_order(moved(mesh.mesh, points), kind := body_kind(setup.settings))
+    if kind == "P1":  # eight of each, cell after cell
+        own = (8 * own[:, None] + np.arange(8)).ravel()
+    stress = nodal_stress(body, u @ R, material, own)
+    used, cells = np.unique(cells_of(body)[own], return_inverse=True)
+    return SolidField(points[used], cells.reshape(len(own), -1), kind, u[used] @ R, stress[used])
 
 
 def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array]) -> dict[int | None, SolidField]:
@@ -210,7 +203,8 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
     e, nu = material.youngs_modulus, material.poissons_ratio
     own: dict[int, CondensedPatch] = {s: p.ball for s, p in setup.patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
-    K = assemble(mesh.points, mesh.cells, sockets, own, e, nu, kind=body_kind(setup.settings))
+    body = of_order(mesh.mesh, kind := body_kind(setup.settings))
+    K = assemble(body, sockets, own, e, nu)
     held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     load = np.zeros(K.shape[0])
@@ -218,9 +212,11 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
         if s in forces:
             np.add.at(load, freedoms(mesh.socket_nodes[s]), patch.H.T @ forces[s][ball])
     u = np.zeros(K.shape[0])
-    u[free] = factor(K[free][:, free].tocsc(), columns=1).solve(load[free])
+    u[free] = factor(condense(K, D=held, expand=False)).solve(load[free])
     u = u.reshape(-1, 3)
-    found: dict[int | None, SolidField] = {None: _solid(mesh.points, mesh.cells, u, setup, material)}
+    found: dict[int | None, SolidField] = {
+        None: SolidField(mesh.points, cells_of(body), kind, u, nodal_stress(body, u, material))
+    }
     for s in forces:
         piece = ball_patch(setup, meshes, s)
         normals = -patch_normals(piece, np.zeros(3))

@@ -15,11 +15,14 @@ from time import perf_counter
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from skfem import Mesh
 
-from hifi.elasticity import nodal_areas, stiffness
-from hifi.elements import ELEMENTS
+from hifi.assembly import assemble, nodal_areas
+from hifi.forms import elasticity
+from hifi.pressures import contact_weights
 from hifi.response import compliance
 from hifi.solvers import factor
+from meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, points_of, tensor_grid
 from meshes.sockets import SocketMesh
 from meshes.tet_patch import LocalTets, signed_volumes
 
@@ -42,26 +45,41 @@ class Lines:
 
 @dataclass(frozen=True)
 class PatchMesh:
-    """Nodes ``(n, 3)`` [m], cells of element ``kind``, nodes of the contact zone ``(c,)``, the shape of their grid (None:
-    no grid) and which are its outermost ``(c,)``, nodes of the interface, their tie to the socket's nodes ``(interface
-    nodes, socket nodes)``, tributary areas of the contact nodes ``(c,)`` [m2]."""
+    """Mesh, boundaries "surface", "contact" (the zone on it) and "interface"; nodes of the contact zone ``(c,)``, the shape
+    of their grid (None: no grid) and which are its outermost ``(c,)``; nodes of the interface, their tie to the socket's
+    nodes ``(interface nodes, socket nodes)``; tributary areas of the contact nodes on the surface ``(c,)`` [m2]; weights W
+    ``(c, c)`` [m2] of pressures' hats (rows) at displacements (columns), see `hifi.pressures.contact_weights`."""
 
-    kind: str
-    points: Array
-    cells: Index
+    mesh: Mesh
     contact: Index
     contact_shape: tuple[int, int] | None
     rim: Flags
     interface: Index
     tie: sp.csr_matrix
     areas: Array
+    weights: sp.csr_matrix
+
+    @property
+    def kind(self) -> str:
+        """P1 or Q2."""
+        return kind_of(self.mesh)
+
+    @property
+    def points(self) -> Array:
+        """Nodes ``(n, 3)`` [m]."""
+        return points_of(self.mesh)
+
+    @property
+    def cells(self) -> Index:
+        """Nodes of the cells in gmsh's order."""
+        return cells_of(self.mesh)
 
 
 @dataclass(frozen=True)
 class CondensedPatch:
     """A ``(c, c)``, H ``(c, 3k)``, S ``(3k, 3k)`` for c contact nodes and k socket nodes; contact points and normals
     ``(c, 3)``, tributary areas ``(c,)``, which nodes are the zone's outermost ``(c,)``, the shape of their grid (None: no
-    grid), unknowns and seconds it took."""
+    grid), weights W ``(c, c)`` of pressures (rows) at displacements (columns) [m2], unknowns and seconds it took."""
 
     A: Array
     H: Array
@@ -71,6 +89,7 @@ class CondensedPatch:
     areas: Array
     rim: Flags
     shape: tuple[int, int] | None
+    weights: sp.csr_matrix
     unknowns: int
     seconds: float
 
@@ -92,24 +111,6 @@ def growing(start: float, end: float, first: float, ratio: float) -> Array:
     return start + np.concatenate([[0.0], np.cumsum(widths)])
 
 
-def tensor_cells(shape: tuple[int, int, int], *, mirrored: bool = False) -> Index:
-    """27-node cells (gmsh order) of a node grid of odd ``shape``, nodes numbered in C order; mirrored: axis 0 turned."""
-    local = np.round(ELEMENTS["Q2"].local).astype(int) + 1
-    if mirrored:
-        local[:, 0] = 2 - local[:, 0]
-    start = np.stack(np.meshgrid(*[np.arange(0, n - 1, 2) for n in shape], indexing="ij"), -1).reshape(-1, 1, 3)
-    node = start + local[None, :, :]
-    return np.asarray((node[..., 0] * shape[1] + node[..., 1]) * shape[2] + node[..., 2], dtype=np.int64)
-
-
-def refined(boundaries: Array) -> Array:
-    """Boundaries and midpoints: the node lines of second-order elements."""
-    out = np.empty(2 * boundaries.size - 1)
-    out[::2] = boundaries
-    out[1::2] = 0.5 * (boundaries[:-1] + boundaries[1:])
-    return out
-
-
 def build_patch(
     lines: Lines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh, *,
     linear: bool = False,
@@ -119,28 +120,23 @@ def build_patch(
     The interface nodes are put onto the socket's triangles, so that rigid motions of the socket strain nothing; linear:
     whether the coarse body is of first order (`tie_matrix`). Raises ValueError where one lies on no triangle.
     """
-    axes = [refined(lines.across), refined(lines.depth), refined(lines.along)]
-    shape = (axes[0].size, axes[1].size, axes[2].size)
-    xi = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    points, interface, tie = _placed(xi, place, socket, linear)
+    grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2")
+    points, interface, tie = _placed(points_of(grid), place, socket, linear)
+    mesh = moved(grid, points)
+    if mesh.mapping().detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0:  # a left-handed map: mirror every cell
+        grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
+        points, interface, tie = _placed(points_of(grid), place, socket, linear)
+        mesh = moved(grid, points)
+    xi = points_of(grid)
     top = np.abs(xi[:, 1]) < 1e-12
     inside = (np.abs(xi[:, 0]) <= zone[0] + 1e-9) & (np.abs(xi[:, 2]) <= zone[1] + 1e-9)
     contact = np.flatnonzero(top & inside)
-    counts = (int((np.abs(axes[0]) <= zone[0] + 1e-9).sum()), int((np.abs(axes[2]) <= zone[1] + 1e-9).sum()))
-    cells = tensor_cells(shape)
-    corner = points[[0, shape[1] * shape[2], shape[2], 1]]
-    if np.linalg.det(corner[1:] - corner[0]) < 0.0:  # a left-handed map: mirror every cell
-        cells = tensor_cells(shape, mirrored=True)
-    local = ELEMENTS["Q2"].local
-    face = np.flatnonzero(np.abs(local[:, 1] + 1.0) < 1e-9)
-    quads = ELEMENTS["Q2"].face
-    assert quads is not None
-    order = _face_order(local[face][:, [0, 2]], ELEMENTS[quads].local)
-    topmost = cells[np.abs(xi[cells[:, face[0]], 1]) < 1e-12]
-    areas = nodal_areas(points, topmost[:, face[order]], quads)
+    place_of = np.round(xi[contact], 9)
+    contact = contact[np.lexsort((place_of[:, 2], place_of[:, 0]))]
+    counts = (len(np.unique(place_of[:, 0])), len(np.unique(place_of[:, 2])))
     i, k = np.divmod(np.arange(contact.size), counts[1])
     rim = (i % (counts[0] - 1) == 0) | (k % (counts[1] - 1) == 0)
-    return PatchMesh("Q2", points, cells, contact, counts, rim, interface, tie, areas[contact])
+    return _patch(mesh, xi, top, contact, counts, rim, interface, tie)
 
 
 def build_tet_patch(
@@ -155,13 +151,34 @@ def build_tet_patch(
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError("tetrahedra of a patch are turned inside out by the map to space: make the far edge shorter")
     cells = local.tets if volumes[0] > 0.0 else local.tets[:, [0, 2, 1, 3]]  # a left-handed map: mirror every cell
+    mesh, _ = mesh_of(points, cells, "P1")
+    top = np.zeros(len(points), dtype=bool)
+    top[local.top] = True
     loose = np.ones(len(points), dtype=bool)
     loose[local.contact] = False
     beside = np.zeros(len(points), dtype=bool)
     beside[local.top[loose[local.top].any(axis=1)]] = True
-    areas = nodal_areas(points, local.top, "triangle3")
-    contact = local.contact
-    return PatchMesh("P1", points, cells, contact, None, beside[contact], interface, tie, areas[contact])
+    return _patch(mesh, local.xi, top, local.contact, None, beside[local.contact], interface, tie)
+
+
+def _patch(
+    mesh: Mesh, xi: Array, top: Flags, contact: Index, shape: tuple[int, int] | None, rim: Flags, interface: Index,
+    tie: sp.csr_matrix,
+) -> PatchMesh:  # fmt: skip
+    """The record, boundaries named: faces all of whose corners are of the surface, the contact or the interface.
+
+    xi: the nodes in local coordinates ``(n, 3)``.
+    """
+    outer = mesh.boundary_facets()
+    corners = mesh.facets[:, outer]
+    zone = np.zeros(len(top), dtype=bool)
+    zone[contact] = True
+    tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
+    where = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
+    mesh = mesh.with_boundaries({name: outer[own] for name, own in where.items()})
+    return PatchMesh(
+        mesh, contact, shape, rim, interface, tie, nodal_areas(mesh, "surface")[contact], contact_weights(mesh, contact)
+    )
 
 
 def _placed(
@@ -174,10 +191,6 @@ def _placed(
     points = place(xi)
     points[interface] = tie @ place(socket.xi)
     return points, interface, tie
-
-
-def _face_order(found: Array, wanted: Array) -> Index:
-    return np.array([int(np.abs(found - w).sum(axis=1).argmin()) for w in wanted], dtype=np.int64)
 
 
 def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_matrix:
@@ -239,11 +252,11 @@ class _Partition:
 
 
 def _partition(mesh: PatchMesh, normals: Array, young: float, poisson: float) -> _Partition:
-    K = stiffness(mesh.points, mesh.cells, mesh.kind, young, poisson)
-    n = mesh.points.shape[0]
+    K = assemble(elasticity(young, poisson), mesh.mesh)
+    n = mesh.mesh.doflocs.shape[1]
     held = np.zeros(n, dtype=bool)
     held[mesh.interface] = True
-    inner = np.flatnonzero(np.repeat(~held, 3))
+    inner = np.setdiff1d(np.arange(3 * n), freedoms_on(mesh.mesh, "interface"))
     outer = (3 * mesh.interface[:, None] + np.arange(3)).ravel()
     position = np.full(3 * n, -1, dtype=np.int64)
     position[inner] = np.arange(inner.size)
@@ -270,8 +283,8 @@ def condense_patch(mesh: PatchMesh, normals: Array, young: float, poisson: float
     A, H, S = F[:c, :c], -F[:c, c:], boundary - F[c:, c:]
     return CondensedPatch(
         A=0.5 * (A + A.T), H=H, S=0.5 * (S + S.T), points=mesh.points[mesh.contact[free]], normals=normals[free],
-        areas=mesh.areas[free], rim=mesh.rim[free], shape=mesh.contact_shape, unknowns=int(part.inner.size),
-        seconds=perf_counter() - begin,
+        areas=mesh.areas[free], rim=mesh.rim[free], shape=mesh.contact_shape, weights=mesh.weights[free][:, free],
+        unknowns=int(part.inner.size), seconds=perf_counter() - begin,
     )  # fmt: skip
 
 
@@ -282,7 +295,7 @@ def field(mesh: PatchMesh, normals: Array, young: float, poisson: float, forces:
     [m] in the patch's frame. At the contact nodes, along their normals, A f + H q.
     """
     part = _partition(mesh, normals, young, poisson)
-    u = np.empty(mesh.points.size)
-    u[part.inner] = factor(part.inner_stiffness, columns=1).solve(part.forces @ forces - part.coupling @ trace)
+    u = np.empty(mesh.mesh.doflocs.size)
+    u[part.inner] = factor(part.inner_stiffness).solve(part.forces @ forces - part.coupling @ trace)
     u[(3 * mesh.interface[:, None] + np.arange(3)).ravel()] = part.tie @ trace
     return u.reshape(-1, 3)

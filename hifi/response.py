@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -12,27 +10,28 @@ from hifi.solvers import FactorError, factor, gram
 
 Array = NDArray[np.float64]
 
+#: Rows of loads up to which as many solves are as fast as a bordered factor.
+FEW = 8
 
-def compliance(K: sp.spmatrix, rows: sp.spmatrix, chunk: int = 64) -> Array:
+
+def compliance(K: sp.spmatrix, rows: sp.spmatrix) -> Array:
     """F ``(m, m)`` = rows K^-1 rows^T for sparse ``rows`` ``(m, n)`` on the held stiffness K ``(n, n)``.
 
-    By one bordered Cholesky factorisation where cvxopt is there, else by solving for every row.
-    Raises FactorError for a body that is not held.
+    By one bordered Cholesky factorisation, or for up to `FEW` rows by solving for each. Raises FactorError for a body that
+    is not held, and where the factorisation fails for another reason.
     """
     rows = sp.csr_matrix(rows)
     if rows.shape[0] == 0:
         return np.zeros((0, 0))
-    if find_spec("cvxopt") is not None and rows.shape[0] > 8:
-        try:
-            F, _ = gram(K, rows.T)
-            return np.asarray(0.5 * (F + F.T))
-        except FactorError:
-            pass  # the border was ordered elsewhere: solve row by row, which also finds a body that is not held
-    solver = factor(sp.csc_matrix(K))
-    F = np.empty((rows.shape[0], rows.shape[0]))
-    for start in range(0, rows.shape[0], chunk):
-        F[:, start : start + chunk] = rows @ solver.solve(np.asarray(rows[start : start + chunk].toarray().T))
-    return 0.5 * (F + F.T)
+    if rows.shape[0] <= FEW:
+        F = np.asarray(rows @ factor(K).solve(rows.toarray().T))
+        return np.asarray(0.5 * (F + F.T))
+    try:
+        F, _ = gram(K, rows.T)
+    except FactorError:
+        factor(K)  # says if the body is not held
+        raise
+    return np.asarray(0.5 * (F + F.T))
 
 
 def transport(arm: float) -> Array:

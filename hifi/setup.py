@@ -15,17 +15,29 @@ from typing import Literal
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from skfem import condense
 
-from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, patch_modes
+from hifi.bodies import (
+    Socket,
+    assemble,
+    end_transform,
+    freedoms,
+    held_transform,
+    isostatic,
+    mode_rows,
+    of_order,
+    patch_modes,
+)
 from hifi.cell import Homogenised, homogenise, with_core
-from hifi.elasticity import rigid_modes
 from hifi.fit import Settings, ball_place, patch_lines, socket_size
 from hifi.mounting import Stretch
 from hifi.patch import CondensedPatch, PatchMesh, build_patch, build_tet_patch, condense_patch
 from hifi.response import compliance, transport
+from hifi.rigid import rigid_modes
 from hifi.shaft import ShaftSection, round_section
 from meshes.ball_body import BallBody, build_ball
 from meshes.cache import Cache
+from meshes.fem import nodes_on
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec, GroovedBody, build_body
 from meshes.helix import BallLayout, ball_layout
@@ -39,6 +51,11 @@ Index = NDArray[np.int64]
 Step = Callable[[str], None]
 #: Edges [m] of first-order tetrahedra tried at a patch's rim; long ones may be turned inside out by the map to space.
 FAR = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
+#: Boundaries of the nut's mesh by where it is held.
+NUT_HELD = {
+    "outer surface": ("outside",), "left face": ("low end",), "right face": ("high end",),
+    "both faces": ("low end", "high end"),
+}  # fmt: skip
 #: Contact as a socket of a body: (azimuth [rad], z [m], side).
 Place = tuple[float, float, int]
 
@@ -329,12 +346,12 @@ def ball_compliance(
     e = scene.balls.material
     own = {s: p.ball for s, p in patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
-    K = assemble(mesh.points, mesh.cells, sockets, own, e.youngs_modulus, e.poissons_ratio, kind=body_kind(settings))
+    K = assemble(of_order(mesh.mesh, body_kind(settings)), sockets, own, e.youngs_modulus, e.poissons_ratio)
     held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     kept = {s: patch_modes(p, 10**6) for s, p in own.items()}
     rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0])[:, free]
-    G = compliance(K[free][:, free], rows)
+    G = compliance(condense(K, D=held, expand=False), rows)
     V = [kept[s][0] for s in own]
     D = np.zeros((sum(v.shape[0] for v in V),) * 2)
     whole = np.zeros((D.shape[0], sum(v.shape[1] for v in V)))
@@ -379,25 +396,24 @@ def screw_response(
     e = scene.screw.material
     places = sockets_of(layout, sides, True)
     sockets = placed(mesh, places)
-    K = assemble(mesh.points, mesh.cells, sockets, own, e.youngs_modulus, e.poissons_ratio, kind=body_kind(settings))
+    K = assemble(of_order(mesh.mesh, body_kind(settings)), sockets, own, e.youngs_modulus, e.poissons_ratio)
     size = K.shape[0]
     low, high = dims.ends(scene)
     kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
     modes = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, size)
     bore = dims.screw_held == "bore"
-    hole = np.flatnonzero(np.abs(np.hypot(mesh.points[:, 0], mesh.points[:, 1]) - dims.hole) < 1e-7)
+    T = screw_transform(mesh, dims, high)
     base = scene.nut.position if bore else low
     if bore:
         ports: tuple[float, ...] = ()
         observers: tuple[float, ...] = ()
-        T = held_transform(size, hole)
         rows = modes @ T
     else:
         ports = (high, *inside)
         half = scene.nut.length / 2.0
         observers = tuple(float(scene.nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
-        T = end_transform(size, mesh, high)
         end = sp.csr_matrix((np.ones(6), (np.arange(6), T.shape[1] - 6 + np.arange(6))), (6, T.shape[1]))
+        hole = nodes_on(mesh.mesh, "bore")
         follow = [section_motion(mesh.points, hole, z, size) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
     F = compliance((T.T @ K @ T).tocsc(), rows)
@@ -423,30 +439,14 @@ def section_motion(points: Array, hole: Index, z: float, size: int, least: int =
     )
 
 
-def held_transform(size: int, nodes: Index) -> sp.csc_matrix:
-    """C of a body whose ``nodes`` are held."""
-    free = np.setdiff1d(np.arange(size), freedoms(nodes))
-    return sp.identity(size, format="csc")[:, free]
+def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_matrix:
+    """C of the screw's 3D stretch: its bore held, or its low end, the high end at ``high`` [m] then a rigid section."""
+    return held_transform(mesh.mesh, "bore") if dims.screw_held == "bore" else end_transform(mesh.mesh, high)
 
 
-def end_transform(size: int, mesh: GroovedBody, high: float) -> sp.csc_matrix:
-    """C of the stretch held at its low end, its high end a rigid section whose six freedoms come last."""
-    slaves = freedoms(mesh.high_end)
-    free = np.setdiff1d(np.arange(size), np.concatenate([freedoms(mesh.low_end), slaves]))
-    matrix = rigid_modes(mesh.points[mesh.high_end], np.array([0.0, 0.0, high]))
-    r, c = np.nonzero(matrix)
-    rows = np.concatenate([free, slaves[r]])
-    columns = np.concatenate([np.arange(free.size), free.size + c])
-    values = np.concatenate([np.ones(free.size), matrix[r, c]])
-    return sp.coo_matrix((values, (rows, columns)), (size, free.size + 6)).tocsc()
-
-
-def nut_held(mesh: GroovedBody, dims: Dimensions, outer: float) -> Index:
-    """Nodes at which the nut of ``outer`` radius [m] is held."""
-    if dims.nut_held == "outer surface":
-        return np.flatnonzero(np.abs(np.hypot(mesh.points[:, 0], mesh.points[:, 1]) - outer) < 1e-7)
-    faces = {"left face": (mesh.low_end,), "right face": (mesh.high_end,), "both faces": (mesh.low_end, mesh.high_end)}
-    return np.concatenate(faces[dims.nut_held])
+def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
+    """C of the nut, held where ``dims`` says."""
+    return held_transform(mesh.mesh, *NUT_HELD[dims.nut_held])
 
 
 def nut_response(
@@ -456,8 +456,8 @@ def nut_response(
     """Response of the nut held where the scene says."""
     e = scene.nut.material
     sockets = placed(mesh, sockets_of(layout, sides, False))
-    K = assemble(mesh.points, mesh.cells, sockets, own, e.youngs_modulus, e.poissons_ratio, kind=body_kind(settings))
-    T = held_transform(K.shape[0], nut_held(mesh, dims, scene.nut.outer_diameter / 2.0))
+    K = assemble(of_order(mesh.mesh, body_kind(settings)), sockets, own, e.youngs_modulus, e.poissons_ratio)
+    T = nut_transform(mesh, dims)
     kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
     rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]) @ T
     return NutResponse(compliance((T.T @ K @ T).tocsc(), rows), {s: k[0] for s, k in kept.items()}, T.shape[1])

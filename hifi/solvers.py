@@ -1,8 +1,7 @@
 """Solvers for symmetric positive definite matrices behind one interface, chosen by size and what is installed.
 
 `cholmod`: supernodal Cholesky factor (cvxopt) in a nested-dissection order (pymetis) of the nodes, found as freedoms
-with equal columns; the one for many right-hand sides. `splu`: SuperLU of scipy, for small matrices.
-`amg`: conjugate gradients preconditioned by smoothed aggregation (pyamg), for few right-hand sides of large matrices.
+with equal columns. `splu`: SuperLU of scipy, for small matrices.
 """
 
 from __future__ import annotations
@@ -16,16 +15,14 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
-from hifi.elements import FloatArray, IntArray
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
-METHODS = ("auto", "cholmod", "splu", "amg")
+METHODS = ("auto", "cholmod", "splu")
 SMALL = 3_000
 """Freedoms below which SuperLU is as fast as anything."""
-LARGE = 300_000
-"""Freedoms above which multigrid beats a factor when there are few right-hand sides."""
-FEW = 20
-"""Right-hand sides that count as few."""
 SINGULAR = 1e13
 """Response of the matrix scaled to a unit diagonal to a unit load, above which it counts as singular."""
 
@@ -38,7 +35,7 @@ class FactorError(ArithmeticError):
 class Factor:
     """A solver prepared for one matrix.
 
-    method: 'cholmod', 'splu' or 'amg'; size: number of freedoms n; seconds: preparation time [s], ordering included.
+    method: 'cholmod' or 'splu'; size: number of freedoms n; seconds: preparation time [s], ordering included.
     """
 
     method: str
@@ -49,7 +46,7 @@ class Factor:
 
     @cached_property
     def nonzeros(self) -> int:
-        """Stored entries of the factor (of all multigrid levels for 'amg').
+        """Stored entries of the factor.
 
         Counted when asked: for 'cholmod' that costs a second numerical factorisation and as much memory again.
         """
@@ -65,21 +62,12 @@ class Factor:
         return self._apply(rhs.reshape(self.size, -1)).reshape(rhs.shape)
 
 
-def factor(
-    K: sp.spmatrix,
-    *,
-    method: str = "auto",
-    modes: FloatArray | None = None,
-    columns: int | None = None,
-    tolerance: float = 1e-11,
-) -> Factor:
+def factor(K: sp.spmatrix, *, method: str = "auto") -> Factor:
     """Prepare the solution of K x = b for symmetric positive definite K, shape (n, n); only symmetry is taken on trust.
 
-    method: one of `METHODS`; columns: expected number of right-hand sides, if known; modes: rigid-body modes, shape
-    (n, 6), of the freedoms of K, needed by 'amg' (`hifi.elasticity.rigid_modes`, rows of the freedoms left free);
-    tolerance: relative residual at which 'amg' stops.
-    Raises FactorError for a matrix that is not positive definite or singular (a body that nothing holds), ValueError
-    for an unknown method or a matrix that is not square, ImportError for a method whose library is missing.
+    method: one of `METHODS`. Raises FactorError for a matrix that is not positive definite or singular (a body that nothing
+    holds), ValueError for an unknown method or a matrix that is not square, ImportError for a method whose library is
+    missing.
     """
     if method not in METHODS:
         raise ValueError(f"method {method!r}: one of {', '.join(METHODS)}")
@@ -89,15 +77,9 @@ def factor(
     matrix = sp.csc_matrix(K)
     size = matrix.shape[0]
     diagonal = _diagonal(matrix)
-    chosen = choose(size, modes is not None, columns) if method == "auto" else method
-    if chosen == "cholmod":
-        apply, count = _cholmod(matrix)
-    elif chosen == "splu":
-        apply, count = _splu(matrix)
-    else:
-        apply, count = _amg(matrix, modes, tolerance)
-    if chosen != "amg":
-        _check_response(apply, diagonal)
+    chosen = ("splu" if size <= SMALL else "cholmod") if method == "auto" else method
+    apply, count = _cholmod(matrix) if chosen == "cholmod" else _splu(matrix)
+    _check_response(apply, diagonal)
     return Factor(chosen, size, time.perf_counter() - started, apply, count)
 
 
@@ -135,7 +117,7 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> tuple[FloatArray, float]:
     The trailing block of the Cholesky factor of [[K, B], [B^T, d I]] is that of d I - B^T K^-1 B, with the columns of B
     scaled by diag(K) and d raised until the whole is positive definite. Many times faster than m solves: cvxopt solves
     column by column. The result is checked against a solve.
-    Needs cvxopt; raises FactorError where no such d is found or the library orders the border elsewhere than last.
+    Raises FactorError where no such d is found, and should the library order the border elsewhere than last.
     """
     import cvxopt
     from cvxopt import cholmod
@@ -148,8 +130,7 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> tuple[FloatArray, float]:
     order = nested_dissection(inner)
     order = np.concatenate([np.arange(n) if order is None else order, np.arange(n, n + m)])
     lower, border = sp.tril(inner).tocoo(), (columns @ sp.diags(1.0 / root)).tocoo()
-    # The border's own block is stored in full, zeros too: it fills anyway, and CHOLMOD's AMD, which competes with the
-    # given order, then leaves a border of many columns last.
+    # The border's own block is stored in full, zeros too: it fills anyway.
     i, j = np.tril_indices(m)
     rows = np.concatenate([lower.row, n + border.col, n + i]).astype(np.int64)
     cols = np.concatenate([lower.col, border.row, n + j]).astype(np.int64)
@@ -157,7 +138,7 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> tuple[FloatArray, float]:
         data = np.concatenate([lower.data, border.data, np.where(i == j, enlarged, 0.0)])
         sparse = cvxopt.spmatrix(data, rows, cols, (n + m, n + m), "d")
         try:
-            symbolic = _supernodal(sparse, order)
+            symbolic = _supernodal(sparse, order, kept=True)
         except ArithmeticError:
             continue
         place = cvxopt.matrix(np.arange(n + m, dtype=float))
@@ -186,18 +167,6 @@ def _diagonal(matrix: sp.csc_matrix) -> FloatArray:
         bad = int(np.argmin(np.where(np.isnan(diagonal), -np.inf, diagonal)))
         raise FactorError(f"not positive definite: diagonal entry {bad} is {diagonal[bad]:.3g} (a node no cell uses?)")
     return diagonal
-
-
-def choose(size: int, modes: bool = False, columns: int | None = None) -> str:
-    """Method that 'auto' stands for, among those installed; modes: whether rigid-body modes are at hand."""
-    multigrid = modes and find_spec("pyamg") is not None
-    if size <= SMALL:
-        return "splu"
-    if size > LARGE and columns is not None and columns <= FEW and multigrid:
-        return "amg"
-    if find_spec("cvxopt") is not None:
-        return "cholmod"
-    return "amg" if multigrid else "splu"
 
 
 def _check_response(apply: Callable[[FloatArray], FloatArray], diagonal: FloatArray) -> None:
@@ -236,19 +205,23 @@ def _cholmod(matrix: sp.csc_matrix) -> tuple[Callable[[FloatArray], FloatArray],
     return apply, count
 
 
-def _supernodal(sparse: Any, order: IntArray | None) -> Any:
-    """CHOLMOD's factor L L^T of a cvxopt matrix's lower triangle, in the given order if AMD's has no less fill."""
+def _supernodal(sparse: Any, order: IntArray | None, *, kept: bool = False) -> Any:
+    """CHOLMOD's factor L L^T of a cvxopt matrix's lower triangle, in the given order unless AMD's has less fill.
+
+    kept: in the given order.
+    """
     import cvxopt
     from cvxopt import cholmod
 
     permutation = None if order is None else cvxopt.matrix(order.astype(np.int64), tc="i")
-    previous = cholmod.options.get("supernodal", 2)
-    cholmod.options["supernodal"] = 2
+    previous = dict(cholmod.options)
+    cholmod.options.update(supernodal=2, **({"nmethods": 1} if kept else {}))  # 1: the given order alone
     try:
         symbolic = cholmod.symbolic(sparse, p=permutation)
         cholmod.numeric(sparse, symbolic)
     finally:
-        cholmod.options["supernodal"] = previous
+        cholmod.options.clear()
+        cholmod.options.update(previous)
     return symbolic
 
 
@@ -269,32 +242,3 @@ def _splu(matrix: sp.csc_matrix) -> tuple[Callable[[FloatArray], FloatArray], Ca
 
     return apply, lambda: int(lu.L.nnz)
 
-
-def _amg(
-    matrix: sp.csc_matrix, modes: FloatArray | None, tolerance: float
-) -> tuple[Callable[[FloatArray], FloatArray], Callable[[], int]]:
-    import pyamg
-
-    size = matrix.shape[0]
-    if modes is None or np.shape(modes)[0] != size:
-        raise ValueError(f"'amg' needs the rigid-body modes of the {size} freedoms, shape ({size}, 6)")
-    rows = sp.csr_matrix((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)  # symmetric
-    blocks = rows.tobsr((3, 3)) if size % 3 == 0 else None
-    dense = blocks is not None and blocks.nnz <= 1.2 * rows.nnz  # freedoms come in whole nodes
-    basis = np.linalg.qr(np.asarray(modes, dtype=float))[0]
-    hierarchy = pyamg.smoothed_aggregation_solver(
-        blocks if dense else rows, B=basis, symmetry="symmetric", coarse_solver="splu", max_coarse=500
-    )
-    preconditioner = hierarchy.aspreconditioner()
-
-    def apply(rhs: FloatArray) -> FloatArray:
-        solution = np.zeros_like(rhs)
-        for k in range(rhs.shape[1]):
-            if rhs[:, k].any():
-                solution[:, k], info = pyamg.krylov.cg(rows, rhs[:, k], tol=tolerance, maxiter=500, M=preconditioner)
-                left = np.linalg.norm(rhs[:, k] - rows @ solution[:, k]) / np.linalg.norm(rhs[:, k])
-                if info != 0 or not left <= 100.0 * tolerance:
-                    raise FactorError(f"conjugate gradients end at a relative residual of {left:.1e}: not definite?")
-        return solution
-
-    return apply, lambda: int(sum(level.A.nnz for level in hierarchy.levels))

@@ -14,7 +14,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from skfem import Mesh
 
+from meshes.fem import cells_of, points_of
 from meshes.groove_map import GrooveMap
 from meshes.parts import SIDES
 from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
@@ -44,15 +46,24 @@ class BallSocket:
 
 @dataclass(frozen=True)
 class BallBody:
-    """Mesh of a ball about its centre in the frame of azimuth 0: points ``(n, 3)`` [m], second-order tetrahedra, per
-    socket its nodes and its faces' mesh, seconds it took, quality."""
+    """Second-order tetrahedra of a ball about its centre in the frame of azimuth 0 [m], boundaries "sphere" and
+    "socket SL" or of other sides; per socket its nodes and its faces' mesh, seconds it took, quality."""
 
-    points: Array
-    cells: Index
+    mesh: Mesh
     socket_nodes: dict[int, Index]
     sockets: dict[int, SocketMesh]
     seconds: float
     quality: Quality
+
+    @property
+    def points(self) -> Array:
+        """Nodes ``(n, 3)`` [m]."""
+        return points_of(self.mesh)
+
+    @property
+    def cells(self) -> Index:
+        """Nodes of the cells ``(m, 10)`` in gmsh's order."""
+        return cells_of(self.mesh)
 
 
 def directions(m: GrooveMap, side: int) -> Array:
@@ -118,17 +129,18 @@ def build_ball(
         shell = Shell(gmsh, graded(near, *sizes, *(m.ball * g for g in GROWTH)), min(sizes), plane)
         corners = []
         for socket, (box, raised) in zip(sockets, boxes, strict=True):
-            corners.append(shell.socket(box, ball_points(m, socket, box.xi), ball_points(m, socket, raised)))
+            places = (ball_points(m, socket, xi) for xi in (box.xi, raised))
+            corners.append(shell.socket(f"socket {SIDES[socket.side]}", box, *places))
         _sphere(m, shell, [c[rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
         filled = fill(shell, volume)
         own = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
-        points = untangle(filled.points, filled.cells, filled.on(shell.tris()))
-        points, moved = straighten(points, filled.cells, np.concatenate(own), STRAIGHTENED)
-        quality = measure(points, filled.cells, "P2")
+        mesh = untangle(filled.named(shell), filled.on(shell.tris()))
+        mesh, moved = straighten(mesh, np.concatenate(own), STRAIGHTENED)
+        quality = measure(mesh)
         refuse_bad(quality, "ball")
         nodes = {socket.side: n for socket, n in zip(sockets, own, strict=True)}
         meshes = {socket.side: box for socket, (box, _) in zip(sockets, boxes, strict=True)}
-        body = BallBody(points, filled.cells, nodes, meshes, perf_counter() - begin, quality)
+        body = BallBody(mesh, nodes, meshes, perf_counter() - begin, quality)
         return body, moved + max(0.0, POOREST - quality.smallest)
 
     return best_of("ball", attempt)

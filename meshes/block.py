@@ -1,44 +1,44 @@
 """Blocks for the verification of contact: a quarter of a half space, fine at the contact, as hexahedra or tetrahedra.
 
 The body fills z > 0 below the contact plane z = 0; x = 0 and y = 0 are planes of symmetry through the contact's centre,
-and the block is cut off at x, y, z = size. Nodes of a cell are ordered as in gmsh.
+and the block is cut off at x, y, z = size.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from skfem import Mesh
+
+from meshes.fem import kind_of, moved, points_of, tensor_grid
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class BlockMesh:
     """A quarter block.
 
-    element: "P1", "P2", "Q1" or "Q2"; points: (n, 3) [m]; cells: (cells, nodes of the element); faces: (faces, nodes of
-    its face) on the contact plane z = 0; size: edge of the block [m].
+    mesh: scikit-fem's, boundaries "contact" (the plane z = 0), "x = 0" and "y = 0" (the planes of symmetry) and "cut"
+    (where the block is cut off); size: edge of the block [m].
     """
 
-    element: str
-    points: Array
-    cells: Indices
-    faces: Indices
+    mesh: Mesh
     size: float
 
-    def on_plane(self, axis: int, place: float) -> Indices:
-        """Nodes (m,) whose coordinate along `axis` is `place` [m]."""
-        return np.flatnonzero(np.abs(self.points[:, axis] - place) < 1e-9 * self.size)
+    @property
+    def element(self) -> str:
+        """P1, P2, Q1 or Q2."""
+        return kind_of(self.mesh)
 
     @property
-    def cut(self) -> Indices:
-        """Nodes (m,) on the three faces where the block is cut off."""
-        return np.unique(np.concatenate([self.on_plane(axis, self.size) for axis in range(3)]))
+    def points(self) -> Array:
+        """Nodes (n, 3) [m]."""
+        return points_of(self.mesh)
 
 
 def graded(cell: float, core: float, size: float, growth: float) -> Array:
@@ -85,41 +85,8 @@ def hexahedra(order: int, spacing: Sequence[float], core: Sequence[float], size:
         size: edge of the block [m].
         growth: largest ratio of neighbouring cells outside the core.
     """
-    axes = []
-    for step, length in zip(spacing, core, strict=True):
-        corners = graded(order * step, length, size, growth)
-        axes.append(_refined(corners) if order == 2 else corners)
-    counts = [len(axis) for axis in axes]
-    grid = np.meshgrid(*axes, indexing="ij")
-    points = np.column_stack([g.ravel() for g in grid])
-    numbers = np.arange(len(points)).reshape(counts)
-    lattice = order * np.stack(
-        np.meshgrid(*[np.arange((count - 1) // order) for count in counts], indexing="ij"), axis=-1
-    ).reshape(-1, 1, 3)
-    nodes = lattice + _HEXAHEDRON[order]
-    top = lattice[lattice[:, 0, 2] == 0] + np.insert(_QUADRANGLE[order], 2, 0, axis=1)
-    return BlockMesh(f"Q{order}", points, numbers[tuple(nodes.T)].T.copy(), numbers[tuple(top.T)].T.copy(), size)
-
-
-def _refined(corners: Array) -> Array:
-    """Corners and midpoints, in order."""
-    out = np.empty(2 * len(corners) - 1)
-    out[::2], out[1::2] = corners, 0.5 * (corners[1:] + corners[:-1])
-    return out
-
-
-def _lattice(corners: Sequence[tuple[int, ...]], pairs: Sequence[tuple[int, ...]]) -> NDArray[np.int64]:
-    """Lattice places of second-order nodes: twice the corners, then the sums over edges, faces, the body."""
-    doubled = 2 * np.array(corners)
-    return np.array([*doubled, *(doubled[list(group)].mean(axis=0).round().astype(int) for group in pairs)])
-
-
-_CORNERS3 = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-_CORNERS2 = [(0, 0), (1, 0), (1, 1), (0, 1)]
-_EDGES3 = [(0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)]
-_FACES3 = [(0, 1, 2, 3), (0, 1, 4, 5), (0, 3, 4, 7), (1, 2, 5, 6), (2, 3, 6, 7), (4, 5, 6, 7)]
-_HEXAHEDRON = {1: np.array(_CORNERS3), 2: _lattice(_CORNERS3, [*_EDGES3, *_FACES3, tuple(range(8))])}
-_QUADRANGLE = {1: np.array(_CORNERS2), 2: _lattice(_CORNERS2, [(0, 1), (1, 2), (2, 3), (0, 3), (0, 1, 2, 3)])}
+    x, y, z = (graded(order * step, length, size, growth) for step, length in zip(spacing, core, strict=True))
+    return _named(tensor_grid(x, y, z, f"Q{order}"), size)
 
 
 @dataclass(frozen=True)
@@ -158,7 +125,7 @@ def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
         ImportError: gmsh, or a system library that it needs, is missing.
     """
     gmsh = _gmsh()
-    from meshes.bridge import from_gmsh
+    from meshes.bridge import from_gmsh, to_skfem
 
     own = not gmsh.isInitialized()
     if own:
@@ -168,18 +135,26 @@ def tetrahedra(order: int, influence: Influence, size: float) -> BlockMesh:
         gmsh.model.add("block")
         gmsh.model.occ.addBox(0.0, 0.0, 0.0, 1.0, 1.0, 1.0)  # OpenCASCADE's tolerances suit lengths about 1
         gmsh.model.occ.synchronize()
-        plane = gmsh.model.getEntitiesInBoundingBox(-0.1, -0.1, -0.1, 1.1, 1.1, 0.1, 2)
-        gmsh.model.addPhysicalGroup(2, [tag for _, tag in plane], name="contact")
         _set_edges(gmsh, influence.scaled(1.0 / size))
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(order)
-        data = from_gmsh(boundaries=("contact",))
+        mesh = to_skfem(from_gmsh(), f"P{order}")
         gmsh.model.remove()
     finally:
         if own:
             gmsh.finalize()
-    element = f"P{order}"
-    return BlockMesh(element, size * data.points, data.cells[element], data.boundaries["contact"], size)
+    return _named(moved(mesh, size * points_of(mesh)), size)
+
+
+def _named(mesh: Mesh, size: float) -> BlockMesh:
+    """A block with its boundaries."""
+
+    def on(axis: int, place: float) -> Callable[[Array], Array]:
+        return lambda x: np.abs(x[axis] - place) < 1e-9 * size
+
+    cut = [mesh.facets_satisfying(on(axis, size), boundaries_only=True) for axis in range(3)]
+    faces = {"contact": on(2, 0.0), "x = 0": on(0, 0.0), "y = 0": on(1, 0.0), "cut": np.unique(np.concatenate(cut))}
+    return BlockMesh(mesh.with_boundaries(faces), size)
 
 
 def _set_edges(gmsh: Any, influence: Influence) -> None:

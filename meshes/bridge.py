@@ -28,12 +28,6 @@ _TETRAHEDRON = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
 _HEXAHEDRON = ((0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7))
 
 # Place k of the other program's cell holds gmsh's local node; by matching coordinates (see the tests).
-_SKFEM: dict[str, tuple[int, ...]] = {
-    "P1": tuple(range(4)),
-    "P2": (0, 1, 2, 3, 4, 5, 6, 7, 9, 8),
-    "Q1": (6, 2, 5, 7, 1, 3, 4, 0),
-    "Q2": (6, 2, 5, 7, 1, 3, 4, 0, 14, 18, 19, 11, 13, 12, 16, 15, 17, 8, 9, 10, 23, 25, 24, 21, 20, 22, 26),
-}
 _VTK: dict[str, tuple[str, tuple[int, ...]]] = {
     "P1": ("tetra", tuple(range(4))),
     "P2": ("tetra10", (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)),
@@ -156,41 +150,22 @@ def to_skfem(data: MeshData, element: str) -> Any:
     second-order meshes: match them by coordinates. Raises ValueError if the mesh has other elements too, or if a named
     region or boundary is lost or changes its size.
     """
-    import skfem
+    from meshes.fem import mesh_of
 
     if set(data.cells) != {element}:
         raise ValueError(
             f"the mesh has elements {', '.join(data.cells)}; scikit-fem takes one kind, asked for {element}"
         )
-    kind = {"P1": skfem.MeshTet1, "P2": skfem.MeshTet2, "Q1": skfem.MeshHex1, "Q2": skfem.MeshHex2}[element]
-    cells = data.cells[element]
-    mesh = kind(np.ascontiguousarray(data.points.T), np.ascontiguousarray(cells[:, _SKFEM[element]].T))
-    corners = np.unique(cells[:, : _CORNERS[element]])  # scikit-fem numbers the vertices of second-order meshes first
-    number = np.arange(len(data.points))
-    if element in ("P2", "Q2"):
-        number = np.full(len(data.points), -1)
-        number[corners] = np.arange(len(corners))
-    count = len(data.points)
-    facets = _keys(np.asarray(mesh.facets.T, dtype=np.int64), count)
-    order = np.argsort(facets)
-    boundaries = {}
-    for name, faces in data.boundaries.items():
-        wanted = _keys(number[faces[:, : _width(element)]], count)
-        place = np.minimum(np.searchsorted(facets, wanted, sorter=order), len(order) - 1)
-        if not np.array_equal(facets[order[place]], wanted):
-            raise ValueError(f"boundary {name!r} lost on the way to scikit-fem")
-        boundaries[name] = np.unique(order[place]).astype(np.int32)
-    if boundaries:
-        mesh = mesh.with_boundaries(boundaries)
-    if data.regions:
-        mesh = mesh.with_subdomains({name: cells.astype(np.int32) for name, cells in data.regions.items()})
-    for name, facets_of in boundaries.items():
-        if len((mesh.boundaries or {}).get(name, ())) != len(facets_of):
-            raise ValueError(f"boundary {name!r} lost on the way to scikit-fem")
-    for name, cells_of in data.regions.items():
-        if len((mesh.subdomains or {}).get(name, ())) != len(cells_of):
-            raise ValueError(f"region {name!r} lost on the way to scikit-fem")
-    return mesh
+    return mesh_of(data.points, data.cells[element], element, data.boundaries, data.regions)[0]
+
+
+def from_skfem(mesh: Any, *boundaries: str) -> MeshData:
+    """A scikit-fem mesh of the parts in gmsh's node order, with its subdomains and the named ones of its boundaries."""
+    from meshes.fem import cells_of, faces_of, kind_of, points_of
+
+    regions = {name: np.asarray(own, dtype=np.int64) for name, own in (mesh.subdomains or {}).items()}
+    faces = {name: faces_of(mesh, name) for name in boundaries}
+    return MeshData(points_of(mesh), {kind_of(mesh): cells_of(mesh)}, regions, faces)
 
 
 def form_of(path: Path, form: str = "") -> str:

@@ -16,8 +16,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from skfem import Mesh
 
+from meshes.fem import cells_of, nodes_on, points_of
 from meshes.groove_map import GrooveMap
+from meshes.parts import SIDES
 from meshes.quality import Quality, arc_deviation, measure, refuse_bad, straighten, untangle
 from meshes.shell import (
     BEND,
@@ -76,20 +79,40 @@ class BodySpec:
 
 @dataclass(frozen=True)
 class GroovedBody:
-    """Mesh: points ``(n, 3)`` [m], second-order tetrahedra ``(m, 10)``; per socket the nodes of its inner faces in the
-    order of its side's ``sockets`` mesh ``(count, k)``; nodes of the flat ends; largest distance [m] of the flanks' nodes,
-    the sockets' rims among them, from the exact flanks; seconds it took; nodes of the cylinder r = r_out; quality."""
+    """Second-order tetrahedra; per socket the nodes of its inner faces in the order of its side's ``sockets`` mesh
+    ``(count, k)``; largest distance [m] of the flanks' nodes, the sockets' rims among them, from the exact flanks; seconds
+    it took; quality.
 
-    points: Array
-    cells: Index
+    Boundaries of the mesh: "low end", "high end", "flank SL" or of the part's other sides, "land", and "bore" of a screw
+    that has one or "outside" of a nut; "sockets", where there are any.
+    """
+
+    mesh: Mesh
     socket_nodes: Index
     sockets: dict[int, SocketMesh]
-    low_end: Index
-    high_end: Index
     deviation: float
     seconds: float
-    side: Index
     quality: Quality
+
+    @property
+    def points(self) -> Array:
+        """Nodes ``(n, 3)`` [m]."""
+        return points_of(self.mesh)
+
+    @property
+    def cells(self) -> Index:
+        """Nodes of the cells ``(m, 10)`` in gmsh's order."""
+        return cells_of(self.mesh)
+
+    @property
+    def low_end(self) -> Index:
+        """Nodes of the flat end of smaller z."""
+        return nodes_on(self.mesh, "low end")
+
+    @property
+    def high_end(self) -> Index:
+        """Nodes of the flat end of larger z."""
+        return nodes_on(self.mesh, "high end")
 
 
 def cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array:
@@ -189,7 +212,7 @@ class Surface:
         for socket in spec.sockets:
             box, raised = kinds[socket[2]]
             places = (socket_points(m, spec.size, socket, x) for x in (box.xi, raised))
-            self.corners.append(shell.socket(box, *places))
+            self.corners.append(shell.socket("sockets", box, *places))
         self.flank_limit = share * BEND[0] * float(m.radius[self.groove.sides[0]])
         self.bend = share * BEND[1]
         self.start = widest_gap(spec)
@@ -231,7 +254,7 @@ class Surface:
             return cylindrical(r, phi, line + zeta + m.rg * phi)
 
         loops = [[(n, laid(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]
-        self.shell.face(f"flank {side}", loops, space, self.flank_limit)
+        self.shell.face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
 
     def _cylinder(self, name: str, r: float, boundary: list[Side], limit: float) -> None:
         """Triangulate a face of constant radius."""
@@ -260,10 +283,10 @@ class Surface:
         if r > 0.0:
             limit = min(self.bend * r, max(WALL * self.groove.wall, self.shell.fine))
             circles = [self._circle(r, z, limit) for z in self.z]
-            self._tube("behind", r, circles[0], circles[1], self.z, limit)
+            self._tube("bore" if self.spec.outer else "outside", r, circles[0], circles[1], self.z, limit)
             for loop, ring in zip(loops, circles, strict=True):
                 loop.insert(1 if self.spec.outer else 0, [ring.on(seen(r))])
-        for name, z, loop in zip(("low", "high"), self.z, loops, strict=True):
+        for name, z, loop in zip(("low end", "high end"), self.z, loops, strict=True):
             self.shell.face(name, loop, flat(z), np.inf)
 
     def _ring(self) -> list[list[Side]]:
@@ -405,21 +428,18 @@ def build_body(m: GrooveMap, spec: BodySpec) -> GroovedBody:
 
 
 def _collected(surface: Surface, filled: Filled, begin: float) -> GroovedBody:
-    """The mesh and the numbers of its named nodes; edges that would turn cells inside out are straightened."""
+    """The mesh, its boundaries named; edges that would turn cells inside out are straightened."""
     m, spec, shell = surface.m, surface.spec, surface.shell
-    named = {name: filled.on(shell.tris(name)) for name in {f.name for f in shell.faces}}
     places = zip(surface.corners, spec.sockets, strict=True)
     rows = [filled.box_nodes(corners, surface.boxes[side]) for corners, (_, _, side) in places]
     sockets = np.array(rows, dtype=np.int64).reshape(len(rows), -1 if rows else 0)
-    points = untangle(filled.points, filled.cells, filled.on(shell.tris()))
-    points, _ = straighten(points, filled.cells, sockets, STRAIGHTENED)
-    quality = measure(points, filled.cells, "P2")
+    mesh = untangle(filled.named(shell), filled.on(shell.tris()))
+    mesh, _ = straighten(mesh, sockets, STRAIGHTENED)
+    quality = measure(mesh)
     refuse_bad(quality, "screw" if spec.outer else "nut")
-    deviation = max(_flank_deviation(m, s, points[named[f"flank {s}"]]) for s in surface.groove.sides)
-    return GroovedBody(
-        points, filled.cells, sockets, surface.boxes, named["low"], named["high"], deviation, perf_counter() - begin,
-        named["land" if spec.outer else "behind"], quality,
-    )  # fmt: skip
+    flanks = {s: points_of(mesh)[nodes_on(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
+    deviation = max(_flank_deviation(m, s, x) for s, x in flanks.items())
+    return GroovedBody(mesh, sockets, surface.boxes, deviation, perf_counter() - begin, quality)
 
 
 def _flank_deviation(m: GrooveMap, side: int, points: Array) -> float:

@@ -7,14 +7,15 @@ the midpoints of the edges on the surface are put onto it. Units inside: mm (gms
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+from skfem import Mesh, MeshTet1, MeshTet2
 
-from meshes.quality import TET_EDGES
+from meshes.fem import moved, with_faces
 from meshes.sockets import SocketMesh
 
 Array = NDArray[np.float64]
@@ -167,15 +168,15 @@ class Shell:
         plane = np.concatenate([plane, inner])
         self.faces.append(Face(name, number, plane, tris, space))
 
-    def socket(self, mesh: SocketMesh, points: Array, raised: Array) -> Index:
-        """Add the inner faces of a socket, its nodes at ``points``, its corners ``raised`` while the volume is filled;
-        returns the corners' numbers."""
+    def socket(self, name: str, mesh: SocketMesh, points: Array, raised: Array) -> Index:
+        """Add the inner faces of a socket as a face of that name, its nodes at ``points``, its corners ``raised`` while the
+        volume is filled; returns the corners' numbers."""
         count = len(mesh.xi) - len(mesh.edges)
         number = self.nodes(points[:count])
         pairs = np.array(list(mesh.edges), dtype=np.int64)
         self.middles.append((number[pairs], points[list(mesh.edges.values())]))
         self.raised.append((number, raised))
-        self.faces.append(Face("socket", number, np.zeros((count, 2)), mesh.triangles[:, :3], None))
+        self.faces.append(Face(name, number, np.zeros((count, 2)), mesh.triangles[:, :3], None))
         return number
 
     def tris(self, name: str = "") -> Index:
@@ -281,22 +282,27 @@ def tetrahedra(
 
 @dataclass(frozen=True)
 class Filled:
-    """Points ``(n, 3)`` [m] and second-order tetrahedra ``(m, 10)`` in a shell; keys of the edges in order, their first
-    midpoint's number, the number of corners."""
+    """Second-order tetrahedra in a shell, corners numbered as there; keys of its edges in order, and their midpoints."""
 
-    points: Array
-    cells: Index
+    mesh: Mesh
     keys: Index
-    corners: int
+    middles: Index
 
     def middle(self, pairs: Index) -> Index:
-        """Nodes in the middle of edges, by their corners ``(k, 2)``."""
-        keys = np.sort(pairs, axis=1) @ np.array([self.corners, 1])
-        return np.asarray(self.corners + np.searchsorted(self.keys, keys))
+        """Nodes in the middle of edges, by their corners ``(k, 2)``. Raises ValueError for one that is none."""
+        keys = np.sort(pairs, axis=1) @ np.array([self.mesh.nvertices, 1])
+        where = np.minimum(np.searchsorted(self.keys, keys), len(self.keys) - 1)
+        if not np.array_equal(self.keys[where], keys):
+            raise ValueError("gmsh lost an edge of the surface")
+        return np.asarray(self.middles[where])
 
     def box_nodes(self, corners: Index, box: SocketMesh) -> Index:
         """Nodes of a socket's faces in the order of ``box``, from those of its corners."""
         return np.concatenate([corners, self.middle(corners[np.array(list(box.edges), dtype=np.int64)])])
+
+    def named(self, shell: Shell) -> Mesh:
+        """The mesh with the shell's faces as boundaries. Raises ValueError for one that is lost."""
+        return with_faces(self.mesh, {name: shell.tris(name) for name in dict.fromkeys(f.name for f in shell.faces)})
 
     def on(self, tris: Index) -> Index:
         """All nodes of triangles ``(t, 3)`` of the surface, ascending."""
@@ -367,18 +373,15 @@ def fill(shell: Shell, algorithm: int) -> Filled:
     used[: len(shell.points)] = True
     used[cells] = True
     cells, corners = (np.cumsum(used) - 1)[cells], corners[used]
-    pairs = np.sort(cells[:, np.array(TET_EDGES)].reshape(-1, 2), axis=1)
-    count = len(corners)
-    keys, inverse = np.unique(pairs @ np.array([count, 1]), return_inverse=True)
-    middle = corners[np.stack(np.divmod(keys, count), 1)].mean(axis=1)
+    straight = MeshTet2.from_mesh(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
+    pairs = np.sort(straight.edges, axis=0).T @ np.array([len(corners), 1])
+    order = np.argsort(pairs)
+    filled = Filled(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
     edges, exact = shell.exact()
-    known, first = np.unique(np.sort(edges, axis=1) @ np.array([count, 1]), return_index=True)
-    where = np.searchsorted(keys, known)
-    if not np.array_equal(keys[np.minimum(where, len(keys) - 1)], known):
-        raise ValueError("gmsh lost an edge of the surface")
-    middle[where] = exact[first]
-    ten = np.concatenate([cells, count + inverse.reshape(-1, 6)], axis=1)
-    return Filled(np.concatenate([corners, middle]), ten, keys, count)
+    number = filled.middle(edges)[::-1]  # of an edge's midpoints the first one counts
+    points = straight.doflocs.T.copy()
+    points[number] = exact[::-1]
+    return replace(filled, mesh=moved(straight, points))
 
 
 def graded(near: Array, fine: float, coarse: float, first: float, last: float) -> Placing:

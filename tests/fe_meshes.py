@@ -1,30 +1,62 @@
-"""Small structured meshes of the unit cube in the four volume elements, for the tests of the finite-element core."""
+"""Small structured meshes of the unit cube in the four volume elements, and what the tests measure on meshes of arrays.
+
+Points, cells and faces are arrays in gmsh's order; matrices and vectors are numbered like the points.
+"""
 
 from itertools import permutations
 
 import numpy as np
+from skfem import Basis, Functional
+from skfem.helpers import eye, sym_grad, trace
 
-from hifi.elements import ELEMENTS
+from hifi import assembly
+from hifi.assembly import space
+from hifi.forms import elasticity, share
+from meshes.fem import _SKFEM, MESHES, mesh_of
+from meshes.quality import scaled_jacobians
+
+KINDS = ["P1", "P2", "Q1", "Q2"]
+#: Nodes of the elements on the unit cell, in gmsh's order.
+LOCAL = {kind: MESHES[kind].elem.doflocs[np.argsort(_SKFEM[kind])] for kind in KINDS}
+_CORNERS = {
+    "P": [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+    "Q": [[0, 3, 2, 1], [0, 1, 5, 4], [0, 4, 7, 3], [1, 2, 6, 5], [2, 3, 7, 6], [4, 5, 6, 7]],
+}
 
 
-def cube(name, m):
+def order_of(kind):
+    return int(kind[1])
+
+
+def face_nodes(kind):
+    """Local nodes of every face, corners first, then the middles of edges, then its own middle; normals outward."""
+    local, rows = LOCAL[kind], []
+    for corners in _CORNERS[kind[0]]:
+        x = local[corners]
+        places = [*x]
+        if kind[1] == "2":
+            places += [*(0.5 * (x + np.roll(x, -1, axis=0)))] + ([x.mean(axis=0)] if kind == "Q2" else [])
+        rows.append([int(np.abs(local - p).sum(axis=1).argmin()) for p in places])
+    return np.array(rows)
+
+
+def cube(kind, m):
     """Points and cells of an m x m x m cube; tetrahedra by Kuhn's division of every cell into six."""
-    e = ELEMENTS[name]
-    n = e.order * m + 1
+    order = order_of(kind)
+    n = order * m + 1
     points = np.stack(np.meshgrid(*3 * [np.linspace(0.0, 1.0, n)], indexing="ij"), axis=-1).reshape(-1, 3)
-    origin = e.order * np.stack(np.meshgrid(*3 * [np.arange(m)], indexing="ij"), axis=-1).reshape(-1, 3)
-    if e.simplex:
+    origin = order * np.stack(np.meshgrid(*3 * [np.arange(m)], indexing="ij"), axis=-1).reshape(-1, 3)
+    parts = [LOCAL[kind]]
+    if kind[0] == "P":
         parts = []
         for axes in permutations(range(3)):
             corners = np.cumsum([np.zeros(3), *np.eye(3)[list(axes)]], axis=0)
             if np.linalg.det(corners[1:] - corners[0]) < 0.0:
                 corners[[2, 3]] = corners[[3, 2]]
-            parts.append(ELEMENTS["P1"].shape(e.local) @ corners)
-    else:
-        parts = [0.5 * (e.local + 1.0)]
-    where = np.rint(e.order * np.array(parts)).astype(int)
+            parts.append(corners[0] + LOCAL[kind] @ (corners[1:] - corners[0]))
+    where = np.rint(order * np.array(parts)).astype(int)
     places = origin[:, None, None] + where
-    cells = np.ravel_multi_index(np.moveaxis(places, -1, 0), (n, n, n)).reshape(-1, e.nodes)
+    cells = np.ravel_multi_index(np.moveaxis(places, -1, 0), (n, n, n)).reshape(-1, len(LOCAL[kind]))
     return points, cells
 
 
@@ -40,13 +72,68 @@ def boundary(points):
     return np.flatnonzero(np.any((points < 1e-12) | (points > 1.0 - 1e-12), axis=1))
 
 
-def boundary_faces(cells, name):
+def boundary_faces(cells, kind):
     """Outward faces that belong to one cell only, shape (k, nodes of a face)."""
-    e = ELEMENTS[name]
-    faces = cells[:, e.face_nodes()].reshape(-1, ELEMENTS[e.face].nodes)
-    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[first[count == 1]]
+    own = cells[:, face_nodes(kind)]
+    own = own.reshape(-1, own.shape[2])
+    _, first, count = np.unique(np.sort(own, axis=1), axis=0, return_index=True, return_counts=True)
+    return own[first[count == 1]]
 
 
 def freedoms(nodes):
     return (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
+
+
+def renumbered(number, values):
+    """Values of a mesh's nodes in the order of the points; zero at points of no cell."""
+    out = np.zeros((len(number), *np.shape(values)[1:]))
+    out[number >= 0] = np.asarray(values)[number[number >= 0]]
+    return out
+
+
+def stiffness(points, cells, kind, young, poisson):
+    """Stiffness matrix (3n, 3n), numbered like the points, all of which must have a cell."""
+    mesh, number = mesh_of(points, cells, kind)
+    own = freedoms(number)
+    return assembly.assemble(elasticity(young, poisson), mesh)[own][:, own].tocsc()
+
+
+def strain_stress(points, cells, kind, u, young, poisson, at=None):
+    """Strain and stress (cells, q, 6) in the order xx, yy, zz, yz, xz, xy, engineering shears, at quadrature points or at
+    reference points (q, 3)."""
+    mesh, number = mesh_of(points, cells, kind)
+    values = np.zeros((mesh.doflocs.shape[1], 3))
+    values[number[number >= 0]] = np.reshape(u, (-1, 3))[number >= 0]
+    basis = space(mesh) if at is None else space(mesh, quadrature=(np.asarray(at).T, np.ones(len(at))))
+    eps = sym_grad(basis.interpolate(values.ravel()))
+    lam, mu = young * poisson / (1.0 + poisson) / (1.0 - 2.0 * poisson), young / 2.0 / (1.0 + poisson)
+    sigma = lam * eye(trace(eps), 3) + 2.0 * mu * eps
+    pick = ([0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1])
+    return np.moveaxis(eps[pick], 0, -1) * [1, 1, 1, 2, 2, 2], np.moveaxis(sigma[pick], 0, -1)
+
+
+def nodal_volumes(points, cells, kind, intorder=None):
+    """Integrals of the shape functions (n,)."""
+    mesh, number = mesh_of(points, cells, kind)
+    options = {} if intorder is None else {"quadrature": None, "intorder": intorder}
+    basis = Basis(mesh, mesh.elem(), **{"quadrature": assembly.rule(mesh), **options})
+    return renumbered(number, share().assemble(basis))
+
+
+def volume(points, cells, kind):
+    return float(nodal_volumes(points, cells, kind).sum())
+
+
+def nodal_areas(points, cells, kind, own):
+    """Consistent nodal areas (n,) of faces (k, corners or more)."""
+    mesh, number = mesh_of(points, cells, kind, {"own": own})
+    return renumbered(number, assembly.nodal_areas(mesh, "own"))
+
+
+def jacobians(points, cells, kind):
+    return scaled_jacobians(mesh_of(points, cells, kind)[0])
+
+
+def one(basis):
+    """Volume or area of what a basis covers."""
+    return float(Functional(lambda w: 1.0 + 0.0 * w.x[0]).assemble(basis))

@@ -7,6 +7,7 @@ import pytest
 
 from hifi.block import JOBS, carried_areas, study, surface_compliance
 from meshes.block import Influence, graded, hexahedra, tetrahedra
+from meshes.fem import nodes_on
 
 
 def errors(run):
@@ -87,13 +88,13 @@ def test_mesh_fills_the_block_and_its_contact_plane(element):
         mesh = tetrahedra(order, Influence(a / 4, (a, a, a / 2), 0.5, 3 * a), 3 * a)
     assert mesh.element == element
     assert carried_areas(mesh).sum() == pytest.approx((3 * a) ** 2, rel=1e-12)
-    assert np.abs(mesh.points[mesh.faces, 2]).max() < 1e-12 * a
+    assert np.abs(mesh.points[nodes_on(mesh.mesh, "contact"), 2]).max() < 1e-12 * a
     assert mesh.points.min() > -1e-12 * a
     assert mesh.points.max() == pytest.approx(3 * a)
     touching = carried_areas(mesh) > 0.0
-    corners = np.unique(mesh.faces[:, :3])
+    corners = np.unique(mesh.mesh.facets[:, mesh.mesh.boundaries["contact"]])
     assert touching[corners].all() != (element == "P2")
-    np.testing.assert_allclose(mesh.points[mesh.cut].max(axis=1), 3 * a)
+    np.testing.assert_allclose(mesh.points[nodes_on(mesh.mesh, "cut")].max(axis=1), 3 * a)
 
 
 def test_grading_keeps_to_its_ratio_and_refuses_nonsense():

@@ -5,11 +5,13 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from skfem import ElementVector
 
-from hifi.elasticity import stiffness, traction_vector
-from hifi.elements import ELEMENTS
+from hifi.assembly import assemble, faces
+from hifi.forms import elasticity, force
 from hifi.response import compliance
 from lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
+from meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
 from meshes.parts import Material
 from tests.helpers import relative
 
@@ -20,36 +22,35 @@ Z = 1e-3 * np.array([14.0, 30.0, 22.0, 40.0, 27.0, 33.0, 18.0])
 
 
 def hexahedra(counts):
-    """Points, cells and faces of the bore of the tube; elements around, along and across the wall."""
+    """Mesh of the tube, its "bore" and its held "low end" named; elements around, along and across the wall."""
     around, along, across = counts
-    element = ELEMENTS["Q2"]
-    t = 2.0 * np.pi * np.arange(2 * around) / (2 * around)
-    z = np.linspace(0.0, LENGTH, 2 * along + 1)
-    r = BORE + (OUTER - BORE) * np.linspace(0.0, 1.0, 2 * across + 1) ** 1.3
-    R, T, height = np.meshgrid(r, t, z, indexing="ij")
-    points = np.stack([R * np.cos(T), R * np.sin(T), height], axis=-1).reshape(-1, 3)
-    where = np.rint(element.local + 1.0).astype(int)
-    origin = 2 * np.stack(np.meshgrid(*(np.arange(k) for k in (across, around, along)), indexing="ij"), axis=-1)
-    place = origin.reshape(-1, 1, 3) + where
-    place[..., 1] %= 2 * around
-    cells = np.ravel_multi_index(np.moveaxis(place, -1, 0), R.shape)
-    inner = cells[: around * along]
-    side = next(f for f in element.face_nodes() if np.all(element.local[f, 0] == -1.0))
-    return points, cells, inner[:, side]
+    t = np.linspace(0.0, 2.0 * np.pi, around + 1)
+    wall = np.linspace(0.0, 1.0, 2 * across + 1)
+    unrolled = tensor_grid(wall[::2], t, np.linspace(0.0, LENGTH, along + 1), "Q2")
+    share, turn, height = unrolled.doflocs
+    r = BORE + (OUTER - BORE) * share**1.3
+    points = np.stack([r * np.cos(turn), r * np.sin(turn), height], axis=-1)
+    _, first, number = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)  # closed
+    cells = number[cells_of(unrolled)]
+    mesh, _ = mesh_of(points[first], cells, "Q2")
+    bore = mesh.facets_satisfying(lambda x: np.hypot(x[0], x[1]) < BORE + 1e-9, boundaries_only=True)
+    low = mesh.facets_satisfying(lambda x: x[2] < 1e-9, boundaries_only=True)
+    return mesh.with_boundaries({"bore": bore, "low end": low})
 
 
-def patch_rows(points, faces):
+def patch_rows(mesh):
     """Loads (3 c, 3 n) of unit forces along r, t and z, spread with the density of a Gaussian in z and in angle."""
+    surface = faces(mesh, "bore", element=ElementVector(mesh.elem()), quadrature=None, intorder=9)
 
     def spread(azimuth, z, axis):
         def traction(x):
-            t = np.arctan2(x[:, 1], x[:, 0])
+            t = np.arctan2(x[1], x[0])
             off = np.angle(np.exp(1j * (t - azimuth)))
-            density = np.exp(-0.5 * ((x[:, 2] - z) ** 2 + (BORE * off) ** 2) / WIDTH**2) / (2.0 * np.pi * WIDTH**2)
+            density = np.exp(-0.5 * ((x[2] - z) ** 2 + (BORE * off) ** 2) / WIDTH**2) / (2.0 * np.pi * WIDTH**2)
             c, s = np.cos(t), np.sin(t)
-            return density[:, None] * np.stack([[c, s, 0 * c], [-s, c, 0 * c], [0 * c, 0 * c, 1 + 0 * c]][axis], axis=-1)
+            return density * np.stack([[c, s, 0 * c], [-s, c, 0 * c], [0 * c, 0 * c, 1 + 0 * c]][axis])
 
-        return traction_vector(points, faces, "quad9", traction, degree=9)
+        return force(traction).assemble(surface)
 
     return np.stack([spread(t, z, axis) for t, z in zip(AZIMUTH, Z, strict=True) for axis in range(3)])
 
@@ -57,10 +58,10 @@ def patch_rows(points, faces):
 @cache
 def solid(counts):
     """Compliance (3 c, 3 c) of the 3D tube."""
-    points, cells, faces = hexahedra(counts)
-    K = stiffness(points, cells, "Q2", STEEL.youngs_modulus, STEEL.poissons_ratio)
-    free = np.flatnonzero(np.repeat(points[:, 2] > 0.0, 3))
-    return compliance(K[free][:, free], sp.csr_matrix(patch_rows(points, faces)[:, free]))
+    mesh = hexahedra(counts)
+    K = assemble(elasticity(STEEL.youngs_modulus, STEEL.poissons_ratio), mesh)
+    free = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(mesh, "low end"))
+    return compliance(K[free][:, free], sp.csr_matrix(patch_rows(mesh)[:, free]))
 
 
 @cache

@@ -10,15 +10,18 @@ import numpy as np
 import pytest
 
 from compare.catalogue import scene
-from hifi.elasticity import check_jacobians, load_vector
+from hifi.assembly import space
 from meshes import shell as shells
 from meshes.ball_body import BallSocket, ball_depth, ball_points, build_ball, directions, rays
+from meshes.fem import nodes_on
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec, build_body
 from meshes.helix import ball_layout
 from meshes.parts import Balls, Nut, Screw, Track
+from meshes.quality import scaled_jacobians
 from meshes.shell import Face, Shell, freed
 from meshes.sockets import SocketSize, local_points, socket_mesh, socket_points
+from tests.fe_meshes import one
 from tests.helpers import STEEL, body_specs, small_screw
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
@@ -35,7 +38,12 @@ def spec_of(case, sides, outer, size=SIZE, fine=2.0e-3, coarse=7e-3, half=20e-3)
 
 
 def volume(body):
-    return float(load_vector(body.points, body.cells, "P2", lambda x: np.ones_like(x)).reshape(-1, 3)[:, 0].sum())
+    return one(space(body.mesh))
+
+
+def outside(spec):
+    """Boundary of the cylinder r = r_out."""
+    return "land" if spec.outer else "outside"
 
 
 def faces_of(cells):
@@ -64,7 +72,7 @@ def on_surfaces(m, spec, points):
 
 def check_body(m, spec, mesh):
     """What every good mesh of a grooved body is: sound, closed, exact and congruent."""
-    assert check_jacobians(mesh.points, mesh.cells, "P2").min() > 0.005
+    assert scaled_jacobians(mesh.mesh).min() > 0.005
     assert mesh.quality.smallest > 0.01
     assert (mesh.quality.cells, mesh.quality.nodes) == (len(mesh.cells), len(mesh.points))
     assert mesh.deviation < 1e-12
@@ -76,8 +84,8 @@ def check_body(m, spec, mesh):
     # all of the surface's nodes lie exactly on it, but for the sockets' inner faces
     assert len(mesh.socket_nodes) == len(spec.sockets)
     assert len(np.unique(mesh.socket_nodes)) == mesh.socket_nodes.size
-    outside = np.setdiff1d(np.unique(faces), mesh.socket_nodes)
-    assert on_surfaces(m, spec, mesh.points[outside]).max() < 1e-11
+    rest = np.setdiff1d(np.unique(faces), mesh.socket_nodes)
+    assert on_surfaces(m, spec, mesh.points[rest]).max() < 1e-11
     rows = np.sort(faces[:, :3], axis=1)
     inner = {tuple(row) for row in rows[np.isin(rows, mesh.socket_nodes).all(axis=1)].tolist()}
     for nodes, socket in zip(mesh.socket_nodes, spec.sockets, strict=True):
@@ -87,7 +95,7 @@ def check_body(m, spec, mesh):
         assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= inner
     for nodes, place in (
         (mesh.low_end, mesh.points[:, 2] - spec.z_low), (mesh.high_end, mesh.points[:, 2] - spec.z_high),
-        (mesh.side, np.hypot(*mesh.points[:, :2].T) - spec.r_out),
+        (nodes_on(mesh.mesh, outside(spec)), np.hypot(*mesh.points[:, :2].T) - spec.r_out),
     ):  # fmt: skip
         assert set(nodes) == set(np.unique(faces)) & set(np.flatnonzero(np.abs(place) < 1e-12))
 
@@ -184,7 +192,7 @@ def test_faces_hold_their_whole_area(body):
     """Second-order faces of the smooth cylinder: 2 pi r L, exact to the chords' fourth power."""
     _, spec, mesh = body
     faces, _ = faces_of(mesh.cells)
-    nodes = mesh.side if not spec.outer else np.flatnonzero(np.abs(np.hypot(*mesh.points[:, :2].T) - spec.r_in) < 1e-12)
+    nodes = nodes_on(mesh.mesh, "bore" if spec.outer else "outside")
     own = faces[np.isin(faces, nodes).all(axis=1)]
     r = spec.r_in if spec.outer else spec.r_out
     a = [mesh.points[own[:, k]] for k in range(6)]
@@ -304,7 +312,7 @@ def test_meshes_are_the_same_every_time():
     case = ring_of(0.0, 2.0)
     spec = body_specs(case, TWO)["nut"]
     first, second = (build_body(GrooveMap.of(case), spec) for _ in range(2))
-    for name in ("points", "cells", "socket_nodes", "side"):
+    for name in ("points", "cells", "socket_nodes", "low_end"):
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
 
 
@@ -464,7 +472,7 @@ def test_ball(beta, sides):
     m = GrooveMap.of(small_screw(2, beta=np.radians(beta)))
     sockets = ball_sockets(sides)
     mesh = build_ball(m, sockets, 0.55e-3, 1.2e-3)
-    assert check_jacobians(mesh.points, mesh.cells, "P2").min() > 0.02
+    assert scaled_jacobians(mesh.mesh).min() > 0.02
     assert mesh.quality.smallest > 0.04
     faces, count = faces_of(mesh.cells)
     assert count.max() == 2

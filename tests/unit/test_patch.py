@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from hifi.bodies import Socket, assemble, freedoms
-from hifi.elasticity import check_jacobians, load_vector, nodal_areas, rigid_modes, stiffness, strain_stress
+from hifi import assembly
+from hifi.bodies import Socket, assemble, freedoms, of_order
 from hifi.fit import ball_place
+from hifi.forms import elasticity
 from hifi.patch import (
     Lines,
     PatchMesh,
@@ -21,13 +22,14 @@ from hifi.patch import (
     field,
     graded,
     growing,
-    refined,
     tie_matrix,
 )
+from hifi.rigid import rigid_modes
+from meshes.fem import mesh_of, nodes_on, points_of
 from meshes.groove_map import GrooveMap
 from meshes.sockets import SocketMesh, SocketSize, local_points
-from meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box, split_second_order
-from tests.fe_meshes import boundary, boundary_faces, cube
+from meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box
+from tests.fe_meshes import boundary, boundary_faces, cube, jacobians, nodal_areas, stiffness, strain_stress, volume
 from tests.helpers import relative, small_screw
 
 E, NU = 210e9, 0.28
@@ -48,8 +50,8 @@ def lines(b_over_h):
 
 @cache
 def holed_cube():
-    """Unit cube of second-order tetrahedra without a block under its upper face: points, cells, nodes of the block's five
-    faces, and these as a socket with gamma along x, azimuth along y."""
+    """Unit cube of second-order tetrahedra without a block under its upper face: mesh, nodes of the block's five faces, and
+    these as a socket with gamma along x, azimuth along y."""
     points, cells = cube("P2", 4)
     local = (points - [0.5, 0.5, 1.0]) / [0.25, 0.25, -0.5]
     xi = np.column_stack([local[:, 0], local[:, 2], local[:, 1]])
@@ -60,12 +62,13 @@ def holed_cube():
     nodes, triangles = np.unique(faces, return_inverse=True)
     triangles = triangles.reshape(-1, 6)
     assert len(triangles) == 5 * 8
-    return points, cells, nodes, SocketMesh(xi[nodes], triangles, np.zeros(len(triangles), dtype=np.int64), {})
+    mesh, number = mesh_of(points, cells, "P2")
+    return mesh, number[nodes], SocketMesh(xi[nodes], triangles, np.zeros(len(triangles), dtype=np.int64), {})
 
 
 def socket(*, turned=False):
     """Socket of the holed cube; turned: its mirror image, with the diagonals of two faces the other way."""
-    own = holed_cube()[3]
+    own = holed_cube()[2]
     return replace(own, xi=own.xi * [-1.0, 1.0, 1.0]) if turned else own
 
 
@@ -202,12 +205,15 @@ def test_patch_of_any_element(kind):
     held = boundary(points[:, :] * [1.0, 1.0, 0.5])  # all faces but z = 1
     contact = np.setdiff1d(np.flatnonzero(points[:, 2] > 1.0 - 1e-9), held)
     normals = np.tile([0.0, 0.6, 0.8], (contact.size, 1))
+    faces = boundary_faces(cells, kind)
+    body, number = mesh_of(points, cells, kind, {"interface": faces[np.isin(faces, held).all(axis=1)]})
+    held, contact = number[held], number[contact]
     mesh = PatchMesh(
-        kind, points, cells, contact, None, np.zeros(contact.size, dtype=bool), held,
-        sp.identity(held.size, format="csr"), np.ones(contact.size),
+        body, contact, None, np.zeros(contact.size, dtype=bool), held, sp.identity(held.size, format="csr"),
+        np.ones(contact.size), sp.identity(contact.size, format="csr"),
     )  # fmt: skip
     c = condense_patch(mesh, normals, 1.0, NU)
-    K = stiffness(points, cells, kind, 1.0, NU).toarray()
+    K = assembly.assemble(elasticity(1.0, NU), body).toarray()
     o, i = freedoms(held), freedoms(np.setdiff1d(np.arange(len(points)), held))
     P = np.zeros((len(K), contact.size))
     P[3 * contact + 1, np.arange(contact.size)], P[3 * contact + 2, np.arange(contact.size)] = 0.6, 0.8
@@ -238,16 +244,16 @@ def test_free_top_is_free():
 
 def test_constant_strain_through_a_first_order_patch():
     """Body and patch of first order conform: a linear field on the cube's surface goes through both unchanged."""
-    points, cells, nodes, own = holed_cube()
+    body, nodes, own = holed_cube()
+    points = points_of(body)
     mesh, c = in_the_cube()
-    K = assemble(points, cells, [Socket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU, kind="P1")
+    K = assemble(of_order(body, "P1"), [Socket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU)
     exact = points @ SLOPE.T
-    used = np.unique(cells)
-    held = freedoms(np.intersect1d(boundary(points), np.setdiff1d(used, nodes)))
-    loose = np.setdiff1d(freedoms(used), held)
+    held = freedoms(np.setdiff1d(boundary(points), nodes))
+    loose = np.setdiff1d(np.arange(K.shape[0]), held)
     u = exact.ravel().copy()
     u[loose] = sp.linalg.spsolve(K[loose][:, loose], -(K[loose][:, held] @ u[held]))
-    assert relative(u.reshape(-1, 3)[used], exact[used]) < 1e-11
+    assert relative(u.reshape(-1, 3), exact) < 1e-11
     q = u[freedoms(nodes)]
     assert relative(c.H @ q, (mesh.points[mesh.contact] @ SLOPE.T)[:, 2]) < 1e-11
     whole = field(mesh, c.normals, 1.0, NU, np.zeros(len(c.A)), q)
@@ -267,8 +273,8 @@ def test_constant_strain_through_a_first_order_patch():
 
 def test_plain_faces_conform_only_nearly():
     """Without the socket's triangles on its faces a patch follows a linear field, but hands on its reaction roughly."""
-    points, _, nodes, _ = holed_cube()
-    q = (points[nodes] @ SLOPE.T).ravel()
+    body, nodes, _ = holed_cube()
+    q = (points_of(body)[nodes] @ SLOPE.T).ravel()
     mesh, c = in_the_cube(conforming=False)
     _, exact = in_the_cube()
     assert relative(c.H @ q, (mesh.points[mesh.contact] @ SLOPE.T)[:, 2]) < 1e-11
@@ -283,15 +289,15 @@ def indentation(kind, where, fine=None, b_over_h=None):
         grid = lines(b_over_h)
         place, centre = places(0)[where]
         mesh = build_patch(grid, ZONE, place, socket())
-        axes = [refined(x) for x in (grid.across, grid.depth, grid.along)]
-        xi = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+        axes = [np.union1d(x, 0.5 * (x[1:] + x[:-1])) for x in (grid.across, grid.along)]
+        axes = [x[np.abs(x) < half + 1e-9] for x, half in zip(axes, ZONE, strict=True)]
+        local = np.stack(np.meshgrid(axes[0], 0.0, axes[1], indexing="ij"), -1).reshape(-1, 3)
         arms = mesh.points[mesh.contact] - centre
         normals = arms / np.linalg.norm(arms, axis=1)[:, None]
     else:
         mesh, normals = patch(kind, where, fine=fine)
-        xi = tets(fine).xi
+        local = tets(fine).xi[mesh.contact]
     a, b = SEMI
-    local = xi[mesh.contact]
     f = np.sqrt(np.maximum(1.0 - (local[:, 0] * WIDTH[0] / a) ** 2 - (local[:, 2] * WIDTH[1] / b) ** 2, 0.0)) * mesh.areas
     f *= 225.0 / f.sum()
     u = field(mesh, normals, E, NU, f, np.zeros(3 * mesh.tie.shape[1]))
@@ -314,10 +320,10 @@ def test_first_order_is_stiff_and_converges(where):
 def test_cells_fill_the_patch(where, side):
     """Left- and right-handed maps: every cell positive, volume and top that of the hexahedra."""
     hexa, tetra = patch("Q2", where, side)[0], patch("P1", where, side, 0.08e-3)[0]
-    assert check_jacobians(tetra.points, tetra.cells, "P1").min() > 0.0
-    assert check_jacobians(hexa.points, hexa.cells, "Q2").min() > 0.0
-    volume = [load_vector(x.points, x.cells, x.kind, np.array([1.0, 0.0, 0.0])).sum() for x in (hexa, tetra)]
-    assert volume[1] == pytest.approx(volume[0], rel=0.01)
+    assert jacobians(tetra.points, tetra.cells, "P1").min() > 0.0
+    assert jacobians(hexa.points, hexa.cells, "Q2").min() > 0.0
+    first, second = (volume(x.points, x.cells, x.kind) for x in (hexa, tetra))
+    assert second == pytest.approx(first, rel=0.01)
 
 
 @pytest.mark.parametrize("where", ["groove", "ball"])
@@ -325,7 +331,7 @@ def test_contact_areas(where):
     """The zone's area, the same as the hexahedra's; the rim carries half the width of a cell beyond it."""
     mesh = patch("P1", where, fine=0.08e-3)[0]
     local = tets(0.08e-3)
-    top = nodal_areas(mesh.points, local.top, "triangle3")
+    top = nodal_areas(mesh.points, mesh.cells, "P1", local.top)
     np.testing.assert_allclose(mesh.areas, top[mesh.contact], rtol=1e-14)
     corner = mesh.points[local.top]
     thirds = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1) / 6.0
@@ -384,18 +390,51 @@ def test_map_that_turns_cells_inside_out_is_refused():
 @pytest.mark.parametrize("kind", ["P1", "P2"])
 def test_assembled_body(kind):
     """Of its own cells or of the split ones, with the patch turned into its socket."""
-    points, cells, nodes, _ = holed_cube()
+    whole, nodes, _ = holed_cube()
+    body = of_order(whole, kind)
     _, c = in_the_cube()
     R = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    used = split_second_order(points, cells) if kind == "P1" else cells
-    bare = stiffness(points, used, kind, 1.0, NU).toarray()
+    bare = assembly.assemble(elasticity(1.0, NU), body).toarray()
     dof, turn = freedoms(nodes), np.kron(np.eye(len(nodes)), R)
     bare[np.ix_(dof, dof)] += turn @ c.S @ turn.T
-    found = assemble(points, cells, [Socket(nodes, R, 0)], {0: c}, 1.0, NU, kind=kind).toarray()
+    assert len(bare) == whole.doflocs.size
+    found = assemble(body, [Socket(nodes, R, 0)], {0: c}, 1.0, NU).toarray()
     assert relative(found, bare) < 1e-14
 
 
 def test_body_of_other_elements_is_refused():
-    points, cells, _, _ = holed_cube()
     with pytest.raises(ValueError, match="'Q1' elements"):
-        assemble(points, cells, [], {}, 1.0, NU, kind="Q1")
+        of_order(holed_cube()[0], "Q1")
+
+
+@pytest.mark.parametrize("where", ["groove", "ball"])
+@pytest.mark.parametrize("kind", ["P1", "Q2"])
+def test_contact_weights_share_out_the_zone(kind, where):
+    """Inside the rim their sums over pressures are the tributary areas; ball and groove weigh alike, up to curvature."""
+    mesh, _, c = condensed(kind, where)
+    assert c.weights.shape == (len(c.areas),) * 2
+    assert (abs(c.weights - mesh.weights)).max() == 0.0
+    over = np.asarray(mesh.weights.sum(axis=0)).ravel()
+    np.testing.assert_allclose(over[~mesh.rim], mesh.areas[~mesh.rim], rtol=1e-6)
+    assert (over[mesh.rim] < mesh.areas[mesh.rim]).all()
+    assert np.asarray(mesh.weights.sum(axis=1)).min() > 0.0
+
+
+def test_hats_of_a_patch_carry_one_four_and_four_quarters():
+    """On equal cells inside the zone hats carry 1 : 2 : 4 halves where the displacements' functions carry 1 : 4 : 16."""
+    mesh = patch("Q2")[0]
+    n, m = mesh.contact_shape
+    hats = np.asarray(mesh.weights.sum(axis=1)).reshape(n, m)[1:-1, 1:-1]
+    assert np.ptp(hats) < 0.1 * hats.mean()
+    own = np.asarray(mesh.weights.sum(axis=0)).reshape(n, m)[1:-1, 1:-1]
+    assert own.max() / own.min() == pytest.approx(16.0 / 4.0, rel=0.1)
+
+
+def test_boundaries_of_a_patch_are_named():
+    for kind in ("P1", "Q2"):
+        mesh = patch(kind)[0]
+        assert set(mesh.mesh.boundaries) == {"surface", "contact", "interface"}
+        assert np.array_equal(nodes_on(mesh.mesh, "interface"), np.sort(mesh.interface))
+        assert np.array_equal(nodes_on(mesh.mesh, "contact"), np.sort(mesh.contact))
+        whole = len(mesh.mesh.boundary_facets())
+        assert len(mesh.mesh.boundaries["surface"]) + len(mesh.mesh.boundaries["interface"]) == whole

@@ -9,11 +9,12 @@ from scipy.linalg import block_diag
 
 from compare import catalogue
 from hifi import reference, setup
+from hifi.assembly import assemble
 from hifi.balls import solve_balls
 from hifi.bodies import freedoms, isostatic
 from hifi.compliance import uncoupled
-from hifi.elasticity import stiffness
 from hifi.fit import Settings, ball_place
+from hifi.forms import elasticity
 from hifi.response import compliance
 from hifi.setup import placed
 from meshes.parts import Load, Support
@@ -47,20 +48,20 @@ def meshes(small):
     return setup.mesh_parts(small.scene, small.map, small.layout, small.dims, small.sides, SMALL)
 
 
-def whole(points, cells, patches, material, reduce):
+def whole(body, patches, material, reduce):
     """Compliance at the contact nodes' normals from one mesh of the body and all its patches, tied node by node.
 
     patches: (mesh, normals, socket's nodes, rotation); reduce: (freedoms of the body) -> what holds it.
     """
     E, nu = material.youngs_modulus, material.poissons_ratio
-    blocks, columns, loads = [stiffness(points, cells, "P2", E, nu)], [], []
-    size = 3 * len(points)
+    blocks, columns, loads = [assemble(elasticity(E, nu), body)], [], []
+    size = body.doflocs.size
     inner_of = [np.setdiff1d(np.arange(len(p.points)), p.interface) for p, *_ in patches]
     total = size + 3 * sum(len(i) for i in inner_of)
     columns.append(sp.hstack([sp.identity(size), sp.csr_matrix((size, total - size))]))
     start = size
     for (mesh, normals, nodes, R), inner in zip(patches, inner_of, strict=True):
-        blocks.append(stiffness(mesh.points, mesh.cells, "Q2", E, nu))
+        blocks.append(assemble(elasticity(E, nu), mesh.mesh))
         C = sp.lil_matrix((3 * len(mesh.points), total))
         C[freedoms(inner), start + np.arange(3 * len(inner))] = 1.0
         turn = sp.kron(sp.identity(len(nodes)), R.T)  # the body moves in space, the patch in its own frame
@@ -97,14 +98,14 @@ def bodies(small, meshes):
         own, normals = patch(small, meshes, side)
         parts = [(own, normals, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
         if name == "screw":
-            reduce = lambda size, m=mesh: setup.end_transform(size, m, small.dims.ends(small.scene)[1])  # noqa: E731
+            reduce = lambda _, m=mesh: setup.screw_transform(m, small.dims, small.dims.ends(small.scene)[1])  # noqa: E731
         else:
-            reduce = lambda size, m=mesh: setup.held_transform(size, m.low_end)  # noqa: E731
-        out[name] = whole(mesh.points, mesh.cells, parts, material, reduce)
+            reduce = lambda _, m=mesh: setup.nut_transform(m, small.dims)  # noqa: E731
+        out[name] = whole(mesh.mesh, parts, material, reduce)
     parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
     held = isostatic(meshes.ball.points, np.concatenate([p[2] for p in parts]))
     out["ball"] = whole(
-        meshes.ball.points, meshes.ball.cells, parts, small.scene.balls.material,
+        meshes.ball.mesh, parts, small.scene.balls.material,
         lambda size: sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)],
     )  # fmt: skip
     return out

@@ -9,11 +9,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from hifi.elasticity import load_vector
-from hifi.elements import ELEMENTS
 from meshes.sockets import SocketMesh
 from meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, source_box, split_second_order
-from tests.fe_meshes import boundary_faces, cube, distorted
+from tests.fe_meshes import LOCAL, boundary_faces, cube, distorted, face_nodes, volume
 
 BOX = TetBox((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15), (0.6e-3, 0.35e-3, 0.15e-3), 0.08e-3, 0.5e-3)
 SCALE = np.array([1.0e-3, 0.9e-3, 1.2e-3])
@@ -182,10 +180,6 @@ def test_boxes_that_cannot_be_meshed_are_refused():
             build_tets(BOX, torn)
 
 
-def volume(points, cells, kind):
-    return load_vector(points, cells, kind, np.array([1.0, 0.0, 0.0])).sum()
-
-
 def test_split_cells_fill_the_same_volume():
     points, cells = cube("P2", 2)
     parts = split_second_order(points, cells)
@@ -206,11 +200,12 @@ def test_split_cells_conform():
     assert np.array_equal(np.unique(parts), np.unique(cells))
     outside = boundary_faces(cells, "P2")[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
     assert {frozenset(t) for t in boundary_faces(parts, "P1")} == {frozenset(t) for t in outside}
-    _, count = np.unique(np.sort(parts[:, ELEMENTS["P1"].face_nodes()].reshape(-1, 3), axis=1), axis=0, return_counts=True)
+    _, count = np.unique(np.sort(parts[:, face_nodes("P1")].reshape(-1, 3), axis=1), axis=0, return_counts=True)
     assert set(count) == {1, 2}
 
 
-REGULAR = ELEMENTS["P1"].shape(ELEMENTS["P2"].local) @ np.array([[1.0, 1, 1], [-1, 1, -1], [1, -1, -1], [-1, -1, 1]])
+CORNERS = np.array([[1.0, 1, 1], [-1, 1, -1], [1, -1, -1], [-1, -1, 1]])
+REGULAR = CORNERS[0] + LOCAL["P2"] @ (CORNERS[1:] - CORNERS[0])
 DIAGONALS = ((4, 8), (5, 7), (6, 9))  # middles of opposite edges
 
 

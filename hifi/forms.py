@@ -1,0 +1,67 @@
+"""The weak forms of the 3D reference. scikit-fem's `form.assemble(basis)` evaluates them as they stand.
+
+Displacements u, virtual ones v [m]; small strains; isotropic elasticity of constant Young's modulus and Poisson's ratio.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import BilinearForm, LinearForm
+from skfem.helpers import ddot, dot, sym_grad
+from skfem.models.elasticity import lame_parameters, linear_stress
+
+Array = NDArray[np.float64]
+Stress = Callable[[Any], Any]
+
+
+def hooke(young: float, poisson: float) -> Stress:
+    """C: strain to stress [Pa]. Raises ValueError outside E > 0, -1 < nu < 0.5."""
+    if not (young > 0.0 and -1.0 < poisson < 0.5):
+        raise ValueError(f"Young's modulus {young}, Poisson's ratio {poisson}: need E > 0 and -1 < nu < 0.5")
+    law: Stress = linear_stress(*lame_parameters(young, poisson))
+    return law
+
+
+def elasticity(young: float, poisson: float) -> Any:
+    """int C(eps(u)) : eps(v) dV, young [Pa]."""
+    C = hooke(young, poisson)
+
+    def energy(u: Any, v: Any, _: Any) -> Any:
+        return ddot(C(sym_grad(u)), sym_grad(v))
+
+    return BilinearForm(energy)
+
+
+def force(density: Callable[[Array], Array] | Array) -> Any:
+    """int f . v over cells (body force [N/m3]) or faces (traction [Pa]).
+
+    density: f, a vector (3,), or a function of the place x (3, ...) [m] -> (3, ...).
+    """
+
+    def work(v: Any, w: Any) -> Any:
+        f = density(w.x) if callable(density) else np.reshape(density, (3, 1, 1))
+        return dot(f, v)
+
+    return LinearForm(work)
+
+
+def share() -> Any:
+    """int N_i dA, or dV: what each node of a scalar space carries of an area or a volume."""
+
+    def weight(v: Any, _: Any) -> Any:
+        return v
+
+    return LinearForm(weight)
+
+
+def weights() -> Any:
+    """int phat_k N_i dA of the pressures' hats phat_k (rows) and the displacements' traces N_i (columns)."""
+
+    def product(u: Any, p: Any, _: Any) -> Any:
+        return u * p
+
+    return BilinearForm(product)

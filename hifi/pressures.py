@@ -1,0 +1,60 @@
+"""Contact pressures as hats on half cells, weighed against the displacements that they work on.
+
+The nodes of a 9-node face carry 1 : 4 : 16 of its area, so that nodal forces make the law of a contact wavy. Pressures that
+are bilinear between all nodes of the contact's grid, hats phat_k on the faces' halves, give nodal forces f = W^T p and
+weighted gaps W g with W_ki = int phat_k N_i dA over the contact zone, N_i the displacements' own traces.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from skfem import ElementHex2, Mesh
+from skfem.quadrature import get_quadrature
+
+from hifi.assembly import faces
+from hifi.forms import weights
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class ElementHexHats(ElementHex2):  # type: ignore[misc]
+    """Hats on the eight halves of a hexahedron, one for each node of ElementHex2: trilinear on every half."""
+
+    maxdeg = 3
+
+    def lbasis(self, X: Array, i: int) -> tuple[Array, Array]:
+        """Value and reference gradient of hat i at X."""
+        away = np.asarray(X) - self.doflocs[i].reshape((3,) + (1,) * (np.ndim(X) - 1))
+        value = np.maximum(1.0 - 2.0 * np.abs(away), 0.0)
+        slope = np.where(value > 0.0, -2.0 * np.sign(away), 0.0)
+        whole = [np.prod([slope[k] if k == axis else value[k] for k in range(3)], axis=0) for axis in range(3)]
+        return np.prod(value, axis=0), np.array(whole)
+
+
+def halves(refdom: Any, degree: int) -> tuple[Array, Array]:
+    """Gauss's rule of that degree on each of the four quarters of the unit square."""
+    points, own = get_quadrature(refdom, degree)
+    shifts = [(i, j) for i in (0.0, 0.5) for j in (0.0, 0.5)]
+    return np.hstack([0.5 * points + np.array(s)[:, None] for s in shifts]), np.tile(0.25 * own, 4)
+
+
+def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_matrix:
+    """W ``(c, c)`` [m2] on the boundary "contact" of a patch, rows and columns in the order of its nodes ``contact``.
+
+    W 1 are the areas of the hats, 1^T W those of the displacements' functions, both over the contact zone. 27-node
+    hexahedra: hats are bilinear on the halves of faces. First-order tetrahedra: the hats are the displacements' own
+    functions, W the consistent mass of the trace.
+    """
+    if mesh.elem is ElementHex2:
+        rule = halves(mesh.brefdom, 7)
+        u = faces(mesh, "contact", quadrature=rule)
+        p = faces(mesh, "contact", element=ElementHexHats(), quadrature=rule, mapping=u.mapping)
+    else:
+        u = p = faces(mesh, "contact")
+    W = weights().assemble(u, p).tocsr()
+    return sp.csr_matrix(W[contact][:, contact])

@@ -1,0 +1,18 @@
+"""Rigid motions of nodes, which strain nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def rigid_modes(points: Array, centre: Array | None = None) -> Array:
+    """Three translations and three small rotations about the centre (default: the origin) of points (n, 3), (3n, 6)."""
+    x = np.asarray(points, dtype=float) - (0.0 if centre is None else np.asarray(centre, dtype=float))
+    modes = np.zeros((len(x), 3, 6))
+    modes[:, :, :3] = np.eye(3)
+    for k, axis in enumerate(np.eye(3)):
+        modes[:, :, 3 + k] = np.cross(axis, x)
+    return modes.reshape(-1, 6)

@@ -1,0 +1,156 @@
+"""Meshes of the parts as scikit-fem has them: made from arrays in gmsh's node order, names kept, and back.
+
+P1, P2 tetrahedra and Q1, Q2 hexahedra are MeshTet1, MeshTet2, MeshHex1 and MeshHex2; those of second order map with their
+curved cells. Faces go by names in `mesh.boundaries`, cells in `mesh.subdomains`. Freedom 3 * node + component of the vector
+space on a mesh's own element belongs to the node `mesh.doflocs[:, node]`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import ElementVector, Mesh, MeshHex1, MeshHex2, MeshTet1, MeshTet2
+from skfem.assembly import Dofs
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+MESHES = {"P1": MeshTet1, "P2": MeshTet2, "Q1": MeshHex1, "Q2": MeshHex2}
+# Place k of scikit-fem's cell holds gmsh's local node; by matching coordinates (see the tests).
+_SKFEM: dict[str, tuple[int, ...]] = {
+    "P1": tuple(range(4)),
+    "P2": (0, 1, 2, 3, 4, 5, 6, 7, 9, 8),
+    "Q1": (6, 2, 5, 7, 1, 3, 4, 0),
+    "Q2": (6, 2, 5, 7, 1, 3, 4, 0, 14, 18, 19, 11, 13, 12, 16, 15, 17, 8, 9, 10, 23, 25, 24, 21, 20, 22, 26),
+}
+
+
+def mesh_of(
+    points: Array,
+    cells: Index,
+    kind: str,
+    boundaries: Mapping[str, Index] | None = None,
+    regions: Mapping[str, Index] | None = None,
+) -> tuple[Mesh, Index]:
+    """Mesh of points ``(n, 3)`` [m] and cells ``(m, nodes)`` in gmsh's order, and the new number of every point ``(n,)``.
+
+    scikit-fem numbers the nodes of second-order meshes anew, vertices first; points of no cell get -1 there.
+    boundaries: faces ``(k, 3 or more)`` by name, their corners first; regions: numbers of cells by name.
+    Raises ValueError for an unknown kind, cells of another, or a boundary that has a face which no cell has.
+    """
+    if kind not in MESHES:
+        raise ValueError(f"element {kind!r} is unknown; one of {', '.join(MESHES)}")
+    order = np.array(_SKFEM[kind])
+    if cells.ndim != 2 or cells.shape[1] != len(order):
+        raise ValueError(f"cells have shape {cells.shape}, element {kind} needs (m, {len(order)})")
+    own = cells[:, order]
+    mesh = MESHES[kind](np.ascontiguousarray(points.T), np.ascontiguousarray(own.T))
+    number = np.full(len(points), -1, dtype=np.int64)
+    number[own] = mesh.dofs.element_dofs.T
+    named = {name: number[np.asarray(faces)[:, : len(mesh.facets)]] for name, faces in (boundaries or {}).items()}
+    mesh = with_faces(mesh, named)
+    if regions:
+        mesh = _changed(mesh, _subdomains={name: np.asarray(own, dtype=np.int32) for name, own in regions.items()})
+    return mesh, number
+
+
+def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
+    """The mesh with further boundaries: corners ``(k, 3 or 4)`` of their faces by name, in any order.
+
+    Raises ValueError for a boundary that has a face which no cell has, or has none at all.
+    """
+    count = mesh.doflocs.shape[1]
+    known = _keys(mesh.facets.T, count)
+    order = np.argsort(known)
+    found = {}
+    for name, corners in faces.items():
+        wanted = _keys(corners, count)
+        place = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
+        lost = int(np.count_nonzero(known[place] != wanted))
+        if lost or not len(wanted):
+            raise ValueError(f"boundary {name!r} lost: {lost} of {len(wanted)} faces belong to no cell")
+        found[name] = np.unique(place).astype(np.int32)
+    return _changed(mesh, _boundaries={**(mesh.boundaries or {}), **found})
+
+
+def _keys(faces: Index, count: int) -> Index:
+    """One number for each face, the same for any order of its corners; three corners name a face of a mesh."""
+    if count >= 2**21:
+        raise ValueError(f"{count} points: face keys hold fewer than {2**21}")
+    low = np.sort(faces.astype(np.int64), axis=1)[:, :3]
+    return np.asarray((low[:, 0] * count + low[:, 1]) * count + low[:, 2])
+
+
+def kind_of(mesh: Mesh) -> str:
+    """P1, P2, Q1 or Q2."""
+    return next(kind for kind, made in MESHES.items() if type(mesh) is made)
+
+
+def points_of(mesh: Mesh) -> Array:
+    """Nodes ``(n, 3)`` [m]."""
+    return np.asarray(mesh.doflocs.T)
+
+
+def cells_of(mesh: Mesh) -> Index:
+    """Nodes of the cells ``(m, nodes)`` in gmsh's order."""
+    return np.asarray(mesh.dofs.element_dofs.T[:, np.argsort(_SKFEM[kind_of(mesh)])], dtype=np.int64)
+
+
+def faces_of(mesh: Mesh, name: str) -> Index:
+    """Nodes of a boundary's faces ``(k, nodes of a face)``: corners turning left seen from outside, then the middles of the
+    edges from each to the next, then the face's own."""
+    own = mesh.boundaries[name]
+    corners = mesh.facets[:, own]
+    parts = [corners]
+    if len(mesh.dofs.edge_dofs):
+        parts.append(mesh.dofs.edge_dofs[0, mesh.f2e[:, own]])
+    if len(mesh.dofs.facet_dofs):
+        parts.append(mesh.dofs.facet_dofs[:, own])
+    faces = np.vstack(parts).T.astype(np.int64)
+    x, cell = mesh.doflocs[:, corners], mesh.doflocs[:, mesh.t[:, mesh.f2t[0, own]]].mean(axis=1)
+    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0], axis=0)
+    inward = (normal * (x.mean(axis=1) - cell)).sum(axis=0) < 0.0
+    n = len(corners)
+    back = [0, *range(n - 1, 0, -1), *range(2 * n - 1, n - 1, -1), 2 * n][: faces.shape[1]]
+    faces[inward] = faces[inward][:, back]
+    return faces
+
+
+def nodes_on(mesh: Mesh, *names: str) -> Index:
+    """Nodes of named boundaries, ascending."""
+    return _on(mesh.dofs, mesh, names)
+
+
+def freedoms_on(mesh: Mesh, *names: str) -> Index:
+    """Freedoms of the vector space on named boundaries, ascending."""
+    return _on(Dofs(mesh, ElementVector(mesh.elem())), mesh, names)
+
+
+def _on(dofs: Dofs, mesh: Mesh, names: tuple[str, ...]) -> Index:
+    found = [dofs.get_facet_dofs(mesh.boundaries[name]).flatten() for name in names]
+    return np.unique(np.concatenate(found)).astype(np.int64)
+
+
+def tensor_grid(x: Array, y: Array, z: Array, kind: str, *, left_handed: bool = False) -> Mesh:
+    """Q1 or Q2 hexahedra between ascending coordinates x, y, z of their corners; left_handed: for maps that mirror them."""
+    made = MeshHex1.init_tensor(x, y, z)  # left-handed
+    grid = MeshHex1(made.doflocs, made.t if left_handed else made.t[[3, 5, 6, 0, 7, 1, 2, 4]])
+    return grid if kind == "Q1" else MeshHex2.from_mesh(grid)
+
+
+def moved(mesh: Mesh, points: Array) -> Mesh:
+    """The mesh with its nodes at points ``(n, 3)`` [m], names kept."""
+    return _changed(mesh, doflocs=np.ascontiguousarray(points.T))
+
+
+def _changed(mesh: Mesh, **fields: Any) -> Mesh:
+    """The mesh with other fields and the same cells; its edges and faces need not be numbered again."""
+    made = copy(mesh)
+    for name in ("_cached_mapping", "_cached_tree"):
+        made.__dict__.pop(name, None)
+    made.__dict__.update(fields)
+    return made

@@ -1,0 +1,276 @@
+"""The weak forms: fast assembly against scikit-fem's own, rigid motions, patch test, loads, contact weights."""
+
+import numpy as np
+import pytest
+from numpy.polynomial.legendre import leggauss
+from scipy.sparse.linalg import spsolve
+from skfem import BilinearForm, Functional, MeshTet1
+from skfem.helpers import ddot, dot, eye, grad, sym_grad, trace
+
+from hifi import assembly
+from hifi.assembly import CurvedMap, assemble, faces, nodal_areas, rule, space, tensor
+from hifi.forms import elasticity, force, hooke, share
+from hifi.pressures import ElementHexHats, contact_weights
+from hifi.rigid import rigid_modes
+from meshes.fem import faces_of, freedoms_on, kind_of, mesh_of, moved, nodes_on, points_of, tensor_grid
+from tests.fe_meshes import KINDS, boundary_faces, cube, distorted
+
+E, NU = 210e9, 0.28
+LAM, MU = E * NU / (1.0 + NU) / (1.0 - 2.0 * NU), E / 2.0 / (1.0 + NU)
+LINEAR = 1e-3 * np.array([[1.0, 0.3, -0.2], [0.5, -0.7, 0.4], [0.1, 0.6, 0.9]])
+
+
+def straight(kind):
+    """The cube, its surface "all" and its six sides named."""
+    points, cells = cube(kind, 2)
+    own = boundary_faces(cells, kind)
+    named = {"all": own}
+    for axis in range(3):
+        for side in (0.0, 1.0):
+            named[f"{axis} {side:g}"] = own[np.all(np.abs(points[own][:, :, axis] - side) < 1e-12, axis=1)]
+    return mesh_of(points, cells, kind, named)[0]
+
+
+@pytest.fixture(params=KINDS)
+def curved(request):
+    mesh = straight(request.param)
+    return moved(mesh, distorted(points_of(mesh)))
+
+
+def test_fast_assembly_is_scikit_fems_own(curved):
+    form = elasticity(E, NU)
+    theirs, ours = form.assemble(space(curved)), assemble(form, curved)
+    assert abs(ours - theirs).max() < 1e-12 * abs(theirs).max()
+
+
+def test_fast_assembly_of_a_form_without_symmetry(curved):
+    """Any form in the gradients, its coefficients without a symmetry."""
+    c = np.random.default_rng(0).standard_normal((3, 3, 3, 3))
+    form = BilinearForm(lambda u, v, _: np.einsum("ikjl,ik...,jl...->...", c, grad(u), grad(v)))
+    theirs = form.assemble(space(curved))
+    assert abs(assemble(form, curved) - theirs).max() < 1e-12 * abs(theirs).max()
+
+
+def test_elasticity_is_hookes_law(curved):
+    def energy(u, v, _):
+        strain = sym_grad(u)
+        return ddot(LAM * eye(trace(strain), 3) + 2.0 * MU * strain, sym_grad(v))
+
+    theirs = BilinearForm(energy).assemble(space(curved))
+    assert abs(assemble(elasticity(E, NU), curved) - theirs).max() < 1e-12 * abs(theirs).max()
+
+
+def test_stiffness_is_symmetric_and_sorted(curved):
+    K = assemble(elasticity(E, NU), curved)
+    assert K.shape == (curved.doflocs.size,) * 2
+    assert abs(K - K.T).max() < 1e-15 * abs(K).max()
+    assert K.copy().has_sorted_indices
+
+
+def test_chunks_of_cells_change_nothing(curved, monkeypatch):
+    whole = assemble(elasticity(E, NU), curved)
+    monkeypatch.setattr(assembly, "CHUNK_BYTES", 1.0)
+    assert abs(whole - assemble(elasticity(E, NU), curved)).max() < 1e-14 * abs(whole).max()
+
+
+def test_forms_that_the_fast_assembly_cannot_evaluate_are_refused(curved):
+    with pytest.raises(ValueError, match="gradients alone"):
+        assemble(BilinearForm(lambda u, v, _: dot(u, v)), curved)
+    with pytest.raises(AttributeError):
+        tensor(BilinearForm(lambda u, v, w: w.x[0] * ddot(grad(u), grad(v))))
+
+
+def test_curved_map_is_scikit_fems(curved):
+    X = np.random.default_rng(0).uniform(0.05, 0.3, (3, 5))
+    ours, theirs = CurvedMap(curved), curved.mapping()
+    cells = np.array([1, 3])
+    for tind in (None, cells):
+        np.testing.assert_allclose(ours.F(X, tind), theirs.F(X, tind), atol=1e-14)
+        np.testing.assert_allclose(ours.detDF(X, tind) / theirs.detDF(X, tind), 1.0, rtol=1e-12)
+    with pytest.raises(ValueError, match="points of faces"):
+        ours.invF(ours.F(X, cells), cells)
+    far = moved(curved, 2e-5 * points_of(curved) + 16e-3)  # where scikit-fem's own tolerance is below round-off
+    assert nodal_areas(far, "all").sum() == pytest.approx(4e-10 * nodal_areas(curved, "all").sum(), rel=1e-9)
+
+
+def test_quadrature_has_positive_weights_and_its_degree():
+    for kind, degree in (("P1", 1), ("P2", 3), ("Q1", 3), ("Q2", 5)):
+        mesh = straight(kind)
+        X, W = rule(mesh)
+        assert W.min() > 0.0
+        assert W.sum() == pytest.approx(1.0 if kind[0] == "Q" else 1.0 / 6.0, rel=1e-14)
+        for k in range(degree + 1):  # x^k: 1 / (k + 1) on the cube, 6 k! / (k + 3)! / 6 on the simplex
+            exact = 1.0 / (k + 1) if kind[0] == "Q" else 1.0 / ((k + 1) * (k + 2) * (k + 3))
+            assert [(X[i] ** k) @ W for i in range(3)] == pytest.approx(3 * [exact], rel=1e-13)
+
+
+def test_rigid_motions_strain_nothing_and_nothing_else_does(curved):
+    points = points_of(curved)
+    K, modes = assemble(elasticity(E, NU), curved), rigid_modes(points, points.mean(axis=0))
+    assert np.linalg.matrix_rank(modes) == 6
+    assert abs(K @ modes).max() < 1e-13 * abs(K).max()
+    basis = space(curved)
+    for mode in modes.T:
+        assert np.abs(sym_grad(basis.interpolate(mode))).max() < 1e-13
+    values = np.linalg.eigvalsh(K.toarray())
+    assert values[5] < 1e-12 * values[-1] < values[6]
+
+
+def test_patch_test_on_curved_cells(curved):
+    exact = (points_of(curved) @ LINEAR.T).ravel()
+    K = assemble(elasticity(E, NU), curved).tocsr()
+    held = freedoms_on(curved, "all")
+    loose = np.setdiff1d(np.arange(len(exact)), held)
+    u = exact.copy()
+    u[loose] = spsolve(K[loose][:, loose].tocsc(), -K[loose][:, held] @ u[held])
+    np.testing.assert_allclose(u, exact, atol=1e-12 * abs(exact).max())
+    strain = sym_grad(space(curved).interpolate(u))
+    s = 0.5 * (LINEAR + LINEAR.T)
+    np.testing.assert_allclose(strain, np.broadcast_to(s[:, :, None, None], strain.shape), atol=1e-14)
+    stress = hooke(E, NU)(strain)
+    sigma = LAM * np.trace(s) * np.eye(3) + 2.0 * MU * s
+    np.testing.assert_allclose(stress, np.broadcast_to(sigma[:, :, None, None], stress.shape), rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_traction_of_a_constant_stress_is_the_nodal_force(kind):
+    """K u = int N sigma n dA for a linear displacement: volume and face integrals agree on flat faces."""
+    mesh = straight(kind)
+    reaction = assemble(elasticity(E, NU), mesh) @ (points_of(mesh) @ LINEAR.T).ravel()
+    s = 0.5 * (LINEAR + LINEAR.T)
+    sigma = LAM * np.trace(s) * np.eye(3) + 2.0 * MU * s
+    vector = space(mesh).elem
+    total = sum(
+        force(sign * sigma[axis]).assemble(faces(mesh, f"{axis} {side:g}", element=vector))
+        for axis in range(3)
+        for side, sign in ((0.0, -1.0), (1.0, 1.0))
+    )
+    np.testing.assert_allclose(total, reaction, atol=1e-12 * abs(reaction).max())
+
+
+def test_loads_and_areas_have_the_right_resultants(curved):
+    """Volume by the divergence theorem, moment of a field of forces, tractions by the nodal areas."""
+    basis, surface = space(curved, quadrature=None, intorder=6), faces(curved, "all", element=space(curved).elem)
+    volume = force(np.array([1.0, 0.0, 0.0])).assemble(basis).reshape(-1, 3)[:, 0].sum()
+    around = Functional(lambda w: dot(w.x, w.n) / 3.0).assemble(surface)
+    assert volume == pytest.approx(around, rel=1e-6)
+    moment = rigid_modes(points_of(curved)).T @ force(lambda x: np.stack([-x[1], x[0], 0.0 * x[2]])).assemble(basis)
+    inertia = Functional(lambda w: w.x[0] ** 2 + w.x[1] ** 2).assemble(basis)
+    assert moment[5] == pytest.approx(inertia, rel=1e-12)
+    areas = nodal_areas(curved, "all")
+    found = force(np.array([0.0, 2.0, 0.0])).assemble(surface).reshape(-1, 3)[:, 1]
+    np.testing.assert_allclose(found, 2.0 * areas, atol=1e-15)
+    assert areas.sum() == pytest.approx(6.0, rel=0.1)
+    assert np.abs(np.delete(areas, nodes_on(curved, "all"))).max(initial=0.0) < 1e-15
+
+
+@pytest.mark.parametrize("kind", ["P2", "Q2"])
+def test_area_of_a_sphere_converges_with_the_fourth_power(kind):
+    errors = []
+    for m in (3, 6):
+        points, cells = cube(kind, m)
+        x = 2.0 * points - 1.0
+        ball = x * (np.abs(x).max(axis=1) / np.maximum(np.linalg.norm(x, axis=1), 1e-30))[:, None]
+        mesh, _ = mesh_of(ball, cells, kind, {"all": boundary_faces(cells, kind)})
+        errors.append(abs(nodal_areas(mesh, "all").sum() / (4.0 * np.pi) - 1.0))
+    assert errors[0] < 1.5e-3
+    assert np.log2(errors[0] / errors[1]) > 3.7
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_faces_come_back_in_order(kind):
+    """Corners in a ring, every middle between its neighbours."""
+    mesh = straight(kind)
+    x = points_of(mesh)[faces_of(mesh, "2 1")]
+    corners = 3 if kind[0] == "P" else 4
+    np.testing.assert_allclose(x[..., 2], 1.0)
+    if kind[1] == "2":
+        ring = x[:, :corners]
+        middles = 0.5 * (ring + np.roll(ring, -1, axis=1))
+        np.testing.assert_allclose(x[:, corners : 2 * corners], middles, atol=1e-15)
+
+
+def test_bad_input_is_refused():
+    points, cells = cube("Q1", 1)
+    with pytest.raises(ValueError, match="inside out"):
+        assemble(elasticity(E, NU), mesh_of(points * [1.0, 1.0, -1.0], cells, "Q1")[0])
+    with pytest.raises(ValueError, match=r"needs \(m, 10\)"):
+        mesh_of(points, cells, "P2")
+    with pytest.raises(ValueError, match="'T3' is unknown"):
+        mesh_of(points, cells, "T3")
+    with pytest.raises(ValueError, match="'skew' lost: 1 of 1"):
+        mesh_of(points, cells, "Q1", {"skew": np.array([[0, 1, 7, 6]])})
+    for young, poisson in ((-1.0, 0.3), (E, 0.5), (E, -1.0), (np.nan, 0.3)):
+        with pytest.raises(ValueError, match="need E > 0"):
+            elasticity(young, poisson)
+
+
+@pytest.mark.parametrize("kind", ["Q1", "Q2"])
+def test_tensor_grids_of_both_hands(kind):
+    x = np.array([0.0, 0.2, 1.0])
+    right, left = (tensor_grid(x, x, x, kind, left_handed=hand) for hand in (False, True))
+    assert kind_of(right) == kind
+    assert CurvedMap(right).detDF(np.full((3, 1), 0.5)).min() > 0.0 > CurvedMap(left).detDF(np.full((3, 1), 0.5)).max()
+    np.testing.assert_allclose(np.unique(points_of(left), axis=0), np.unique(points_of(right), axis=0))
+
+
+def contact(kind):
+    """A curved block whose top is the contact, and the contact's nodes."""
+    if kind == "Q2":
+        grid = tensor_grid(np.array([0.0, 0.3, 1.0]), np.array([0.0, 0.5, 1.1]), np.array([0.0, 1.0]), "Q2")
+    else:
+        made = MeshTet1.init_tensor(*3 * [np.linspace(0.0, 1.0, 3)])
+        grid = made.oriented()
+    mesh = grid.with_boundaries({"contact": grid.facets_satisfying(lambda x: x[2] > 1.0 - 1e-9)})
+    x = points_of(mesh)
+    return moved(mesh, x + 0.1 * np.column_stack([x[:, 1] ** 2, np.sin(x[:, 0]), np.cos(x[:, 0] + x[:, 1])])), nodes_on(
+        mesh, "contact"
+    )
+
+
+@pytest.mark.parametrize("kind", ["P1", "Q2"])
+def test_contact_weights_are_partitions_of_the_area(kind):
+    mesh, nodes = contact(kind)
+    W = contact_weights(mesh, nodes).toarray()
+    np.testing.assert_allclose(W.sum(axis=0), nodal_areas(mesh, "contact")[nodes], rtol=2e-7)
+    assert W.sum() == pytest.approx(nodal_areas(mesh, "contact").sum(), rel=1e-8)
+    assert W.sum(axis=1).min() > 0.0
+    if kind == "P1":
+        np.testing.assert_allclose(W, W.T, atol=1e-15)
+        return
+    hats = share().assemble(faces(mesh, "contact", element=ElementHexHats(), quadrature=_fine()))[nodes]
+    np.testing.assert_allclose(W.sum(axis=1), hats, rtol=1e-6)
+
+
+def _fine():
+    """64 Gauss points on every quarter of a face."""
+    x, w = leggauss(8)
+    x, w = 0.25 * (x + 1.0), 0.25 * w
+    x, w = np.concatenate([x, x + 0.5]), np.concatenate([w, w])
+    return np.stack(np.meshgrid(x, x, indexing="ij")).reshape(2, -1), np.outer(w, w).ravel()
+
+
+def test_contact_weights_of_a_flat_square():
+    """One face: hats and biquadratic functions by hand; a bilinear pressure is weighed exactly."""
+    mesh = tensor_grid(*3 * [np.array([0.0, 1.0])], "Q2")
+    mesh = mesh.with_boundaries({"contact": mesh.facets_satisfying(lambda x: x[2] > 1.0 - 1e-9)})
+    nodes = nodes_on(mesh, "contact")
+    W = contact_weights(mesh, nodes).toarray()
+    x = points_of(mesh)[nodes]
+    h, q = _interval()
+    hats = [lambda s: np.maximum(1 - 2 * s, 0), lambda s: 1 - np.abs(2 * s - 1), lambda s: np.maximum(2 * s - 1, 0)]
+    quad = [lambda s: (1 - s) * (1 - 2 * s), lambda s: 4 * s * (1 - s), lambda s: s * (2 * s - 1)]
+    one = np.array([[(a(h) * b(h)) @ q for b in quad] for a in hats])
+    place = np.rint(2 * x[:, :2]).astype(int)
+    expected = one[place[:, None, 0], place[None, :, 0]] * one[place[:, None, 1], place[None, :, 1]]
+    np.testing.assert_allclose(W, expected, atol=1e-15)
+    np.testing.assert_allclose(W.sum(axis=0) * 36, 4.0 ** (place == 1).sum(axis=1), rtol=1e-12)
+    p = 1.0 + 2.0 * x[:, 0] - x[:, 1] + 0.5 * x[:, 0] * x[:, 1]
+    total = W.T @ p
+    assert total.sum() == pytest.approx(1.0 + 1.0 - 0.5 + 0.125, rel=1e-12)
+    assert total @ x[:, 0] == pytest.approx(0.5 + 2.0 / 3.0 - 0.25 + 0.5 / 6.0, rel=1e-12)
+
+
+def _interval():
+    x, w = leggauss(4)
+    return np.concatenate([0.25 * (x + 1.0), 0.25 * (x + 3.0)]), np.concatenate([0.25 * w, 0.25 * w])
