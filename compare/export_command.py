@@ -17,8 +17,8 @@ from meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need, reduced,
 from meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
+    from hifi.part_meshes import Meshes
     from hifi.patch import PatchMesh
-    from hifi.setup import Meshes
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -99,7 +99,7 @@ def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) ->
     """Mesh of a part as the reference of that level uses it; raises ValueError where it cannot be built."""
     if part == BLOCK:
         return _block()
-    from hifi.setup import body_kind, mesh_parts
+    from hifi.part_meshes import body_kind, mesh_parts
     from meshes.cache import Cache
     from meshes.groove_map import GrooveMap
     from meshes.helix import ball_layout
@@ -120,8 +120,9 @@ def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | 
     """
     from hifi import fields
     from hifi.bodies import of_order
+    from hifi.part_meshes import body_kind, mesh_parts
     from hifi.reference import solve_reference
-    from hifi.setup import body_kind, mesh_parts, prepare
+    from hifi.setup import prepare
     from meshes.cache import Cache
 
     settings, sides, store = settings_of([scene], level), needed_sides(scene), Cache(cache)
@@ -164,7 +165,7 @@ def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
 
 def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bool) -> PatchMesh:
     from hifi.fit import ball_place
-    from hifi.setup import patch_mesh
+    from hifi.part_meshes import patch_mesh
     from meshes.sockets import local_points
 
     if of_ball:

@@ -18,10 +18,9 @@ from itertools import pairwise
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import nnls
 
-from hifi.compliance import Compliance
+from hifi.compliance import BallBlock, BlockFactor, Compliance
 from hifi.contact import ContactResult
 
 Array = NDArray[np.float64]
@@ -34,85 +33,41 @@ class _Ball:
 
     forces: Array
     active: Flags
-    factor: tuple[Array, bool] | None
+    factor: BlockFactor | None
     energy: float
 
 
-def press(D: Array, gap: Array, start: _Ball | Flags, most: int = 60) -> _Ball:
+def press(block: BallBlock, gap: Array, start: _Ball | Flags, most: int = 60) -> _Ball:
     """min 1/2 l^T D l + g^T l over l >= 0: active set from ``start``, non-negative least squares where it cycles.
 
-    A state to start from lends its factor: neighbouring active sets are solved by bordering it, so that only the last
-    one is factored anew.
+    A state to start from lends its factor: sides whose active pairs stay are not factored anew.
     """
-    n = gap.size
-    base = start if isinstance(start, _Ball) else _Ball(np.zeros(n), start, None, 0.0)
-    if base.factor is None and base.active.any():
-        base = _Ball(base.forces, base.active, _factor(D, base.active), 0.0)
-    active = base.active.copy()
+    known = start.factor if isinstance(start, _Ball) else None
+    active = (start.active if isinstance(start, _Ball) else start).copy()
     scale = float(np.abs(gap).max(initial=0.0))
     seen: set[bytes] = set()
     for _ in range(most):
-        if np.count_nonzero(active != base.active) > 0.35 * np.count_nonzero(base.active):
-            base = _Ball(base.forces, active, _factor(D, active), 0.0)
-        forces = _bordered(D, gap, base, active)
-        slack = gap + D @ forces
+        if known is None or not np.array_equal(known.active, active):
+            known = block.factor(active, known)
+        forces = known.solve(-gap)
+        slack = gap + block.apply(forces)
         new = np.where(active, forces > 0.0, slack < -1e-13 * scale)
         if np.array_equal(new, active):
-            found = base.factor if np.array_equal(active, base.active) else _factor(D, active)
-            if found is not None and found is not base.factor:  # the bordered forces lose a digit or two
-                forces = np.zeros(n)
-                forces[active] = cho_solve(found, -gap[active], check_finite=False)
-                if (forces[active] <= 0.0).any():
-                    break
-            return _Ball(forces, active, found, float(-0.5 * forces @ (D @ forces) - gap @ forces))
+            return _Ball(forces, active, known, _energy(block, gap, forces))
         key = new.tobytes()
         if key in seen:
             break
         seen.add(key)
         active = new
-    L = np.linalg.cholesky(D)
-    forces, _ = nnls(L.T, np.linalg.solve(L, -gap), maxiter=30 * n)
+    L = np.linalg.cholesky(block.dense())
+    forces, _ = nnls(L.T, np.linalg.solve(L, -gap), maxiter=30 * gap.size)
     active = forces > 1e-12 * max(float(forces.max(initial=0.0)), 1e-300)
-    return _Ball(forces, active, _factor(D, active), float(-0.5 * forces @ (D @ forces) - gap @ forces))
+    return _Ball(forces, active, block.factor(active), _energy(block, gap, forces))
 
 
-def _factor(D: Array, active: Flags) -> tuple[Array, bool] | None:
-    if not active.any():
-        return None
-    found: tuple[Array, bool] = cho_factor(D[np.ix_(active, active)], lower=True, check_finite=False)
-    return found
-
-
-def _bordered(D: Array, gap: Array, base: _Ball, active: Flags) -> Array:
-    """Forces of the pairs ``active`` alone, D l + g = 0 there, from the factor of the pairs of ``base``.
-
-    Pairs that left are held at no force by multipliers, pairs that came border the matrix.
-    """
-    forces = np.zeros(gap.size)
-    if not active.any():
-        return forces
-    if base.factor is None:
-        found = _factor(D, active)
-        forces[active] = cho_solve(found, -gap[active], check_finite=False)
-        return forces
-    own = np.flatnonzero(base.active)
-    came, left = np.flatnonzero(active & ~base.active), np.flatnonzero(~active[own])
-    if came.size + left.size == 0:
-        forces[own] = cho_solve(base.factor, -gap[own], check_finite=False)
-        return forces
-    border = np.zeros((own.size, came.size + left.size))
-    border[:, : came.size] = D[np.ix_(own, came)]
-    border[left, came.size + np.arange(left.size)] = 1.0
-    solved = cho_solve(base.factor, np.column_stack([border, -gap[own]]), check_finite=False)
-    small = -(border.T @ solved[:, :-1])
-    small[: came.size, : came.size] += D[np.ix_(came, came)]
-    right = np.concatenate([-gap[came], np.zeros(left.size)]) - border.T @ solved[:, -1]
-    extra = np.linalg.solve(small, right)
-    inner = solved[:, -1] - solved[:, :-1] @ extra
-    inner[left] = 0.0
-    forces[own] = inner
-    forces[came] = extra[: came.size]
-    return forces
+def _energy(block: BallBlock, gap: Array, forces: Array) -> float:
+    """psi = -(1/2 l^T D l + g^T l)."""
+    return float(-0.5 * forces @ block.apply(forces) - gap @ forces)
 
 
 class _System:
@@ -151,15 +106,15 @@ class _System:
         r, k = back.size, balance.size
         M, Mn, Nn = np.zeros((r, r)), np.zeros((r, k)), shift * np.eye(k)
         for i, ball in enumerate(self.balls):
-            if ball.factor is None:
+            if ball.factor is None or not ball.active.any():
                 continue
             columns, n = self.rows[i]
-            U, a, c = self.C.modes[i][ball.active], n[ball.active], self.C.columns[i]
-            solved = cho_solve(ball.factor, np.hstack([U, a]), check_finite=False)
+            U, c = self.C.modes[i], self.C.columns[i]
+            solved = ball.factor.solve(np.hstack([U, n]))  # zero on the open pairs
             su, sn = solved[:, : U.shape[1]], solved[:, U.shape[1] :]
             M[np.ix_(c, c)] += U.T @ su
             Mn[np.ix_(c, columns)] += U.T @ sn
-            Nn[np.ix_(columns, columns)] += a.T @ sn
+            Nn[np.ix_(columns, columns)] += n.T @ sn
         G = self.C.coupling
         full = np.block([[np.eye(r) + M @ G, -Mn], [-Mn.T @ G, Nn]])
         solution = np.linalg.solve(full, np.concatenate([back, balance]))
@@ -209,7 +164,7 @@ def solve_balls(
     z = C.coupling @ w
     slack = np.concatenate(
         [
-            g + C.blocks[i] @ system.balls[i].forces + C.modes[i] @ z[C.columns[i]]
+            g + C.blocks[i].apply(system.balls[i].forces) + C.modes[i] @ z[C.columns[i]]
             - system.rows[i][1] @ y[system.rows[i][0]]
             for i, g in enumerate(system.gaps)
         ]

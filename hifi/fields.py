@@ -24,23 +24,11 @@ from hifi.contact import solve_contact
 from hifi.fit import Settings, ball_place
 from hifi.forms import hooke
 from hifi.hertz import HertzSolution, hertz
+from hifi.part_meshes import Meshes, body_kind, mesh_parts, patch_mesh, patch_normals, placed, rotation, sockets_of
 from hifi.patch import CondensedPatch, PatchMesh, field
 from hifi.reference import ReferenceResult
-from hifi.setup import (
-    Meshes,
-    Setup,
-    ball_compliance,
-    body_kind,
-    condense_side,
-    mesh_parts,
-    nut_transform,
-    patch_mesh,
-    patch_normals,
-    placed,
-    rotation,
-    screw_transform,
-    sockets_of,
-)
+from hifi.setup import Setup, ball_compliance, nut_transform, screw_transform
+from hifi.sides import condense_side
 from hifi.solvers import factor
 from meshes.ball_body import directions
 from meshes.fem import cells_of, moved

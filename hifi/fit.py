@@ -28,9 +28,11 @@ class Settings:
     b_over_h: cells across the short semi-axis; semi: semi-axes (a, b) of a typical contact; reach: how far contacts reach
     from their nominal middle across and along the groove; fine, coarse: element sizes of the coarse bodies near and away
     from sockets; ball_fine, ball_coarse: those of balls; cuts: subdivisions of the sockets' edges across, in depth and
-    along; cell: element size of the homogenised shaft; modes: smooth modes kept per patch; element: ``"Q2"`` patches on
-    second-order bodies, or ``"P1"``: first-order tetrahedra of ``tet`` size around each contact, on first-order bodies,
-    as the source's mesh.
+    along; growth: ratio of neighbouring cells of a patch outside the contact zone; own_cuts, own_sizes, own_ball_sizes:
+    subdivisions and element sizes (near, away) of the submodels of one contact's groove and ball; cell: element size of
+    the homogenised shaft; modes, ball_modes: smooth modes kept per patch of the bodies, of the ball; element: ``"Q2"``
+    patches on second-order bodies, or ``"P1"``: first-order tetrahedra of ``tet`` size around each contact, on first-order
+    bodies, as the source's mesh, without submodels.
     """
 
     b_over_h: float = 4.0
@@ -40,9 +42,14 @@ class Settings:
     coarse: float = 5.0e-3
     ball_fine: float = 0.35e-3
     ball_coarse: float = 0.8e-3
-    cuts: tuple[int, int, int] = (2, 2, 2)
+    cuts: tuple[int, int, int] = (3, 2, 3)
+    growth: float = 1.6
+    own_cuts: tuple[int, int, int] = (4, 4, 4)
+    own_sizes: tuple[float, float] = (0.5e-3, 2.5e-3)
+    own_ball_sizes: tuple[float, float] = (0.3e-3, 0.6e-3)
     cell: float = 4.5e-3
     modes: int = 16
+    ball_modes: int = 24
     element: str = "Q2"
     tet: float = 0.08e-3
 
@@ -82,9 +89,9 @@ def patch_lines(
     if settings.element == "Q2":
         zone_a, zone_b = cell_a * np.ceil(zone_a / cell_a), cell_b * np.ceil(zone_b / cell_b)
     zone = (float(min(zone_a / width[0], ZONE)), float(min(zone_b / width[1], ZONE)))
-    across = graded(zone[0], cell_a / width[0])
-    along = graded(zone[1], cell_b / width[1])
-    depth = growing(0.0, 1.0, 0.6 * cell_b / deep, 1.8)
+    across = graded(zone[0], cell_a / width[0], settings.growth)
+    along = graded(zone[1], cell_b / width[1], settings.growth)
+    depth = growing(0.0, 1.0, cell_b / deep / settings.growth, settings.growth)
     return Lines(across, depth, along), zone
 
 

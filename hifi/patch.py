@@ -2,24 +2,26 @@
 
 27-node hexahedra of a tensor grid, or first-order tetrahedra sized as the source's.
 
-With the freedoms of the socket's inner faces tied to the coarse trace q and unit forces f along the contact normals:
-displacement of the contact nodes along their normals u_c = A f + H q, reaction on the socket r = S q - H^T f.
+With the freedoms of the socket's inner faces tied to the coarse trace q and forces f along the contact normals, each spread
+by a pressure hat (`hifi.pressures`): mean displacements over the hats along the normals u_c = A f + H q, reaction on the
+socket r = S q - H^T f.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from time import perf_counter
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from skfem import Mesh
+from skfem import ElementLineP2, Mesh
 
-from hifi.assembly import assemble, nodal_areas
+from hifi.assembly import assemble
 from hifi.forms import elasticity
-from hifi.pressures import contact_weights
+from hifi.pressures import contact_weights, mean_weights
 from hifi.response import compliance
 from hifi.solvers import factor
 from meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, points_of, tensor_grid
@@ -45,18 +47,19 @@ class Lines:
 
 @dataclass(frozen=True)
 class PatchMesh:
-    """Mesh, boundaries "surface", "contact" (the zone on it) and "interface"; nodes of the contact zone ``(c,)``, the shape
+    """Mesh, boundaries "surface", "contact" (the zone on it) and "interface"; local coordinates of its nodes ``(n, 3)``; nodes
+    of the contact zone ``(c,)``, the shape
     of their grid (None: no grid) and which are its outermost ``(c,)``; nodes of the interface, their tie to the socket's
-    nodes ``(interface nodes, socket nodes)``; tributary areas of the contact nodes on the surface ``(c,)`` [m2]; weights W
-    ``(c, c)`` [m2] of pressures' hats (rows) at displacements (columns), see `hifi.pressures.contact_weights`."""
+    nodes ``(interface nodes, socket nodes)``; weights W ``(c, c)`` [m2] of pressures' hats (rows) at displacements
+    (columns), see `hifi.pressures.contact_weights`."""
 
     mesh: Mesh
+    xi: Array
     contact: Index
     contact_shape: tuple[int, int] | None
     rim: Flags
     interface: Index
     tie: sp.csr_matrix
-    areas: Array
     weights: sp.csr_matrix
 
     @property
@@ -77,9 +80,10 @@ class PatchMesh:
 
 @dataclass(frozen=True)
 class CondensedPatch:
-    """A ``(c, c)``, H ``(c, 3k)``, S ``(3k, 3k)`` for c contact nodes and k socket nodes; contact points and normals
-    ``(c, 3)``, tributary areas ``(c,)``, which nodes are the zone's outermost ``(c,)``, the shape of their grid (None: no
-    grid), weights W ``(c, c)`` of pressures (rows) at displacements (columns) [m2], unknowns and seconds it took."""
+    """A ``(c, c)``, H ``(c, 3k)``, S ``(3k, 3k)`` for c pressure hats, one at each contact node, and k socket nodes;
+    contact points and normals ``(c, 3)``, areas of the hats ``(c,)`` [m2], which nodes are the zone's outermost ``(c,)``,
+    the shape of their grid (None: no grid), weights W ``(c, c)`` of hats (rows) at displacements (columns) [m2], unknowns
+    and seconds it took."""
 
     A: Array
     H: Array
@@ -94,12 +98,12 @@ class CondensedPatch:
     seconds: float
 
 
-def graded(inner: float, step: float, count_hint: float = 1.7) -> Array:
-    """Boundaries on [-1, 1]: equal steps over [-inner, inner], growing by about ``count_hint`` towards the ends."""
+def graded(inner: float, step: float, growth: float) -> Array:
+    """Boundaries on [-1, 1]: equal steps over [-inner, inner], growing by about ``growth`` towards the ends."""
     cells = max(1, round(2.0 * inner / step))
     core = np.linspace(-inner, inner, cells + 1)
-    return np.concatenate([-growing(inner, 1.0, 2.0 * inner / cells, count_hint)[:0:-1], core,
-                           growing(inner, 1.0, 2.0 * inner / cells, count_hint)[1:]])  # fmt: skip
+    return np.concatenate([-growing(inner, 1.0, 2.0 * inner / cells, growth)[:0:-1], core,
+                           growing(inner, 1.0, 2.0 * inner / cells, growth)[1:]])  # fmt: skip
 
 
 def growing(start: float, end: float, first: float, ratio: float) -> Array:
@@ -176,9 +180,49 @@ def _patch(
     tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
     where = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
     mesh = mesh.with_boundaries({name: outer[own] for name, own in where.items()})
-    return PatchMesh(
-        mesh, contact, shape, rim, interface, tie, nodal_areas(mesh, "surface")[contact], contact_weights(mesh, contact)
-    )
+    return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact))
+
+
+def hat_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_matrix:
+    """Mean motion along the ``normals`` ``(c, 3)`` over every hat from the patch's freedoms, ``(c, 3 n)``.
+
+    carrier: another patch in the same socket whose freedoms these are; its displacements at the contact nodes count. Raises
+    ValueError for a carrier without a grid.
+    """
+    c = mesh.contact.size
+    if carrier is None:
+        carrier = mesh
+        place = sp.csr_matrix((np.ones(c), (np.arange(c), mesh.contact)), (c, mesh.mesh.doflocs.shape[1]))
+    else:
+        place = _at(carrier, mesh.xi[mesh.contact])
+    nodal = sp.csr_matrix((normals.ravel(), (np.repeat(np.arange(c), 3), np.arange(3 * c))), (c, 3 * c))
+    return sp.csr_matrix(mean_weights(mesh.weights) @ nodal @ sp.kron(place, sp.identity(3), format="csr"))
+
+
+def _at(mesh: PatchMesh, xi: Array) -> sp.csr_matrix:
+    """Displacements at points of the surface in local coordinates ``(p, 3)`` from those of the nodes of a grid, ``(p, n)``."""
+    if mesh.contact_shape is None:
+        raise ValueError("only a patch of hexahedra has a grid")
+    top = np.flatnonzero(np.abs(mesh.xi[:, 1]) < 1e-12)
+    axes = [np.unique(np.round(mesh.xi[top, axis], 12)) for axis in (0, 2)]
+    number = np.empty([a.size for a in axes], dtype=np.int64)
+    number[tuple(np.searchsorted(a, mesh.xi[top, axis] - 1e-9) for a, axis in zip(axes, (0, 2), strict=True))] = top
+    rows, columns, values = [], [], []
+    shapes = [_line(a, xi[:, axis]) for a, axis in zip(axes, (0, 2), strict=True)]
+    for (i, u), (k, v) in product(zip(*shapes[0], strict=True), zip(*shapes[1], strict=True)):
+        rows.append(np.arange(len(xi)))
+        columns.append(number[i, k])
+        values.append(u * v)
+    parts = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+    return sp.csr_matrix(parts, (len(xi), mesh.mesh.doflocs.shape[1]))
+
+
+def _line(nodes: Array, at: Array) -> tuple[list[Index], list[Array]]:
+    """Nodes and shape functions of second-order cells on a line at points: three of each, ``(p,)``."""
+    cell = np.clip((np.searchsorted(nodes[::2], at, side="right") - 1), 0, (nodes.size - 3) // 2)
+    local = (at - nodes[2 * cell]) / (nodes[2 * cell + 2] - nodes[2 * cell])
+    element = ElementLineP2()  # ends, then the middle
+    return [2 * cell, 2 * cell + 2, 2 * cell + 1], [element.lbasis(local[None], k)[0] for k in range(3)]
 
 
 def _placed(
@@ -240,7 +284,7 @@ def _linear_shape(w: Array) -> Array:
 @dataclass(frozen=True)
 class _Partition:
     """Stiffness of the inner freedoms, between them and the socket's, and of the interface; unit contact forces on the
-    inner freedoms, interface from the socket; inner freedoms ``(i,)``; contact nodes off the interface ``(c,)``."""
+    inner freedoms, interface from the socket; inner freedoms ``(i,)``."""
 
     inner_stiffness: sp.csc_matrix
     coupling: sp.csc_matrix
@@ -248,51 +292,49 @@ class _Partition:
     forces: sp.csc_matrix
     tie: sp.csc_matrix
     inner: Index
-    free: Flags
 
 
-def _partition(mesh: PatchMesh, normals: Array, young: float, poisson: float) -> _Partition:
-    K = assemble(elasticity(young, poisson), mesh.mesh)
-    n = mesh.mesh.doflocs.shape[1]
-    held = np.zeros(n, dtype=bool)
-    held[mesh.interface] = True
-    inner = np.setdiff1d(np.arange(3 * n), freedoms_on(mesh.mesh, "interface"))
-    outer = (3 * mesh.interface[:, None] + np.arange(3)).ravel()
-    position = np.full(3 * n, -1, dtype=np.int64)
-    position[inner] = np.arange(inner.size)
-    free = ~held[mesh.contact]
-    contact = mesh.contact[free]
-    rows = position[(3 * contact[:, None] + np.arange(3)).ravel()]
-    P = sp.csc_matrix(
-        (normals[free].ravel(), (rows, np.repeat(np.arange(contact.size), 3))), (inner.size, contact.size)
-    )
-    T = sp.kron(mesh.tie, sp.identity(3), format="csc")
-    K_ii = K[inner][:, inner].tocsc()
+def _partition(
+    mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
+) -> _Partition:
+    whole = mesh if carrier is None else carrier
+    K = assemble(elasticity(young, poisson), whole.mesh)
+    if np.isin(mesh.contact, mesh.interface).any():
+        raise ValueError("the contact zone of a patch reaches its rim: make the zone smaller than the socket")
+    inner = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(whole.mesh, "interface"))
+    outer = (3 * whole.interface[:, None] + np.arange(3)).ravel()
+    T = sp.kron(whole.tie, sp.identity(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
-    return _Partition(K_ii, coupling, K[outer][:, outer], P, T, inner, free)
+    forces = hat_rows(mesh, normals, carrier)[:, inner].T.tocsc()
+    return _Partition(K[inner][:, inner].tocsc(), coupling, K[outer][:, outer], forces, T, inner)
 
 
-def condense_patch(mesh: PatchMesh, normals: Array, young: float, poisson: float) -> CondensedPatch:
-    """Exact condensation of a patch; ``normals`` ``(c, 3)``: directions of the contact forces and displacements."""
+def condense_patch(
+    mesh: PatchMesh, normals: Array, young: float, poisson: float, carrier: PatchMesh | None = None
+) -> CondensedPatch:
+    """Condensation of a patch; ``normals`` ``(c, 3)``: directions of the contact forces and displacements.
+
+    Exact, or with the coarser patch ``carrier`` of the same socket in its stead: H and S, smooth as they are, hardly change,
+    A does. Raises ValueError where the contact zone reaches the patch's rim.
+    """
     begin = perf_counter()
-    part = _partition(mesh, normals, young, poisson)
-    P, coupling, free = part.forces, part.coupling, part.free
+    part = _partition(mesh, normals, young, poisson, carrier)
     boundary = (part.tie.T @ (part.outer_stiffness @ part.tie)).toarray()
-    c = P.shape[1]
-    F = compliance(part.inner_stiffness, sp.hstack([P, coupling]).T)
+    c = part.forces.shape[1]
+    F = compliance(part.inner_stiffness, sp.hstack([part.forces, part.coupling]).T)
     A, H, S = F[:c, :c], -F[:c, c:], boundary - F[c:, c:]
     return CondensedPatch(
-        A=0.5 * (A + A.T), H=H, S=0.5 * (S + S.T), points=mesh.points[mesh.contact[free]], normals=normals[free],
-        areas=mesh.areas[free], rim=mesh.rim[free], shape=mesh.contact_shape, weights=mesh.weights[free][:, free],
-        unknowns=int(part.inner.size), seconds=perf_counter() - begin,
+        A=0.5 * (A + A.T), H=H, S=0.5 * (S + S.T), points=mesh.points[mesh.contact], normals=normals,
+        areas=np.asarray(mesh.weights.sum(axis=1)).ravel(), rim=mesh.rim, shape=mesh.contact_shape, weights=mesh.weights,
+        unknowns=3 * (mesh.mesh.doflocs.shape[1] - mesh.interface.size), seconds=perf_counter() - begin,
     )  # fmt: skip
 
 
 def field(mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, trace: Array) -> Array:
     """Displacements ``(n, 3)`` [m] of all nodes of a patch, by solving once more.
 
-    normals: as for `condense_patch`; forces ``(c,)`` [N] along them; trace: displacements of the socket's nodes ``(3 k,)``
-    [m] in the patch's frame. At the contact nodes, along their normals, A f + H q.
+    normals: as for `condense_patch`; forces ``(c,)`` [N] of the hats; trace: displacements of the socket's nodes ``(3 k,)``
+    [m] in the patch's frame. In the mean over the hats, along the normals, A f + H q.
     """
     part = _partition(mesh, normals, young, poisson)
     u = np.empty(mesh.mesh.doflocs.size)

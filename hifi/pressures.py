@@ -58,3 +58,8 @@ def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_matrix:
         u = p = faces(mesh, "contact")
     W = weights().assemble(u, p).tocsr()
     return sp.csr_matrix(W[contact][:, contact])
+
+
+def mean_weights(weights: sp.csr_matrix) -> sp.csr_matrix:
+    """Weights with rows of sum one: means over hats instead of integrals."""
+    return sp.csr_matrix(sp.diags(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights)

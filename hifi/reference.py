@@ -1,6 +1,7 @@
 """The 3D elastic-contact reference of a ball screw or bearing: the contact of all balls of a prepared geometry.
 
-Contact is unilateral and frictionless on matching nodes of ball and groove, the balls' rigid motions free. Gaps are exact
+Contact is unilateral and frictionless on matching grids of ball and groove, the balls' rigid motions free. Pressures are
+hats on the grid (`hifi.pressures`), and what may not be negative is the mean of the gap over each hat. Gaps are exact
 distances from the ball's centre; directions and gaps follow the motion of ball and groove to convergence.
 """
 
@@ -19,11 +20,13 @@ from scipy.sparse.linalg import lsqr
 from threadpoolctl import threadpool_limits
 
 from hifi.balls import solve_balls
-from hifi.compliance import Compliance, coupled
+from hifi.compliance import BallBlock, Compliance, coupled
 from hifi.contact import ContactResult
 from hifi.mounting import Mounted, beam_stretch, mount
+from hifi.part_meshes import rotation
+from hifi.pressures import mean_weights
 from hifi.response import transport
-from hifi.setup import Setup, rotation
+from hifi.setup import Setup
 from meshes.errors import Specimen, specimen
 from meshes.helix import groove_radii, nominal_groove_centres
 from meshes.parts import Scene
@@ -83,9 +86,7 @@ def compliance_of(
 ) -> Compliance:
     """Compliance of all contact nodes, ball after ball, side after side."""
     zones, count = _zones(setup, sides), setup.layout.z.size
-    block = _ball_block(setup, sides, "finite ball" in leave_out or "patch coupling" in leave_out)
-    for part, s in zip(zones.parts, sides, strict=True):
-        block[part, part] += setup.patches[s].groove.A
+    block = ball_block(setup, sides, rigid=bool(leave_out & {"finite ball", "patch coupling"}))
     G_nut = None if setup.nut is None else setup.nut.G
     if G_nut is not None and leave_out & {"elastic nut", "patch coupling"}:
         G_nut = local_only(G_nut, _mode_counts(setup, False))
@@ -136,14 +137,15 @@ def _modal_rows(setup: Setup, sides: tuple[int, ...]) -> Index:
     return np.concatenate(rows) if rows else np.zeros(0, dtype=np.int64)
 
 
-def _ball_block(setup: Setup, sides: tuple[int, ...], rigid: bool) -> Array:
-    """Compliance of one ball on the nodes of ``sides``; ``rigid``: rigid beyond its contact patches."""
+def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
+    """Compliance of a ball and its grooves' patches between the pairs of ``sides``; rigid: ball rigid beyond its patches."""
+    own = tuple(setup.patches[s].own for s in sides)
+    ball = setup.ball
     if rigid:
-        return np.asarray(block_diag(*[setup.patches[s].ball.A for s in sides]))
-    everything = _zones(setup, setup.sides)
-    parts = zip(everything.parts, setup.sides, strict=True)
-    pick = np.concatenate([np.arange(p.start, p.stop) for p, s in parts if s in sides])
-    return np.asarray(setup.ball[np.ix_(pick, pick)])
+        return BallBlock(own, tuple(np.zeros((len(a), 0)) for a in own), np.zeros((0, 0)))
+    ends = np.cumsum([0] + [ball.modes[s].shape[1] for s in setup.sides])
+    pick = np.concatenate([np.arange(ends[k], ends[k + 1]) for k, s in enumerate(setup.sides) if s in sides])
+    return BallBlock(own, tuple(ball.modes[s] for s in sides), ball.G[np.ix_(pick, pick)])
 
 
 def local_only(G: Array, counts: Sequence[int]) -> Array:
@@ -213,7 +215,8 @@ def _solve(
         length = np.linalg.norm(arms, axis=2)
         directions = arms / length[..., None]
         gap = length - drawn.ball_radius[:, None] + np.einsum("ink,ink->in", directions, shift)
-        screw_rows = _screw_rows(setup, directions, zones, mounted.origin)
+        screw_rows = _over_hats(setup, zones, _screw_rows(setup, directions, zones, mounted.origin)).reshape(-1, 6)
+        gap, directions = _over_hats(setup, zones, gap), _over_hats(setup, zones, directions)
         N = _directions_matrix(directions, screw_rows, mounted.motions)
         f = np.concatenate([np.zeros(3 * count), mounted.work])
         rest = gap.ravel() + load_motion
@@ -249,6 +252,17 @@ def _solve(
     )  # fmt: skip
 
 
+def _over_hats(setup: Setup, zones: _Zones, values: Array) -> Array:
+    """Means over the pressure hats of values ``(balls, n, ...)`` of the contact nodes."""
+    out = np.empty_like(values)
+    for part, s in zip(zones.parts, zones.sides, strict=True):
+        own = values[:, part]
+        flat = np.moveaxis(own, 1, 0).reshape(own.shape[1], -1)
+        mean = (mean_weights(setup.patches[s].groove.weights) @ flat).reshape(own.shape[1], own.shape[0], *own.shape[2:])
+        out[:, part] = np.moveaxis(mean, 0, 1)
+    return out
+
+
 def _spread(setup: Setup, C: Compliance, sides: tuple[int, ...], screw: Array) -> Array:
     """Motion of all modes of ``C`` from that of the screw's modes alone (in the order of ``_modal_rows``)."""
     out = np.zeros(C.coupling.shape[0])
@@ -268,15 +282,7 @@ def _screw_columns(setup: Setup, sides: tuple[int, ...]) -> Index:
 
 def _screw_modal(setup: Setup, C: Compliance, result: ContactResult, sides: tuple[int, ...]) -> Array:
     """Modal forces on the screw, in the order of ``_modal_rows``."""
-    return _amplitude(C, result.forces)[_screw_columns(setup, sides)]
-
-
-def _amplitude(C: Compliance, forces: Array) -> Array:
-    """U^T lambda."""
-    out = np.zeros(C.coupling.shape[0])
-    for (a, b), V, c in zip(pairwise(C.starts), C.modes, C.columns, strict=True):
-        np.add.at(out, c, V.T @ forces[a:b])
-    return out
+    return C.amplitude(result.forces)[_screw_columns(setup, sides)]
 
 
 def _loads(setup: Setup, vectors: Array, zones: _Zones) -> tuple[Array, Array]:
@@ -327,7 +333,7 @@ def first_guess(
         weight = np.sqrt(np.maximum(1.0 - own / reach, 0.0)) * areas
         guess[:, part] = weight / weight.sum(axis=1, keepdims=True) * share
     lam = guess.ravel()
-    w = _amplitude(C, lam)
+    w = C.amplitude(lam)
     loaded = lam > 0.0
     scale = np.sqrt(lam[loaded])
     y = lsqr(sp.diags(scale) @ N[loaded], scale * (rest + C.apply(lam))[loaded], atol=1e-14, btol=1e-14, iter_lim=3000)[0]
@@ -378,7 +384,7 @@ def _directions_matrix(directions: Array, screw_rows: Array, motions: Array) -> 
 
 
 def _screw_rows(setup: Setup, directions: Array, zones: _Zones, origin: float) -> Array:
-    """Motion of the screw's contact nodes along their normals by its rigid motion about ``origin``, ``(c n, 6)``."""
+    """Motion of the screw's contact nodes along their normals by its rigid motion about ``origin``, ``(c, n, 6)``."""
     count, n, _ = directions.shape
     out = np.zeros((count, n, 6))
     for part, s in zip(zones.parts, zones.sides, strict=True):
@@ -391,7 +397,7 @@ def _screw_rows(setup: Setup, directions: Array, zones: _Zones, origin: float) -
             d = directions[i, part] @ R.T
             out[i, part, :3] = d
             out[i, part, 3:] = np.cross(x, d)
-    return out.reshape(count * n, 6)
+    return out
 
 
 def _relative_motion(
@@ -404,7 +410,7 @@ def _relative_motion(
     """
     count, n, _ = directions.shape
     y = result.motions[: 3 * count].reshape(count, 3)
-    z = C.coupling @ _amplitude(C, result.forces) + at_rest
+    z = C.coupling @ C.amplitude(result.forces) + at_rest
     along = (_modal_motion(C, z) + rigid @ result.motions[3 * count :]).reshape(count, n)
     shift = np.zeros((count, n, 3))
     for part in zones.parts:

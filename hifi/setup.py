@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from time import perf_counter
-from typing import Literal
 
 import numpy as np
 import scipy.sparse as sp
@@ -29,43 +28,32 @@ from hifi.bodies import (
     patch_modes,
 )
 from hifi.cell import Homogenised, homogenise, with_core
-from hifi.fit import Settings, ball_place, patch_lines, socket_size
+from hifi.fit import Settings
 from hifi.mounting import Stretch
-from hifi.patch import CondensedPatch, PatchMesh, build_patch, build_tet_patch, condense_patch
+from hifi.part_meshes import Meshes, body_kind, mesh_parts, placed, sockets_of
+from hifi.patch import CondensedPatch
 from hifi.response import compliance, transport
 from hifi.rigid import rigid_modes
 from hifi.shaft import ShaftSection, round_section
-from meshes.ball_body import BallBody, build_ball
+from hifi.sides import SidePatches, condense_side, congruent, turned
+from meshes.ball_body import BallBody
 from meshes.cache import Cache
 from meshes.fem import nodes_on
 from meshes.groove_map import GrooveMap
-from meshes.grooved_body import BodySpec, GroovedBody, build_body
+from meshes.grooved_body import GroovedBody
 from meshes.helix import BallLayout, ball_layout
-from meshes.parts import Scene
-from meshes.sockets import SocketMesh, SocketSize, local_points
+from meshes.parts import SIDES, Scene
+from meshes.sockets import AZIMUTH_TURNED
 from meshes.solid import Dimensions, dimensions
-from meshes.tet_patch import build_tets, source_box
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Step = Callable[[str], None]
-#: Edges [m] of first-order tetrahedra tried at a patch's rim; long ones may be turned inside out by the map to space.
-FAR = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 #: Boundaries of the nut's mesh by where it is held.
 NUT_HELD = {
     "outer surface": ("outside",), "left face": ("low end",), "right face": ("high end",),
     "both faces": ("low end", "high end"),
 }  # fmt: skip
-#: Contact as a socket of a body: (azimuth [rad], z [m], side).
-Place = tuple[float, float, int]
-
-
-@dataclass(frozen=True)
-class SidePatches:
-    """Patches of one side: of the groove and of the ball, on the same contact nodes."""
-
-    groove: CondensedPatch
-    ball: CondensedPatch
 
 
 @dataclass(frozen=True)
@@ -90,9 +78,11 @@ class NutResponse:
 
 @dataclass(frozen=True)
 class BallResponse:
-    """Compliance D of one ball on the contact nodes of all its sides, rigid motions held isostatically; unknowns."""
+    """How one ball couples its contacts: response G of the modes V of its sides, side after side, rigid motions held
+    isostatically; unknowns."""
 
-    D: Array
+    G: Array
+    modes: dict[int, Array]
     unknowns: int
 
 
@@ -106,8 +96,7 @@ class Shaft:
 
 @dataclass
 class Setup:
-    """Everything of one geometry that load cases share; ``nut`` is None where it is rigid. ``left_out``: bound on the
-    relative change of a contact's compliance by the modes left out."""
+    """Everything of one geometry that load cases share; ``nut`` is None where it is rigid."""
 
     scene: Scene
     map: GrooveMap
@@ -118,52 +107,12 @@ class Setup:
     patches: dict[int, SidePatches]
     screw: ScrewResponse
     nut: NutResponse | None
-    ball: Array
+    ball: BallResponse
     section: ShaftSection
     homogenised: Homogenised | None
-    left_out: float
     unknowns: int
     quality: dict[str, float]
     seconds: dict[str, float] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Meshes:
-    """Meshes of one geometry: coarse screw, nut (None: rigid) and ball, socket size, contact zone of the patches."""
-
-    screw: GroovedBody
-    nut: GroovedBody
-    ball: BallBody
-    size: SocketSize
-    zone: tuple[float, float]
-    widths: tuple[float, float]
-
-
-def mesh_parts(
-    scene: Scene, m: GrooveMap, layout: BallLayout, dims: Dimensions, sides: tuple[int, ...], settings: Settings,
-    cache: Cache | None = None,
-) -> Meshes:  # fmt: skip
-    """Mesh screw, nut and one ball of a scene."""
-    cache = cache or Cache(None)
-    size = socket_size(scene, m, layout, sides, dims, settings)
-    widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
-    _, zone = patch_lines(settings, widths, size.depth)
-    low, high = dims.ends(scene)
-    nut, position = scene.nut, scene.nut.position
-    screw_spec = BodySpec(
-        dims.hole, scene.screw.outer_diameter / 2.0, low, high, True, sockets_of(layout, sides, True), size,
-        settings.fine, settings.coarse,
-    )  # fmt: skip
-    nut_spec = BodySpec(
-        dims.land, nut.outer_diameter / 2.0, position - nut.length / 2.0, position + nut.length / 2.0, False,
-        sockets_of(layout, sides, False), size, settings.fine, settings.coarse,
-    )  # fmt: skip
-    sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
-    recipe = (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts)
-    ball = cache.get("ball", recipe, lambda: build_ball(*recipe), BallBody)
-    screw = cache.get("screw", (m, screw_spec), lambda: build_body(m, screw_spec), GroovedBody)
-    outer = cache.get("nut", (m, nut_spec), lambda: build_body(m, nut_spec), GroovedBody)
-    return Meshes(screw, outer, ball, size, zone, widths)
 
 
 def prepare(
@@ -188,16 +137,20 @@ def prepare(
     meshes = mesh_parts(scene, m, layout, dims, sides, settings, cache)
     timed("meshes", start)
     start = perf_counter()
-    patches = {}
+    patches: dict[int, SidePatches] = {}
     for s in sides:
+        if settings.element == "Q2" and congruent(m, s) and s - 1 in patches and _same_boxes(meshes, s):
+            patches[s] = turned(patches[s - 1])
+            continue
         body, part = (meshes.screw, scene.screw) if s < 2 else (meshes.nut, scene.nut)
-        recipe = (m, meshes.size, s, settings, body.sockets[s].xi, body.sockets[s].triangles, meshes.ball.sockets[s].xi,
-                  meshes.ball.sockets[s].triangles, part.material, scene.balls.material)  # fmt: skip
-        patches[s] = cache.get("patch", recipe, partial(condense_side, scene, m, meshes, s, settings), SidePatches)
+        recipe = (m, dims, meshes.size, s, settings, body.sockets[s].xi, body.sockets[s].triangles,
+                  meshes.ball.sockets[s].xi, meshes.ball.sockets[s].triangles, part, scene.balls.material)  # fmt: skip
+        patches[s] = cache.get("patch", recipe, partial(condense_side, scene, m, dims, meshes, s, settings), SidePatches)
+        step(f"contact of side {SIDES[s]}")
     timed("patches", start)
     start = perf_counter()
     ball = cache.get(
-        "ball-response", (meshes.ball.points, meshes.ball.cells, scene.balls.material, patches, settings.element),
+        "ball-response", (meshes.ball.points, meshes.ball.cells, scene.balls.material, patches, settings),
         lambda: ball_compliance(scene, meshes.ball, patches, settings), BallResponse,
     )  # fmt: skip
     timed("ball", start)
@@ -231,140 +184,41 @@ def prepare(
     count = layout.z.size
     unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * count
     unknowns += sum(p.groove.unknowns + p.ball.unknowns for p in patches.values()) * count
-    left = max(
-        (_left_out(patches[s].groove, settings.modes, G) for s, G in _self_blocks(screw, nut, sides).items()),
-        default=0.0,
-    )
     across = 2.0 * settings.b_over_h if settings.element == "Q2" else 2.0 * settings.semi[1] / settings.tet
     quality = {
         "elements across 2b": across, "screw": meshes.screw.quality.smallest, "nut": meshes.nut.quality.smallest,
         "ball": meshes.ball.quality.smallest, "deviation": max(meshes.screw.deviation, meshes.nut.deviation),
     }  # fmt: skip
     return Setup(
-        scene, m, layout, dims, settings, sides, patches, screw, nut, ball.D, shaft.section, shaft.homogenised, left,
-        unknowns, quality, seconds,
+        scene, m, layout, dims, settings, sides, patches, screw, nut, ball, shaft.section, shaft.homogenised, unknowns,
+        quality, seconds,
     )  # fmt: skip
 
 
-def condense_side(scene: Scene, m: GrooveMap, meshes: Meshes, side: int, settings: Settings) -> SidePatches:
-    """Condensed patches of groove and ball at one side, on the same contact nodes."""
-    body = meshes.screw if side < 2 else meshes.nut
-    mesh = patch_mesh(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)
-    place = ball_place(m, meshes.size, side, meshes.zone)[1]
-    ball_patch = patch_mesh(meshes, meshes.ball.sockets[side], place, settings)
-    normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
-    found = patch_normals(ball_patch, np.zeros(3))
-    spread = float(np.abs(found - normals).max())
-    if spread > 1e-9:
-        raise ValueError(f"contact nodes of ball and groove do not match ({spread:.1e})")
-    e, b = (scene.screw if side < 2 else scene.nut).material, scene.balls.material
-    return SidePatches(
-        condense_patch(mesh, normals, e.youngs_modulus, e.poissons_ratio),
-        condense_patch(ball_patch, -normals, b.youngs_modulus, b.poissons_ratio),
+def _same_boxes(meshes: Meshes, side: int) -> bool:
+    """Whether the sockets of a right flank have the nodes of the left one's, azimuths turned round, in groove and ball."""
+    bodies = (meshes.screw if side < 2 else meshes.nut, meshes.ball)
+    return all(
+        np.array_equal(x.sockets[side].xi, x.sockets[side - 1].xi * AZIMUTH_TURNED)
+        and np.array_equal(np.sort(x.sockets[side].triangles[:, :3]), np.sort(x.sockets[side - 1].triangles[:, :3]))
+        for x in bodies
     )
-
-
-def patch_mesh(
-    meshes: Meshes, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
-) -> PatchMesh:
-    """Mesh of a patch in a socket: graded hexahedra, or the source's tetrahedra."""
-    lines, zone = patch_lines(settings, meshes.widths, meshes.size.depth)
-    if settings.element == "Q2":
-        return build_patch(lines, zone, place, socket)
-    for far in FAR:
-        box = source_box(meshes.widths, meshes.size.depth, zone, settings.tet, far)
-        try:
-            return build_tet_patch(build_tets(box, socket), place, socket, linear=True)
-        except ValueError:
-            if far == FAR[-1]:
-                raise
-    raise AssertionError("unreachable")
-
-
-def patch_normals(mesh: PatchMesh, centre: Array) -> Array:
-    """Unit vectors ``(c, 3)`` from the ball's centre to the contact nodes of a patch."""
-    arms = mesh.points[mesh.contact] - centre
-    return np.asarray(arms / np.linalg.norm(arms, axis=1)[:, None])
-
-
-def body_kind(settings: Settings) -> Literal["P1", "P2"]:
-    """Elements of the coarse bodies: those of the patches' order."""
-    return "P2" if settings.element == "Q2" else "P1"
-
-
-def sockets_of(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
-    """Contacts of all balls on the screw's sides, or on the nut's."""
-    own = [s for s in sides if (s < 2) == screw]
-    return tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in own)
-
-
-def rotation(phi: float) -> Array:
-    """Rotation about z."""
-    c, s = np.cos(phi), np.sin(phi)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def placed(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
-    """Sockets of a body with their rotations."""
-    return [Socket(n, rotation(x[0]), x[2]) for n, x in zip(mesh.socket_nodes, places, strict=True)]
-
-
-def _self_blocks(screw: ScrewResponse, nut: NutResponse | None, sides: tuple[int, ...]) -> dict[int, Array]:
-    """First contact's own block of G, per side."""
-    found = {}
-    for body, G in ((screw, screw.stretch.F), (nut, nut.G if nut else None)):
-        start = 0
-        for s in sides:
-            if body is not None and G is not None and s in body.modes:
-                k = body.modes[s].shape[1]
-                found[s] = G[start : start + k, start : start + k]
-                start += k
-    return found
-
-
-def _left_out(patch: CondensedPatch, count: int, G: Array) -> float:
-    """Bound on the relative change of one contact's compliance by the modes left out.
-
-    With H = V Sigma W^T and the body's compliance lambda on the kept directions, what is left out is at most
-    (2 sigma_1 sigma_k+1 + sigma_k+1^2) lambda in the norm; smooth directions are the most compliant ones.
-    """
-    sigma = np.linalg.svd(patch.H, compute_uv=False)
-    k = min(count, int((sigma > 1e-12 * sigma[0]).sum()))
-    if k >= sigma.size:
-        return 0.0
-    scaled = G[:k, :k] / np.outer(sigma[:k], sigma[:k])
-    lam = float(np.linalg.norm(scaled, 2))
-    f = patch.areas / patch.areas.sum()
-    own = float(f @ patch.A @ f)
-    return float((2.0 * sigma[0] * sigma[k] + sigma[k] ** 2) * lam * (f @ f) / own)
 
 
 def ball_compliance(
     scene: Scene, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings
 ) -> BallResponse:
-    """Dense compliance of one ball on the contact nodes of all its sides, rigid motions held isostatically."""
+    """How one ball couples the contacts of all its sides, rigid motions held isostatically (its loads balance)."""
     e = scene.balls.material
     own = {s: p.ball for s, p in patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
     K = assemble(of_order(mesh.mesh, body_kind(settings)), sockets, own, e.youngs_modulus, e.poissons_ratio)
     held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
-    kept = {s: patch_modes(p, 10**6) for s, p in own.items()}
+    kept = {s: patch_modes(p, settings.ball_modes) for s, p in own.items()}
     rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0])[:, free]
     G = compliance(condense(K, D=held, expand=False), rows)
-    V = [kept[s][0] for s in own]
-    D = np.zeros((sum(v.shape[0] for v in V),) * 2)
-    whole = np.zeros((D.shape[0], sum(v.shape[1] for v in V)))
-    r = c = 0
-    for v in V:
-        whole[r : r + v.shape[0], c : c + v.shape[1]] = v
-        r, c = r + v.shape[0], c + v.shape[1]
-    D = whole @ G @ whole.T
-    r = 0
-    for p in own.values():
-        D[r : r + len(p.A), r : r + len(p.A)] += p.A
-        r += len(p.A)
-    return BallResponse(np.asarray(0.5 * (D + D.T)), int(free.size))
+    return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
 
 
 def shaft_section(

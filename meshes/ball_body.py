@@ -6,7 +6,8 @@ and no seam is needed. The projection keeps angles, and stretches lengths by a k
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 from math import cos, sin
 from time import perf_counter
@@ -21,7 +22,7 @@ from meshes.groove_map import GrooveMap
 from meshes.parts import SIDES
 from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
 from meshes.shell import BEND, POOREST, STRAIGHTENED, Shell, best_of, fill, graded
-from meshes.sockets import SocketMesh, SocketSize, local_points, rim, socket_mesh
+from meshes.sockets import SocketMesh, SocketSize, local_points, rim, side_socket
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -120,7 +121,12 @@ def build_ball(
     Raises ValueError where sockets overlap or no attempt gives a good mesh.
     """
     begin = perf_counter()
-    boxes = [socket_mesh(partial(ball_points, m, socket), cuts) for socket in sockets]
+
+    def places(side: int) -> Callable[[Array], Array]:
+        like = next(one for one in sockets if one.side // 2 == side // 2)
+        return partial(ball_points, m, replace(like, side=side))
+
+    boxes = [side_socket(places, one.side, cuts) for one in sockets]
     _refuse_overlap(m, sockets)
     near = np.concatenate([ball_points(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)])
 

@@ -47,8 +47,8 @@ from meshes.sockets import (
     local_points,
     refuse_misfit,
     rim,
+    side_socket,
     socket_centre,
-    socket_mesh,
     socket_points,
     whole_turns,
 )
@@ -206,7 +206,7 @@ class Surface:
         self.shell, self.m, self.spec = shell, m, spec
         self.groove = Groove.of(m, spec)
         self.z = (spec.z_low, spec.z_high)
-        kinds = {s: socket_mesh(partial(local_points, m, spec.size, s), spec.size.cuts) for s in self.groove.sides}
+        kinds = {s: side_socket(partial(partial, local_points, m, spec.size), s, spec.size.cuts) for s in self.groove.sides}
         self.boxes = {side: kinds[side][0] for side in sorted({s for _, _, s in spec.sockets})}
         self.corners = []
         for socket in spec.sockets:

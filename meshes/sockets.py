@@ -41,6 +41,7 @@ ON_GROOVE = 1e-3
 #: those in the middle of symmetric faces.
 RAISED, RIDGE, TWIST = (0.04, 0.06, 0.08), 1e-4, (0.8, 0.4)
 SKEW = 0.2
+AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,22 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
             break
     turned = np.where((best[1] > 0.0)[:, None], square, np.roll(square, 1, axis=1))
     return _second_order(xi, turned[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3), np.repeat(owner, 2)), best[2]
+
+
+def side_socket(
+    places: Callable[[int], Callable[[Array], Array]], side: int, cuts: tuple[int, int, int]
+) -> tuple[SocketMesh, Array]:
+    """`socket_mesh` of a side; places: the map of local coordinates by side.
+
+    A turn by 180 degrees about the radius through the ball's centre takes left flanks onto right ones and azimuths to their
+    opposites. So the socket of a right flank (SR, NR) is that of the left one with azimuths turned round, node by node.
+    """
+    if side % 2 == 0:
+        return socket_mesh(places(side), cuts)
+    left, raised = socket_mesh(places(side - 1), cuts)
+    turned = left.triangles[:, [0, 2, 1, 5, 4, 3]]
+    face = np.where(left.face >= 3, 7 - left.face, left.face)
+    return SocketMesh(left.xi * AZIMUTH_TURNED, turned, face, left.edges), raised * AZIMUTH_TURNED
 
 
 def bulging(xi: Array, share: float) -> Array:

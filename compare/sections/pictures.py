@@ -34,8 +34,9 @@ from reports.records import (
 
 if TYPE_CHECKING:
     from hifi.fields import ContactPressure, SolidField
+    from hifi.part_meshes import Meshes
     from hifi.reference import ReferenceResult
-    from hifi.setup import Meshes, Setup
+    from hifi.setup import Setup
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -75,8 +76,9 @@ class Stresses:
 def solve(study: Study, step: Step, cache: Path | None) -> Solved:
     """Solve the scene on the coarsest level, two-sided, and choose its most loaded ball."""
     from hifi.fields import contact_forces
+    from hifi.part_meshes import mesh_parts
     from hifi.reference import solve_reference
-    from hifi.setup import mesh_parts, prepare
+    from hifi.setup import prepare
     from meshes.cache import Cache
 
     scene = study.scene(SCENE)
@@ -140,7 +142,7 @@ def used(points: Array, cells: Index, kind: str, colour: str) -> MeshPart:
 def mesh_overview(solved: Solved) -> FieldPicture:
     """Coarse screw and half of the nut, with all fine patches in their sockets."""
     from hifi.fields import groove_patch
-    from hifi.setup import body_kind, rotation
+    from hifi.part_meshes import body_kind, rotation
 
     setup, meshes = solved.setup, solved.meshes
     toward = np.array([0.55, -0.83, 0.0])

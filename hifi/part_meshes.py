@@ -1,0 +1,123 @@
+"""Meshes of one geometry: coarse screw, nut and ball with their sockets, and the patches that fit into these."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hifi.bodies import Socket
+from hifi.fit import Settings, ball_place, patch_lines, socket_size
+from hifi.patch import PatchMesh, build_patch, build_tet_patch
+from meshes.ball_body import BallBody, build_ball
+from meshes.cache import Cache
+from meshes.groove_map import GrooveMap
+from meshes.grooved_body import BodySpec, GroovedBody, build_body
+from meshes.helix import BallLayout
+from meshes.parts import Scene
+from meshes.sockets import SocketMesh, SocketSize
+from meshes.solid import Dimensions
+from meshes.tet_patch import build_tets, source_box
+
+Array = NDArray[np.float64]
+#: Edges [m] of first-order tetrahedra tried at a patch's rim; long ones may be turned inside out by the map to space.
+FAR = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
+#: Cells across the short semi-axis of the patch that is condensed with its socket, over those of the contact's own.
+CARRIER = 0.5
+#: Contact as a socket of a body: (azimuth [rad], z [m], side).
+Place = tuple[float, float, int]
+
+
+@dataclass(frozen=True)
+class Meshes:
+    """Meshes of one geometry: coarse screw, nut (None: rigid) and ball, socket size, contact zone of the patches."""
+
+    screw: GroovedBody
+    nut: GroovedBody
+    ball: BallBody
+    size: SocketSize
+    zone: tuple[float, float]
+    widths: tuple[float, float]
+
+
+def mesh_parts(
+    scene: Scene, m: GrooveMap, layout: BallLayout, dims: Dimensions, sides: tuple[int, ...], settings: Settings,
+    cache: Cache | None = None,
+) -> Meshes:  # fmt: skip
+    """Mesh screw, nut and one ball of a scene."""
+    cache = cache or Cache(None)
+    size = socket_size(scene, m, layout, sides, dims, settings)
+    widths = (size.gamma * float(m.radius.mean()), size.phi * m.R)
+    _, zone = patch_lines(settings, widths, size.depth)
+    low, high = dims.ends(scene)
+    nut, position = scene.nut, scene.nut.position
+    screw_spec = BodySpec(
+        dims.hole, scene.screw.outer_diameter / 2.0, low, high, True, sockets_of(layout, sides, True), size,
+        settings.fine, settings.coarse,
+    )  # fmt: skip
+    nut_spec = BodySpec(
+        dims.land, nut.outer_diameter / 2.0, position - nut.length / 2.0, position + nut.length / 2.0, False,
+        sockets_of(layout, sides, False), size, settings.fine, settings.coarse,
+    )  # fmt: skip
+    sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
+    recipe = (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts)
+    ball = cache.get("ball", recipe, lambda: build_ball(*recipe), BallBody)
+    screw = cache.get("screw", (m, screw_spec), lambda: build_body(m, screw_spec), GroovedBody)
+    outer = cache.get("nut", (m, nut_spec), lambda: build_body(m, nut_spec), GroovedBody)
+    return Meshes(screw, outer, ball, size, zone, widths)
+
+
+def sockets_of(layout: BallLayout, sides: tuple[int, ...], screw: bool) -> tuple[Place, ...]:
+    """Contacts of all balls on the screw's sides, or on the nut's."""
+    own = [s for s in sides if (s < 2) == screw]
+    return tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in own)
+
+
+def rotation(phi: float) -> Array:
+    """Rotation about z."""
+    c, s = np.cos(phi), np.sin(phi)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def placed(mesh: GroovedBody, places: tuple[Place, ...]) -> list[Socket]:
+    """Sockets of a body with their rotations."""
+    return [Socket(n, rotation(x[0]), x[2]) for n, x in zip(mesh.socket_nodes, places, strict=True)]
+
+
+def body_kind(settings: Settings) -> Literal["P1", "P2"]:
+    """Elements of the coarse bodies: those of the patches' order."""
+    return "P2" if settings.element == "Q2" else "P1"
+
+
+def carrier_mesh(
+    meshes: Meshes, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
+) -> PatchMesh | None:
+    """The patch that stands for a finer one of hexahedra where only what it passes on to its body counts."""
+    coarse = replace(settings, b_over_h=CARRIER * settings.b_over_h)
+    return patch_mesh(meshes, socket, place, coarse) if settings.element == "Q2" else None
+
+
+def patch_mesh(
+    meshes: Meshes, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
+) -> PatchMesh:
+    """Mesh of a patch in a socket: graded hexahedra, or the source's tetrahedra."""
+    lines, zone = patch_lines(settings, meshes.widths, meshes.size.depth)
+    if settings.element == "Q2":
+        return build_patch(lines, zone, place, socket)
+    for far in FAR:
+        box = source_box(meshes.widths, meshes.size.depth, zone, settings.tet, far)
+        try:
+            return build_tet_patch(build_tets(box, socket), place, socket, linear=True)
+        except ValueError:
+            if far == FAR[-1]:
+                raise
+    raise AssertionError("unreachable")
+
+
+def patch_normals(mesh: PatchMesh, centre: Array) -> Array:
+    """Unit vectors ``(c, 3)`` from the ball's centre to the contact nodes of a patch."""
+    arms = mesh.points[mesh.contact] - centre
+    return np.asarray(arms / np.linalg.norm(arms, axis=1)[:, None])

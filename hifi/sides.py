@@ -1,0 +1,125 @@
+"""One side of the balls: its groove's and ball's patches, condensed, and what a contact of that side answers by itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hifi.bodies import patch_modes
+from hifi.fit import Settings, ball_place
+from hifi.part_meshes import Meshes, carrier_mesh, patch_mesh, patch_normals, rotation
+from hifi.patch import CondensedPatch, condense_patch
+from hifi.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
+from meshes.ball_body import build_ball
+from meshes.groove_map import GrooveMap
+from meshes.grooved_body import BodySpec, GroovedBody, build_body
+from meshes.parts import Material, Scene
+from meshes.sockets import SocketMesh, local_points, reach
+from meshes.solid import Dimensions
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Length of a submodel beyond its socket, over the ball's radius: what the mesh of the coarse body has wrong has died out.
+BEYOND = 1.5
+#: Turn by 180 degrees about the radius through a ball at azimuth 0: left flanks onto right ones.
+TURN = np.array([1.0, -1.0, -1.0])
+
+
+@dataclass(frozen=True)
+class SidePatches:
+    """Patches of one side: of the groove and of the ball, on the same contact nodes; own ``(c, c)`` [m/N]: what a contact
+    of both answers by itself, beyond what the modes kept of the coarse bodies say (`hifi.submodel`)."""
+
+    groove: CondensedPatch
+    ball: CondensedPatch
+    own: Array
+
+
+def condense_side(
+    scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, side: int, settings: Settings
+) -> SidePatches:
+    """Condensed patches of groove and ball at one side, on the same contact nodes, and their own compliance.
+
+    Raises ValueError where the contact nodes of both do not match, or a submodel cannot be meshed.
+    """
+    body = meshes.screw if side < 2 else meshes.nut
+    groove_place = partial(local_points, m, meshes.size, side)
+    ball_socket, place = ball_place(m, meshes.size, side, meshes.zone)
+    mesh = patch_mesh(meshes, body.sockets[side], groove_place, settings)
+    ball_mesh = patch_mesh(meshes, meshes.ball.sockets[side], place, settings)
+    normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
+    found = patch_normals(ball_mesh, np.zeros(3))
+    spread = float(np.abs(found - normals).max())
+    if spread > 1e-9:
+        raise ValueError(f"contact nodes of ball and groove do not match ({spread:.1e})")
+    e, b = (scene.screw if side < 2 else scene.nut).material, scene.balls.material
+    groove = condense_patch(
+        mesh, normals, *_constants(e), carrier_mesh(meshes, body.sockets[side], groove_place, settings)
+    )
+    ball = condense_patch(
+        ball_mesh, -normals, *_constants(b), carrier_mesh(meshes, meshes.ball.sockets[side], place, settings)
+    )
+    if settings.element == "P1":  # the source's mesh stays as it is
+        return SidePatches(groove, ball, groove.A + ball.A)
+    fine = replace(meshes.size, cuts=settings.own_cuts)
+
+    def groove_piece(scale: float, *, coarse: bool) -> tuple[Piece, SocketMesh]:
+        size, sizes = (meshes.size, (settings.fine, settings.coarse)) if coarse else (fine, settings.own_sizes)
+        half = max(reach(m, meshes.size, (side,))) + BEYOND * m.ball
+        radii = (dims.hole, scene.screw.outer_diameter / 2.0) if side < 2 else (dims.land, scene.nut.outer_diameter / 2.0)
+        spec = BodySpec(
+            *radii, m.z0 - half, m.z0 + half, side < 2, ((m.phase, m.z0, side),), size, scale * sizes[0], scale * sizes[1]
+        )
+        made: GroovedBody = build_body(m, spec)
+        return Piece(made.mesh, made.socket_nodes[0], rotation(m.phase), ("low end", "high end")), made.sockets[side]
+
+    def ball_piece(scale: float, *, coarse: bool) -> tuple[Piece, SocketMesh]:
+        own = (settings.ball_fine, settings.ball_coarse) if coarse else settings.own_ball_sizes
+        cuts = meshes.size.cuts if coarse else settings.own_cuts
+        made = build_ball(m, (ball_socket,), scale * own[0], scale * own[1], cuts)
+        return Piece(made.mesh, made.socket_nodes[side], np.eye(3), ()), made.sockets[side]
+
+    own = np.zeros_like(groove.A)
+    for piece_of, where, condensed, along, material, modes in (
+        (groove_piece, groove_place, groove, normals, e, settings.modes),
+        (ball_piece, place, ball, -normals, b, settings.ball_modes),
+    ):
+        piece, socket = piece_of(1.0, coarse=False)
+        C = fine_compliance(piece, patch_mesh(meshes, socket, where, settings), along, *_constants(material))
+        V, rows, _ = patch_modes(condensed, modes)
+
+        def response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
+            return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_constants(material))
+
+        own += own_compliance(C, V, response)
+    return SidePatches(groove, ball, own)
+
+
+def _constants(material: Material) -> tuple[float, float]:
+    return material.youngs_modulus, material.poissons_ratio
+
+
+def congruent(m: GrooveMap, side: int) -> bool:
+    """Whether the side is the other flank of the same groove turned about the radius through the ball's centre."""
+    return side % 2 == 1 and float(m.radius[side]) == float(m.radius[side - 1])
+
+
+def turned(patches: SidePatches) -> SidePatches:
+    """Patches of the right flank from those of the left one: contact nodes in their own order, azimuths turned round."""
+    shape = patches.groove.shape
+    assert shape is not None  # a grid
+    order = np.arange(shape[0] * shape[1]).reshape(shape)[:, ::-1].ravel()
+
+    def one(patch: CondensedPatch) -> CondensedPatch:
+        signs = np.tile(TURN, patch.H.shape[1] // 3)
+        return replace(
+            patch, A=patch.A[np.ix_(order, order)], H=patch.H[order] * signs, S=patch.S * np.outer(signs, signs),
+            points=patch.points[order] * TURN, normals=patch.normals[order] * TURN, areas=patch.areas[order],
+            rim=patch.rim[order], weights=patch.weights[order][:, order],
+        )  # fmt: skip
+
+    return SidePatches(one(patches.groove), one(patches.ball), patches.own[np.ix_(order, order)])
