@@ -18,9 +18,9 @@ from skfem import Mesh, condense
 from skfem.helpers import sym_grad
 
 from hifi.assembly import space
+from hifi.balls import solve_balls
 from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, of_order, patch_modes
 from hifi.compliance import uncoupled
-from hifi.contact import solve_contact
 from hifi.fit import Settings, ball_place
 from hifi.forms import hooke
 from hifi.hertz import HertzSolution, hertz
@@ -305,7 +305,7 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
         gaps.append(length - m.ball)
         start = part.stop
-    found = solve_contact(uncoupled(C), np.concatenate(gaps), N, f)
+    found, _ = solve_balls(uncoupled(C), np.concatenate(gaps), sp.csr_matrix(N), f)
     if not found.converged:
         raise ValueError(f"ball {ball + 1}: {found.status}")
     ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])
