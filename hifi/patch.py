@@ -15,7 +15,7 @@ from time import perf_counter
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from skfem import Mesh
+from skfem import Mesh, condense
 
 from hifi.assembly import assemble, nodal_areas
 from hifi.forms import elasticity
@@ -267,7 +267,7 @@ def _partition(mesh: PatchMesh, normals: Array, young: float, poisson: float) ->
         (normals[free].ravel(), (rows, np.repeat(np.arange(contact.size), 3))), (inner.size, contact.size)
     )
     T = sp.kron(mesh.tie, sp.identity(3), format="csc")
-    K_ii = K[inner][:, inner].tocsc()
+    K_ii = condense(K, I=inner, expand=False)
     coupling = (K[inner][:, outer] @ T).tocsc()
     return _Partition(K_ii, coupling, K[outer][:, outer], P, T, inner, free)
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from hifi import solvers
+from hifi import response, solvers
+from hifi.response import compliance
 from hifi.solvers import FactorError, factor, gram, nested_dissection
 from tests.fe_meshes import cube, distorted, freedoms, stiffness
 
@@ -102,3 +103,22 @@ def test_bordered_factor_is_the_product_of_solves(held):
     assert seconds > 0.0
     with pytest.raises(FactorError, match="no bordered factor"):
         gram(held - 0.01 * held.diagonal().max() * sp.identity(held.shape[0]), B)
+
+
+@pytest.mark.parametrize("count", [3, 12])
+def test_compliance_is_dense_algebra_and_needs_a_held_body(held, count):
+    rows = sp.random(count, held.shape[0], 0.05, random_state=2, format="csr")
+    exact = rows @ np.linalg.solve(held.toarray(), rows.toarray().T)
+    np.testing.assert_allclose(compliance(held, rows), exact, atol=1e-12 * abs(exact).max())
+    free = stiffness(*cube("P1", 3), "P1", 210e9, 0.3)
+    with pytest.raises(FactorError, match=r"singular|not positive definite"):
+        compliance(free, sp.random(count, free.shape[0], 0.05, random_state=2, format="csr"))
+
+
+def test_a_refused_bordered_factor_is_not_replaced_by_slow_solves(held, monkeypatch):
+    def refuse(*_):
+        raise FactorError("no bordered factor")
+
+    monkeypatch.setattr(response, "gram", refuse)
+    with pytest.raises(FactorError, match="no bordered factor"):
+        compliance(held, sp.identity(held.shape[0], format="csr")[:20])
