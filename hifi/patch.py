@@ -22,7 +22,7 @@ from hifi.forms import elasticity
 from hifi.pressures import contact_weights
 from hifi.response import compliance
 from hifi.solvers import factor
-from meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, points_of, tensor_grid
+from meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
 from meshes.sockets import SocketMesh
 from meshes.tet_patch import LocalTets, signed_volumes
 
@@ -175,7 +175,7 @@ def _patch(
     zone[contact] = True
     tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
     where = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
-    mesh = mesh.with_boundaries({name: outer[own] for name, own in where.items()})
+    mesh = named(mesh, {name: outer[own] for name, own in where.items()})
     return PatchMesh(
         mesh, contact, shape, rim, interface, tie, nodal_areas(mesh, "surface")[contact], contact_weights(mesh, contact)
     )

@@ -121,7 +121,7 @@ def from_gmsh(regions: Iterable[str] = (), boundaries: Iterable[str] = ()) -> Me
 
 
 def check(data: MeshData) -> None:
-    """Raise ValueError for cells of several kinds, an empty or misnumbered region, or a boundary that is lost (`to_skfem`)."""
+    """Raise ValueError for cells of several kinds, a region that is empty or misnumbered, a boundary that is lost."""
     for name, numbers in data.regions.items():
         if len(numbers) == 0:
             raise ValueError(f"region {name!r} is empty")

@@ -198,6 +198,8 @@ def test_bad_input_is_refused():
         mesh_of(points, cells, "P2")
     with pytest.raises(ValueError, match="'T3' is unknown"):
         mesh_of(points, cells, "T3")
+    with pytest.raises(ValueError, match="'none' is empty"):
+        mesh_of(points, cells, "Q1", {"none": np.zeros((0, 4), dtype=int)})
     with pytest.raises(ValueError, match="'skew' lost: 1 of 1"):
         mesh_of(points, cells, "Q1", {"skew": np.array([[0, 1, 7, 6]])})
     for young, poisson in ((-1.0, 0.3), (E, 0.5), (E, -1.0), (np.nan, 0.3)):
