@@ -32,9 +32,6 @@ def test_solution_is_the_dense_one(held, method):
     np.testing.assert_allclose(f.solve(rhs[:, 1]), x[:, 1], atol=1e-8 * abs(x).max())
     assert f.solve(rhs[:, :0]).shape == (K.shape[0], 0)
     assert (f.method, f.size) == (method, K.shape[0])
-    assert f.seconds > 0.0
-    assert f.nonzeros > K.nnz // 2
-    np.testing.assert_allclose(f.solve(rhs), x, atol=1e-8 * abs(x).max())  # counting leaves the factor whole
     with pytest.raises(ValueError, match="right-hand side has shape"):
         f.solve(rhs[:-1])
 
@@ -97,10 +94,9 @@ def test_unknown_method_and_shape_are_refused(held):
 
 def test_bordered_factor_is_the_product_of_solves(held):
     B = sp.random(held.shape[0], 40, 0.05, random_state=1, format="csc")
-    product, seconds = gram(held, B)
+    product = gram(held, B)
     exact = B.T @ np.linalg.solve(held.toarray(), B.toarray())
     np.testing.assert_allclose(product, exact, atol=1e-12 * abs(exact).max())
-    assert seconds > 0.0
     with pytest.raises(FactorError, match="no bordered factor"):
         gram(held - 0.01 * held.diagonal().max() * sp.identity(held.shape[0]), B)
 
