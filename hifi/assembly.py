@@ -2,7 +2,7 @@
 
 A form of the kind int c_ikjl u_i,k v_j,l dV is probed with unit gradients for its tensor c; scikit-fem's Basis gives the
 gradients of the shape functions, one matrix product for each cell their integrals, and these are scattered node by node.
-`form.assemble(space(mesh))` is the same matrix, and the test of this module.
+`form.assemble(basis)` of the vector space at the points of `rule` is the same matrix, and the test of this module.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from skfem import (
     ElementTetP1,
     ElementTetP2,
     ElementTriP1,
-    ElementVector,
     FacetBasis,
     Mesh,
 )
@@ -114,9 +113,10 @@ def rule(mesh: Mesh) -> tuple[Array, Array]:
     return bary[:, 1:].T.copy(), np.repeat([0.1362178425370874, 0.1137821574629126], 4) / 6.0
 
 
-def space(mesh: Mesh, **options: Any) -> Basis:
-    """Vector space on the mesh's own element; freedom 3 * node + component. options: of `skfem.Basis`."""
-    return Basis(mesh, ElementVector(mesh.elem()), CurvedMap(mesh), **{"quadrature": rule(mesh), **options})
+def cells(mesh: Mesh, **options: Any) -> Basis:
+    """Scalar space on the mesh's own element, at the points of `rule`. options: of `skfem.Basis`."""
+    own = {"quadrature": rule(mesh), "mapping": CurvedMap(mesh), "dofs": mesh.dofs, "disable_doflocs": True}
+    return Basis(mesh, mesh.elem(), **{**own, **options})
 
 
 def faces(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> FacetBasis:
@@ -157,22 +157,20 @@ def assemble(form: Any, mesh: Mesh) -> sp.csc_matrix:
     indptr, indices = _pattern(nodes, count)
     keys = np.repeat(np.arange(count, dtype=np.int64), np.diff(indptr)) * count + indices
     blocks = np.zeros((len(indices), 9))
-    element, points = mesh.elem(), rule(mesh)
+    points = rule(mesh)
     step = max(1, int(CHUNK_BYTES / (8 * max(9 * n * n, 6 * n * len(points[1])))))
     for first in range(0, len(nodes), step):
-        cells = np.arange(first, min(first + step, len(nodes)))
-        part = Basis(
-            mesh, element, CurvedMap(mesh), quadrature=points, elements=cells, dofs=mesh.dofs, disable_doflocs=True
-        )
+        some = np.arange(first, min(first + step, len(nodes)))
+        part = cells(mesh, quadrature=points, elements=some)
         volume = part.mapping.detDF(part.X, part.tind)
         if not np.all(volume > 0.0):
             bad = first + int(volume.min(axis=1).argmin())
             raise ValueError(f"cell {bad} of {len(nodes)} is turned inside out (det J {volume.min():.3g} m3)")
         slopes = np.stack([phi[0].grad for phi in part.basis]).transpose(2, 3, 0, 1)  # (cell, q, a, k)
-        flat = (slopes * np.sqrt(part.dx)[:, :, None, None]).reshape(len(cells), -1, 3 * n)
+        flat = (slopes * np.sqrt(part.dx)[:, :, None, None]).reshape(len(some), -1, 3 * n)
         product = (flat.transpose(0, 2, 1) @ flat).reshape(-1, n, 3, n, 3)  # int N_a,k N_b,l
         local = product.transpose(0, 1, 3, 2, 4).reshape(-1, 9) @ c
-        own = nodes[cells]
+        own = nodes[some]
         _add_rows(blocks, np.searchsorted(keys, (own[:, :, None] * count + own[:, None, :]).ravel()), local)
     rows = sp.bsr_matrix((blocks.reshape(-1, 3, 3), indices, indptr), shape=(3 * count, 3 * count)).tocsr()
     return sp.csc_matrix((rows.data, rows.indices, rows.indptr), shape=rows.shape)  # block (a, b) is that of (b, a) turned

@@ -25,8 +25,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from hifi.assembly import assemble, nodal_areas
+from hifi.balls import solve_balls
 from hifi.compliance import uncoupled
-from hifi.contact import ContactResult, solve_contact
+from hifi.contact import ContactResult
 from hifi.forms import elasticity
 from hifi.hertz import HertzSolution, hertz
 from hifi.solvers import factor
@@ -178,7 +179,7 @@ class HertzRun:
     """A verification run: what the mesh gives, and the closed form beside it.
 
     element, b_over_h: of the mesh, h the edge of the cells at the contact along the short semi-axis; unknowns: free
-    freedoms; contact_nodes: that may touch; iterations: of the active set; seconds: of mesh, assembly, factor, solution
+    freedoms; contact_nodes: that may touch; iterations: of Newton's method; seconds: of mesh, assembly, factor, solution
     and contact; approach [m]; semi_x, semi_y [m]: of the pressure ellipsoid with the load and the second moments of the
     nodal forces, semi^2 = 5 sum(f x^2) / sum(f), which is exact for Hertz's pressure; pole_pressure [Pa]: force over
     area of the contact node nearest the pole, divided by that ellipsoid's height there (1 where the node is at the
@@ -258,7 +259,8 @@ def _run(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float, far_fi
     x, y = surface.places.T
     gap = x**2 / (2.0 * job.radius_x) + y**2 / (2.0 * job.radius_y)
     matrix = 2.0 * (surface.matrix if far_field else surface.held)  # two bodies
-    found = solve_contact(uncoupled(matrix), gap, np.ones((len(gap), 1)), np.array([0.25 * job.load]))  # a quarter
+    closing = sp.csr_matrix(np.ones((len(gap), 1)))
+    found, _ = solve_balls(uncoupled(matrix), gap, closing, np.array([0.25 * job.load]))  # a quarter
     if not found.converged:
         raise ArithmeticError(f"job {job.name}, {mesh.element}, b/h = {b_over_h:g}: {found.status}")
     semi, pole, fitted = read_pressure(surface, found)

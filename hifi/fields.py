@@ -15,12 +15,11 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem import Mesh, condense
-from skfem.helpers import sym_grad
 
-from hifi.assembly import space
+from hifi import assembly
+from hifi.balls import solve_balls
 from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, of_order, patch_modes
 from hifi.compliance import uncoupled
-from hifi.contact import solve_contact
 from hifi.fit import Settings, ball_place
 from hifi.forms import hooke
 from hifi.hertz import HertzSolution, hertz
@@ -79,8 +78,9 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
     points to the nodes overshoots by a fifth below a contact with three cells across it; this by a twentieth.)
     """
     nodes = mesh.elem.doflocs.T
-    basis = space(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])), disable_doflocs=True)
-    stress = hooke(material.youngs_modulus, material.poissons_ratio)(sym_grad(basis.interpolate(u.ravel())))
+    basis = assembly.cells(mesh, elements=elements, quadrature=(nodes, np.ones(nodes.shape[1])))
+    slope = np.stack([basis.interpolate(own).grad for own in u.T])  # du_i/dx_j
+    stress = hooke(material.youngs_modulus, material.poissons_ratio)(0.5 * (slope + slope.swapaxes(0, 1)))
     own = np.stack([stress[i, j].T for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))], axis=-1)
     cells = mesh.dofs.element_dofs if elements is None else mesh.dofs.element_dofs[:, elements]
     total, count = np.zeros((len(u), 6)), np.zeros(len(u))
@@ -293,7 +293,7 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
         gaps.append(length - m.ball)
         start = part.stop
-    found = solve_contact(uncoupled(C), np.concatenate(gaps), N, f)
+    found, _ = solve_balls(uncoupled(C), np.concatenate(gaps), sp.csr_matrix(N), f)
     if not found.converged:
         raise ValueError(f"ball {ball + 1}: {found.status}")
     ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])

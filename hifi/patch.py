@@ -17,14 +17,14 @@ from time import perf_counter
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from skfem import ElementLineP2, Mesh
+from skfem import ElementLineP2, Mesh, condense
 
 from hifi.assembly import assemble
 from hifi.forms import elasticity
 from hifi.pressures import contact_weights, mean_weights
 from hifi.response import compliance
 from hifi.solvers import factor
-from meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, points_of, tensor_grid
+from meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
 from meshes.sockets import SocketMesh
 from meshes.tet_patch import LocalTets, signed_volumes
 
@@ -179,7 +179,7 @@ def _patch(
     zone[contact] = True
     tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
     where = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
-    mesh = mesh.with_boundaries({name: outer[own] for name, own in where.items()})
+    mesh = named(mesh, {name: outer[own] for name, own in where.items()})
     return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact))
 
 
@@ -306,7 +306,7 @@ def _partition(
     T = sp.kron(whole.tie, sp.identity(3), format="csc")
     coupling = (K[inner][:, outer] @ T).tocsc()
     forces = hat_rows(mesh, normals, carrier)[:, inner].T.tocsc()
-    return _Partition(K[inner][:, inner].tocsc(), coupling, K[outer][:, outer], forces, T, inner)
+    return _Partition(condense(K, I=inner, expand=False), coupling, K[outer][:, outer], forces, T, inner)
 
 
 def condense_patch(

@@ -27,7 +27,7 @@ def compliance(K: sp.spmatrix, rows: sp.spmatrix) -> Array:
         F = np.asarray(rows @ factor(K).solve(rows.toarray().T))
         return np.asarray(0.5 * (F + F.T))
     try:
-        F, _ = gram(K, rows.T)
+        F = gram(K, rows.T)
     except FactorError:
         factor(K)  # says if the body is not held
         raise

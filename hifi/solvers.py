@@ -6,11 +6,8 @@ with equal columns. `splu`: SuperLU of scipy, for small matrices.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -35,22 +32,12 @@ class FactorError(ArithmeticError):
 class Factor:
     """A solver prepared for one matrix.
 
-    method: 'cholmod' or 'splu'; size: number of freedoms n; seconds: preparation time [s], ordering included.
+    method: 'cholmod' or 'splu'; size: number of freedoms n.
     """
 
     method: str
     size: int
-    seconds: float
     _apply: Callable[[FloatArray], FloatArray]
-    _count: Callable[[], int]
-
-    @cached_property
-    def nonzeros(self) -> int:
-        """Stored entries of the factor.
-
-        Counted when asked: for 'cholmod' that costs a second numerical factorisation and as much memory again.
-        """
-        return self._count()
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Solution of K x = rhs, of the shape of rhs, (n,) or (n, k); raises ValueError for another shape."""
@@ -73,23 +60,20 @@ def factor(K: sp.spmatrix, *, method: str = "auto") -> Factor:
         raise ValueError(f"method {method!r}: one of {', '.join(METHODS)}")
     if K.shape[0] != K.shape[1]:
         raise ValueError(f"matrix has shape {K.shape}, expected a square one")
-    started = time.perf_counter()
     matrix = sp.csc_matrix(K)
     size = matrix.shape[0]
     diagonal = _diagonal(matrix)
     chosen = ("splu" if size <= SMALL else "cholmod") if method == "auto" else method
-    apply, count = _cholmod(matrix) if chosen == "cholmod" else _splu(matrix)
+    apply = _cholmod(matrix) if chosen == "cholmod" else _splu(matrix)
     _check_response(apply, diagonal)
-    return Factor(chosen, size, time.perf_counter() - started, apply, count)
+    return Factor(chosen, size, apply)
 
 
-def nested_dissection(K: sp.csc_matrix) -> IntArray | None:
-    """Fill-reducing order of the freedoms, shape (n,), by METIS on the compressed graph; None without pymetis.
+def nested_dissection(K: sp.csc_matrix) -> IntArray:
+    """Fill-reducing order of the freedoms, shape (n,), by METIS on the compressed graph.
 
     Freedoms whose columns have the same pattern (the three of a node) are one vertex, weighted by their number.
     """
-    if find_spec("pymetis") is None:
-        return None
     import pymetis
 
     pattern = sp.csr_matrix((np.ones(K.nnz), K.indices, K.indptr), shape=K.shape)
@@ -111,8 +95,8 @@ def nested_dissection(K: sp.csc_matrix) -> IntArray | None:
     return np.argsort(place[group], kind="stable")
 
 
-def gram(K: sp.spmatrix, B: sp.spmatrix) -> tuple[FloatArray, float]:
-    """B^T K^-1 B, shape (m, m), for sparse B (n, m), by one partial factorisation, and its seconds [s].
+def gram(K: sp.spmatrix, B: sp.spmatrix) -> FloatArray:
+    """B^T K^-1 B, shape (m, m), for sparse B (n, m), by one partial factorisation.
 
     The trailing block of the Cholesky factor of [[K, B], [B^T, d I]] is that of d I - B^T K^-1 B, with the columns of B
     scaled by diag(K) and d raised until the whole is positive definite. Many times faster than m solves: cvxopt solves
@@ -122,13 +106,11 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> tuple[FloatArray, float]:
     import cvxopt
     from cvxopt import cholmod
 
-    started = time.perf_counter()
     inner, columns = sp.csc_matrix(K), sp.csc_matrix(B)
     n, m = columns.shape
     squares = columns.power(2).T @ (1.0 / _diagonal(inner))  # scale of each diagonal entry of the result
     root = np.sqrt(np.where(squares > 0.0, squares, 1.0))
-    order = nested_dissection(inner)
-    order = np.concatenate([np.arange(n) if order is None else order, np.arange(n, n + m)])
+    order = np.concatenate([nested_dissection(inner), np.arange(n, n + m)])
     lower, border = sp.tril(inner).tocoo(), (columns @ sp.diags(1.0 / root)).tocoo()
     # The border's own block is stored in full, zeros too: it fills anyway.
     i, j = np.tril_indices(m)
@@ -156,7 +138,7 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> tuple[FloatArray, float]:
         left[np.ix_(last, last)] = trailing @ trailing.T
         if not np.linalg.norm(left @ np.array(dense).ravel()[n:] - probe) <= 1e-9 * np.linalg.norm(probe):
             break
-        return (enlarged * np.eye(m) - left) * np.outer(root, root), time.perf_counter() - started
+        return np.asarray((enlarged * np.eye(m) - left) * np.outer(root, root))
     raise FactorError("no bordered factor: not positive definite, or the border was not kept last")
 
 
@@ -180,7 +162,7 @@ def _check_response(apply: Callable[[FloatArray], FloatArray], diagonal: FloatAr
         raise FactorError(f"singular to working precision (response {ratio:.1e} to a unit load): is every body held?")
 
 
-def _cholmod(matrix: sp.csc_matrix) -> tuple[Callable[[FloatArray], FloatArray], Callable[[], int]]:
+def _cholmod(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
     import cvxopt
     from cvxopt import cholmod
 
@@ -197,15 +179,10 @@ def _cholmod(matrix: sp.csc_matrix) -> tuple[Callable[[FloatArray], FloatArray],
         cholmod.solve(symbolic, dense)
         return np.array(dense)
 
-    def count() -> int:
-        entries = len(cholmod.getfactor(symbolic).V)  # takes the numbers out of the factor: put them back
-        cholmod.numeric(sparse, symbolic)
-        return entries
-
-    return apply, count
+    return apply
 
 
-def _supernodal(sparse: Any, order: IntArray | None, *, kept: bool = False) -> Any:
+def _supernodal(sparse: Any, order: IntArray, *, kept: bool = False) -> Any:
     """CHOLMOD's factor L L^T of a cvxopt matrix's lower triangle, in the given order unless AMD's has less fill.
 
     kept: in the given order.
@@ -213,7 +190,7 @@ def _supernodal(sparse: Any, order: IntArray | None, *, kept: bool = False) -> A
     import cvxopt
     from cvxopt import cholmod
 
-    permutation = None if order is None else cvxopt.matrix(order.astype(np.int64), tc="i")
+    permutation = cvxopt.matrix(order.astype(np.int64), tc="i")
     previous = dict(cholmod.options)
     cholmod.options.update(supernodal=2, **({"nmethods": 1} if kept else {}))  # 1: the given order alone
     try:
@@ -225,7 +202,7 @@ def _supernodal(sparse: Any, order: IntArray | None, *, kept: bool = False) -> A
     return symbolic
 
 
-def _splu(matrix: sp.csc_matrix) -> tuple[Callable[[FloatArray], FloatArray], Callable[[], int]]:
+def _splu(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
     from scipy.sparse.linalg import splu
 
     options = {"SymmetricMode": True}
@@ -240,5 +217,5 @@ def _splu(matrix: sp.csc_matrix) -> tuple[Callable[[FloatArray], FloatArray], Ca
         solution: FloatArray = lu.solve(rhs)
         return solution
 
-    return apply, lambda: int(lu.L.nnz)
+    return apply
 

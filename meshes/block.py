@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Mesh
 
-from meshes.fem import kind_of, moved, points_of, tensor_grid
+from meshes.fem import kind_of, moved, named, points_of, tensor_grid
 
 Array = NDArray[np.float64]
 
@@ -152,9 +152,10 @@ def _named(mesh: Mesh, size: float) -> BlockMesh:
     def on(axis: int, place: float) -> Callable[[Array], Array]:
         return lambda x: np.abs(x[axis] - place) < 1e-9 * size
 
+    faces = {"contact": on(2, 0.0), "x = 0": on(0, 0.0), "y = 0": on(1, 0.0)}
+    facets = {name: mesh.facets_satisfying(test, boundaries_only=True) for name, test in faces.items()}
     cut = [mesh.facets_satisfying(on(axis, size), boundaries_only=True) for axis in range(3)]
-    faces = {"contact": on(2, 0.0), "x = 0": on(0, 0.0), "y = 0": on(1, 0.0), "cut": np.unique(np.concatenate(cut))}
-    return BlockMesh(mesh.with_boundaries(faces), size)
+    return BlockMesh(named(mesh, {**facets, "cut": np.unique(np.concatenate(cut))}), size)
 
 
 def _set_edges(gmsh: Any, influence: Influence) -> None:

@@ -23,9 +23,6 @@ IntArray = NDArray[np.int64]
 VOLUMES = {4: "P1", 11: "P2", 5: "Q1", 12: "Q2"}
 """Volume elements by gmsh's element type."""
 _NODES = {"P1": 4, "P2": 10, "Q1": 8, "Q2": 27}
-_CORNERS = {"P1": 4, "P2": 4, "Q1": 8, "Q2": 8}
-_TETRAHEDRON = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
-_HEXAHEDRON = ((0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7))
 
 # Place k of the other program's cell holds gmsh's local node; by matching coordinates (see the tests).
 _VTK: dict[str, tuple[str, tuple[int, ...]]] = {
@@ -124,39 +121,27 @@ def from_gmsh(regions: Iterable[str] = (), boundaries: Iterable[str] = ()) -> Me
 
 
 def check(data: MeshData) -> None:
-    """Raise ValueError for an empty or misnumbered region, an empty boundary, or a boundary face of no cell."""
-    known = [_keys(_cell_faces(c, name).reshape(-1, _width(name)), len(data.points)) for name, c in data.cells.items()]
+    """Raise ValueError for cells of several kinds, a region that is empty or misnumbered, a boundary that is lost."""
     for name, numbers in data.regions.items():
         if len(numbers) == 0:
             raise ValueError(f"region {name!r} is empty")
         if numbers.min() < 0 or numbers.max() >= data.count:
             raise ValueError(f"region {name!r} names cell {numbers.max()} of {data.count}")
-    for name, faces in data.boundaries.items():
-        if len(faces) == 0:
-            raise ValueError(f"boundary {name!r} is empty")
-        corners = 3 if faces.shape[1] in (3, 6) else 4
-        wanted = _keys(faces[:, :corners], len(data.points))
-        found = np.zeros(len(faces), dtype=bool)
-        for keys in known:
-            found |= np.isin(wanted, keys)
-        if not found.all():
-            raise ValueError(f"boundary {name!r}: {np.count_nonzero(~found)} of {len(faces)} faces belong to no cell")
+    to_skfem(data, *data.cells)
 
 
-def to_skfem(data: MeshData, element: str) -> Any:
-    """scikit-fem mesh (MeshTet1, MeshTet2, MeshHex1 or MeshHex2) of the cells of that element, names included.
+def to_skfem(data: MeshData, *elements: str) -> Any:
+    """scikit-fem mesh (MeshTet1, MeshTet2, MeshHex1 or MeshHex2) of cells of one element, names included.
 
     Facets lie in `mesh.boundaries[name]`, cells in `mesh.subdomains[name]`. scikit-fem renumbers the points of
-    second-order meshes: match them by coordinates. Raises ValueError if the mesh has other elements too, or if a named
-    region or boundary is lost or changes its size.
+    second-order meshes. Raises ValueError if the mesh has other elements too, or if a boundary is lost.
     """
     from meshes.fem import mesh_of
 
-    if set(data.cells) != {element}:
-        raise ValueError(
-            f"the mesh has elements {', '.join(data.cells)}; scikit-fem takes one kind, asked for {element}"
-        )
-    return mesh_of(data.points, data.cells[element], element, data.boundaries, data.regions)[0]
+    if len(elements) != 1 or set(data.cells) != set(elements):
+        found, wanted = ", ".join(data.cells), ", ".join(elements)
+        raise ValueError(f"the mesh has elements {found}; scikit-fem takes one kind, asked for {wanted}")
+    return mesh_of(data.points, data.cells[elements[0]], elements[0], data.boundaries, data.regions)[0]
 
 
 def from_skfem(mesh: Any, *boundaries: str) -> MeshData:
@@ -408,23 +393,3 @@ def _known(types: Iterable[int], what: str) -> None:
     strange = sorted({int(t) for t in types} - set(VOLUMES))
     if strange:
         raise ValueError(f"{what} has volume cells of gmsh's types {strange}, expected only {sorted(VOLUMES)}")
-
-
-def _width(element: str) -> int:
-    """Corners of a face."""
-    return 3 if element in ("P1", "P2") else 4
-
-
-def _cell_faces(cells: IntArray, element: str) -> IntArray:
-    """Corner nodes of every face of every cell, shape (m, faces, corners)."""
-    table = _TETRAHEDRON if element in ("P1", "P2") else _HEXAHEDRON
-    faces: IntArray = cells[:, np.array(table)]
-    return faces
-
-
-def _keys(faces: IntArray, count: int) -> IntArray:
-    """One number for each face, the same for any order of its corners; three corners name a face of a mesh."""
-    low = np.sort(faces, axis=1)[:, :3]
-    if count < 2**21:
-        return (low[:, 0] * count + low[:, 1]) * count + low[:, 2]
-    raise ValueError(f"{count} points: face keys hold fewer than {2**21}")

@@ -51,8 +51,7 @@ def mesh_of(
     mesh = MESHES[kind](np.ascontiguousarray(points.T), np.ascontiguousarray(own.T))
     number = np.full(len(points), -1, dtype=np.int64)
     number[own] = mesh.dofs.element_dofs.T
-    named = {name: number[np.asarray(faces)[:, : len(mesh.facets)]] for name, faces in (boundaries or {}).items()}
-    mesh = with_faces(mesh, named)
+    mesh = with_faces(mesh, {name: number[f[:, : len(mesh.facets)]] for name, f in (boundaries or {}).items()})
     if regions:
         mesh = _changed(mesh, _subdomains={name: np.asarray(own, dtype=np.int32) for name, own in regions.items()})
     return mesh, number
@@ -61,7 +60,7 @@ def mesh_of(
 def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
     """The mesh with further boundaries: corners ``(k, 3 or 4)`` of their faces by name, in any order.
 
-    Raises ValueError for a boundary that has a face which no cell has, or has none at all.
+    Raises ValueError for a boundary that has a face which no cell has, or none at all.
     """
     count = mesh.doflocs.shape[1]
     known = _keys(mesh.facets.T, count)
@@ -71,10 +70,19 @@ def with_faces(mesh: Mesh, faces: Mapping[str, Index]) -> Mesh:
         wanted = _keys(corners, count)
         place = order[np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)]
         lost = int(np.count_nonzero(known[place] != wanted))
-        if lost or not len(wanted):
+        if lost:
             raise ValueError(f"boundary {name!r} lost: {lost} of {len(wanted)} faces belong to no cell")
-        found[name] = np.unique(place).astype(np.int32)
-    return _changed(mesh, _boundaries={**(mesh.boundaries or {}), **found})
+        found[name] = np.unique(place)
+    return named(mesh, found)
+
+
+def named(mesh: Mesh, facets: Mapping[str, Index]) -> Mesh:
+    """The mesh with further boundaries: numbers of its facets by name. Raises ValueError for an empty one."""
+    for name, own in facets.items():
+        if not len(own):
+            raise ValueError(f"boundary {name!r} is empty")
+    added = {name: np.asarray(own, dtype=np.int32) for name, own in facets.items()}
+    return _changed(mesh, _boundaries={**(mesh.boundaries or {}), **added})
 
 
 def _keys(faces: Index, count: int) -> Index:

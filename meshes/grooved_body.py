@@ -79,13 +79,10 @@ class BodySpec:
 
 @dataclass(frozen=True)
 class GroovedBody:
-    """Second-order tetrahedra; per socket the nodes of its inner faces in the order of its side's ``sockets`` mesh
-    ``(count, k)``; largest distance [m] of the flanks' nodes, the sockets' rims among them, from the exact flanks; seconds
-    it took; quality.
-
-    Boundaries of the mesh: "low end", "high end", "flank SL" or of the part's other sides, "land", and "bore" of a screw
-    that has one or "outside" of a nut; "sockets", where there are any.
-    """
+    """Second-order tetrahedra with boundaries "low end", "high end", "flank SL" or of other sides, "land", "bore" of a
+    screw that has one or "outside" of a nut, "sockets" if any; per socket the nodes of its inner faces in the order of
+    its side's ``sockets`` mesh ``(count, k)``; largest distance [m] of the flanks' nodes, the sockets' rims among them,
+    from the exact flanks; seconds it took; quality."""
 
     mesh: Mesh
     socket_nodes: Index

@@ -6,11 +6,11 @@ Points, cells and faces are arrays in gmsh's order; matrices and vectors are num
 from itertools import permutations
 
 import numpy as np
-from skfem import Basis, Functional
+from skfem import Basis, ElementVector, Functional
 from skfem.helpers import eye, sym_grad, trace
 
 from hifi import assembly
-from hifi.assembly import space
+from hifi.assembly import CurvedMap, rule
 from hifi.forms import elasticity, share
 from meshes.fem import _SKFEM, MESHES, mesh_of
 from meshes.quality import scaled_jacobians
@@ -80,6 +80,11 @@ def boundary_faces(cells, kind):
     return own[first[count == 1]]
 
 
+def space(mesh, **options):
+    """Vector space on the mesh's own element, by default at the points of the fast assembly. options: of `skfem.Basis`."""
+    return Basis(mesh, ElementVector(mesh.elem()), CurvedMap(mesh), **{"quadrature": rule(mesh), **options})
+
+
 def freedoms(nodes):
     return (3 * np.asarray(nodes)[:, None] + np.arange(3)).ravel()
 
@@ -116,7 +121,7 @@ def nodal_volumes(points, cells, kind, intorder=None):
     """Integrals of the shape functions (n,)."""
     mesh, number = mesh_of(points, cells, kind)
     options = {} if intorder is None else {"quadrature": None, "intorder": intorder}
-    basis = Basis(mesh, mesh.elem(), **{"quadrature": assembly.rule(mesh), **options})
+    basis = Basis(mesh, mesh.elem(), **{"quadrature": rule(mesh), **options})
     return renumbered(number, share().assemble(basis))
 
 

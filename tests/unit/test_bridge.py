@@ -6,10 +6,10 @@ import meshio
 import numpy as np
 import pytest
 
-from hifi.assembly import faces, nodal_areas, space
+from hifi.assembly import faces, nodal_areas
 from meshes import bridge
 from meshes.bridge import MeshData, from_gmsh, from_skfem, to_skfem, write_vtu
-from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of
+from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
 VOLUMES = KINDS
 GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}

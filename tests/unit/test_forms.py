@@ -8,12 +8,12 @@ from skfem import BilinearForm, Functional, MeshTet1
 from skfem.helpers import ddot, dot, eye, grad, sym_grad, trace
 
 from hifi import assembly
-from hifi.assembly import CurvedMap, assemble, faces, nodal_areas, rule, space, tensor
+from hifi.assembly import CurvedMap, assemble, faces, nodal_areas, rule, tensor
 from hifi.forms import elasticity, force, hooke, share
 from hifi.pressures import ElementHexHats, contact_weights
 from hifi.rigid import rigid_modes
 from meshes.fem import faces_of, freedoms_on, kind_of, mesh_of, moved, nodes_on, points_of, tensor_grid
-from tests.fe_meshes import KINDS, boundary_faces, cube, distorted
+from tests.fe_meshes import KINDS, boundary_faces, cube, distorted, space
 
 E, NU = 210e9, 0.28
 LAM, MU = E * NU / (1.0 + NU) / (1.0 - 2.0 * NU), E / 2.0 / (1.0 + NU)
@@ -198,6 +198,8 @@ def test_bad_input_is_refused():
         mesh_of(points, cells, "P2")
     with pytest.raises(ValueError, match="'T3' is unknown"):
         mesh_of(points, cells, "T3")
+    with pytest.raises(ValueError, match="'none' is empty"):
+        mesh_of(points, cells, "Q1", {"none": np.zeros((0, 4), dtype=int)})
     with pytest.raises(ValueError, match="'skew' lost: 1 of 1"):
         mesh_of(points, cells, "Q1", {"skew": np.array([[0, 1, 7, 6]])})
     for young, poisson in ((-1.0, 0.3), (E, 0.5), (E, -1.0), (np.nan, 0.3)):

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from compare.catalogue import scene
-from hifi.assembly import space
 from meshes import shell as shells
 from meshes.ball_body import BallSocket, ball_depth, ball_points, build_ball, directions, rays
 from meshes.fem import nodes_on
@@ -21,7 +20,7 @@ from meshes.parts import Balls, Nut, Screw, Track
 from meshes.quality import scaled_jacobians
 from meshes.shell import Face, Shell, freed
 from meshes.sockets import SocketSize, local_points, socket_mesh, socket_points
-from tests.fe_meshes import one
+from tests.fe_meshes import one, space
 from tests.helpers import STEEL, body_specs, small_screw
 
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)

@@ -420,8 +420,8 @@ def test_contact_weights_share_out_the_zone(kind, where):
     assert np.asarray(mesh.weights.sum(axis=1)).min() > 0.0
 
 
-def test_hats_of_a_patch_carry_one_four_and_four_quarters():
-    """On equal cells inside the zone hats carry 1 : 2 : 4 halves where the displacements' functions carry 1 : 4 : 16."""
+def test_hats_of_a_patch_carry_equal_areas():
+    """On equal cells all hats inside the zone carry alike, where the displacements' functions carry 4 : 8 : 16."""
     mesh = patch("Q2")[0]
     n, m = mesh.contact_shape
     hats = np.asarray(mesh.weights.sum(axis=1)).reshape(n, m)[1:-1, 1:-1]
