@@ -36,19 +36,22 @@ STEPS, BALANCED = 200, 1e-6
 SOFT, HELD = 1e-7, 1e4
 #: Contacts that carry less than this share of the largest load do not count towards the mean.
 LOADED = 0.05
+#: Gaps below this share of the largest approach count as nearly closed.
+NEAR = 0.2
 
 
 @dataclass(frozen=True)
 class ExpectedContacts:
     """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad] (nominal where open), semi-axes across and along the groove
-    ``(n, 4)`` [m], and how far a contact's middle lies from the nominal one along its groove's arc ``(n, 4)`` [m], counted
-    towards the edge."""
+    ``(n, 4)`` [m], how far a contact's middle lies from the nominal one along its groove's arc ``(n, 4)`` [m], counted
+    towards the edge, and gaps ``(n, 4)`` [m], negative where ball and groove are pressed together."""
 
     load: Array
     angle: Array
     across: Array
     along: Array
     shift: Array
+    gap: Array
 
     def semi(self) -> tuple[float, float]:
         """Semi-axes (a, b) [m] of a typical contact: the mean over the balls of the larger contact of each."""
@@ -64,6 +67,11 @@ class ExpectedContacts:
         """How far contacts reach from their nominal middle across and along the groove [m], the farthest of all."""
         own = list(sides)
         return float((self.across + np.abs(self.shift))[:, own].max()), float(self.along[:, own].max())
+
+
+    def sides(self) -> tuple[int, ...]:
+        """Sides (0 to 3) that touch, or nearly: with a gap of less than a fifth of the largest approach."""
+        return tuple(int(s) for s in np.flatnonzero(self.gap.min(axis=0) < -NEAR * self.gap.min()))
 
 
 @dataclass(frozen=True)
@@ -88,12 +96,14 @@ def expected_contacts(scene: Scene) -> ExpectedContacts:
     Raises ValueError where the model finds no equilibrium, or an ellipse is too thin for Hertz's formulas.
     """
     units = hertz_units(scene)
-    load, vectors = _equilibrium(_model(scene, units))
+    model = _model(scene, units)
+    load, vectors = _equilibrium(model)
     signs, beta = np.array(SIDE_SIGNS), scene.track.contact_angle
     angle = np.where(load > 0.0, np.arctan2(vectors[..., 1] * signs[:, 1], vectors[..., 0] * signs[:, 0]), beta)
     scale = np.cbrt(load)
     across, along = (scale * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
-    return ExpectedContacts(load, angle, across, along, (angle - beta) * groove_radii(scene))
+    gap = model.touch - np.linalg.norm(vectors, axis=2)
+    return ExpectedContacts(load, angle, across, along, (angle - beta) * groove_radii(scene), gap)
 
 
 def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
@@ -117,7 +127,7 @@ def _model(scene: Scene, units: tuple[HertzSolution, ...]) -> _Model:
     layout, track, e = ball_layout(scene), scene.track, scene.screw.material
     drawn, n = specimen(scene, layout), layout.z.size
     rigid = scene.ingredients.screw == "rigid" or dimensions(scene).screw_held == "bore"
-    own = {x.at for x in (*scene.supports, *scene.loads)} | set(layout.z.tolist())
+    own = {x.at for x in scene.supports} | {x.at for x in scene.loads} | set(layout.z.tolist())
     nodes = [scene.nut.position] if rigid else sorted({round(z, 9) for z in own})
     section = round_section(
         0.5 * (scene.screw.outer_diameter / 2.0 + track.pitch_radius - scene.balls.radius), e.youngs_modulus, e.poissons_ratio
