@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 STEPS, BALANCED = 200, 1e-6
 #: Stiffness that keeps open balls and unheld screws in place, and that of supports, over that of a loaded contact.
 SOFT, HELD = 1e-7, 1e4
+#: Share of the largest load that the former may carry: more, and nothing else holds the screw.
+CARRIED = 1e-2
 #: Contacts that carry less than this share of the largest load do not count towards the mean.
 LOADED = 0.05
 #: Gaps below this share of the largest approach count as nearly closed.
@@ -78,7 +80,8 @@ class ExpectedContacts:
 class _Model:
     """Stiffness of the screw's stations and of its supports, loads on them; A: change of all vectors from groove to ball
     centre ``(8 n,)`` by all freedoms, their values at rest ``(n, 4, 2)`` [m] and the lengths at which ball and groove touch
-    ``(n, 4)`` [m]; Hertz's constant F / approach^(3/2) of each side ``(4,)``; a typical stiffness [N/m]."""
+    ``(n, 4)`` [m]; Hertz's constant F / approach^(3/2) of each side ``(4,)``; a typical stiffness [N/m]; soft springs that
+    K holds on every freedom, [N/m] or [N m], and their arms (1, or the pitch radius of rotations)."""
 
     K: sp.csc_matrix
     P: Array
@@ -87,6 +90,8 @@ class _Model:
     touch: Array
     constant: Array
     stiffness: float
+    soft: Array
+    arm: Array
 
 
 @lru_cache(maxsize=64)
@@ -165,11 +170,12 @@ def _model(scene: Scene, units: tuple[HertzSolution, ...]) -> _Model:
         screw = -sp.csr_matrix(np.hstack([frame, frame @ turn])) @ motion(z)
         blocks.append(sp.vstack([screw, screw, sp.csr_matrix((4, K.shape[0]))]))
     A = sp.hstack([sp.vstack(blocks), sp.kron(sp.identity(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
-    soft = SOFT * stiffness * np.concatenate([np.tile(size**2, len(nodes)), np.ones(2 * n)])
+    arm = np.concatenate([np.tile(size, len(nodes)), np.ones(2 * n)])
+    soft = SOFT * stiffness * arm**2
     whole = sp.block_diag([K.tocsr() + held, sp.csr_matrix((2 * n, 2 * n))]) + sp.diags(soft)
     inward = np.array([np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile])
     touch = (drawn.radius - inward)[None, :] - drawn.ball_radius[:, None]
-    return _Model(whole.tocsc(), np.append(P, np.zeros(2 * n)), A, -drawn.centre, touch, constant, stiffness)
+    return _Model(whole.tocsc(), np.append(P, np.zeros(2 * n)), A, -drawn.centre, touch, constant, stiffness, soft, arm)
 
 
 def _contact(model: _Model, x: Array) -> tuple[float, Array, Array, Array, Array]:
@@ -190,6 +196,8 @@ def _equilibrium(model: _Model) -> tuple[Array, Array]:
         wrong = model.P - model.K @ x - model.A.T @ (load[..., None] * unit).ravel()
         scale = max(float(load.max()), 1e-3 * float(np.abs(model.P).max(initial=0.0)), 1e-9)
         if float(np.abs(wrong).max()) < BALANCED * scale and step:
+            if float(np.abs(model.soft * x / model.arm).max()) > CARRIED * scale:
+                break
             return load, vectors
         # a stiffness of open contacts that dies out keeps the first steps short
         own = np.maximum(slope, model.stiffness * 10.0 ** (-step / 4.0))

@@ -28,6 +28,8 @@ GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
 LEAST = 0.4
 #: Share of a socket's half width and length that its contact zone fills, if there is room; and at most.
 FILLED, ZONE = 0.6, 0.95
+#: Width that sockets should offer to contacts over what they need, where there is room.
+SPARE = 1.15
 #: Flank kept free beside a socket, over its half width: as a rule, and where the contact needs the room.
 BESIDE, CLOSE = 0.25, 0.03
 #: Track kept free between two sockets, over their half length.
@@ -384,7 +386,7 @@ def _narrowed(
                     f"{1e3 * usable * radius:.3g} mm ({np.degrees(usable):.3g} deg), because {where}; {remedy}, lower the "
                     "load, or open the groove (a larger groove radius makes the ellipse shorter)"
                 )
-            own = max(room / (1.0 + BESIDE), min(need / (radius * ZONE), room / (1.0 + CLOSE)))
+            own = max(room / (1.0 + BESIDE), min(SPARE * need / (radius * ZONE), room / (1.0 + CLOSE)))
             if own < gamma:
                 gamma, why = own, f"{where}; {remedy}"
     return gamma, why
