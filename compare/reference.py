@@ -179,7 +179,8 @@ def key_of(scene: Scene, variant: str, settings: Mapping[str, Any], sides: Seque
     """
     bare = replace(scene, name="", title="", source="", assumed=(), members=1)
     solid = replace(dimensions(scene), assumed=())
-    return _digest(SCHEMA, bare, solid, variant, sorted(_plain(settings).items()), tuple(sides), 0, sorted(versions().items()))
+    mesh, programs = sorted(_plain(settings).items()), sorted(versions().items())
+    return _digest(SCHEMA, bare, solid, variant, mesh, tuple(sides), 0, programs)
 
 
 def bodies_key(scene: Scene, settings: Mapping[str, Any], sides: Sequence[int]) -> str:
@@ -284,7 +285,7 @@ def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
 def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
     """Run a task; with its runs, where all converged, the bodies condensed to the contacts, if `with_bodies`.
 
-    Where a contact reaches the rim of its patch, patches are enlarged to what the loads found ask for, if that changes them.
+    Where a contact reaches the rim of its patch, patches are enlarged to what the loads found need, if that changes them.
     """
     need_gmsh()
     from hifi.condensed import condensed_bodies

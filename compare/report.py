@@ -182,7 +182,8 @@ def make_report(
     """Run, draw and write the report; returns the exit code.
 
     quick: coarsest meshes of the 3D reference only; stored: the runs that come with the package; store: folder in which
-    computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them. Raises InputError for a bad section name or folder.
+    computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them.
+    Raises InputError for a bad section name or folder.
     """
     unknown = [name for name in only if name not in SECTIONS]
     if unknown:

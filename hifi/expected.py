@@ -134,9 +134,8 @@ def _model(scene: Scene, units: tuple[HertzSolution, ...]) -> _Model:
     rigid = scene.ingredients.screw == "rigid" or dimensions(scene).screw_held == "bore"
     own = {x.at for x in scene.supports} | {x.at for x in scene.loads} | set(layout.z.tolist())
     nodes = [scene.nut.position] if rigid else sorted({round(z, 9) for z in own})
-    section = round_section(
-        0.5 * (scene.screw.outer_diameter / 2.0 + track.pitch_radius - scene.balls.radius), e.youngs_modulus, e.poissons_ratio
-    )
+    mean = 0.5 * (scene.screw.outer_diameter / 2.0 + track.pitch_radius - scene.balls.radius)  # of land and groove
+    section = round_section(mean, e.youngs_modulus, e.poissons_ratio)
     K = sp.lil_matrix((6 * len(nodes),) * 2)
     for k, (a, b) in enumerate(pairwise(nodes)):
         K[6 * k : 6 * k + 12, 6 * k : 6 * k + 12] += beam_stiffness(b - a, section)

@@ -39,8 +39,8 @@ UNDER, AWAY = 0.5, 0.12
 #: How far a ball may lie off its groove, over its radius.
 ON_GROOVE = 1e-3
 #: Shares tried by which a socket's faces bulge while a body is filled, see `socket_mesh`, and how far diagonals stand out
-#: then at least, over their lengths; terms that twist the rectangles of side faces and bottom, so that one diagonal does, and
-#: those in the middle of symmetric faces.
+#: then at least, over their lengths; terms that twist the rectangles of side faces and bottom, so that one diagonal does,
+#: and those in the middle of symmetric faces too.
 RAISED, RIDGE, TWIST = (0.04, 0.06, 0.08), 1e-4, (0.8, 0.4)
 SKEW = 0.2
 
@@ -100,7 +100,7 @@ def socket_mesh(place: Callable[[Array], Array], cuts: tuple[int, int, int]) -> 
 
 
 def bulging(xi: Array, share: float) -> Array:
-    """Local coordinates ``(n, 3)`` of a socket's faces moved out, by up to about ``share`` times their size; the rim stays."""
+    """Local coordinates ``(n, 3)`` of a socket's faces moved out, by about ``share`` times their size; the rim stays."""
     a, u, b = xi.T
     rise, across, along = u * (2.0 - u), 1.0 - a * a, 1.0 - b * b
     bottom = u * u * (across + along + TWIST[1] * across * along + SKEW * a * b)
@@ -354,8 +354,8 @@ def fitted_socket(
         if getattr(size, name) < floor * (1.0 - 1e-9):
             found, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
             raise ValueError(
-                f"no room for the sockets of the contact patches: only {100.0 * found:.0f} % of the usual one is left, less "
-                f"than {100.0 * wanted:.0f} % (too {word}), because {cause[name]}"
+                f"no room for the sockets of the contact patches: only {100.0 * found:.0f} % of the usual one is left, "
+                f"less than {100.0 * wanted:.0f} % (too {word}), because {cause[name]}"
             )
     return size
 

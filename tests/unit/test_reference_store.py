@@ -59,7 +59,8 @@ def test_round_trip_and_damage(tmp_path: Path) -> None:
     assert (back.sides, back.assumed, back.settings) == ((0, 3), ("nothing",), run.settings)
     assert load(scene, 1, stores=(tmp_path,)) is None
     whole = file.read_text()
-    for damaged in (whole[:100], whole.replace('"load":[[', '"load":[[1],['), "[]", "", whole.replace('"modes":16', '"modes":15')):
+    other = whole.replace('"modes":16', '"modes":15')
+    for damaged in (whole[:100], whole.replace('"load":[[', '"load":[[1],['), "[]", "", other):
         file.write_text(damaged)
         assert load(scene, 2, stores=(tmp_path,)) is None
     assert [p.name for p in tmp_path.iterdir()] == [file.name]
@@ -121,7 +122,7 @@ def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path: Path) 
     [
         ("lin-case1", (0, 3)), ("lin-case2", (0, 3)), ("lin-case3", (0, 1, 2, 3)), ("lin-profile", (0, 1, 2, 3)),
         ("unseen-25x5", (0, 1, 2, 3)), ("unseen-63x20", (0, 3)),
-    ],  # fmt: skip
+    ],
 )
 def test_sides_that_may_touch(name: str, sides: tuple[int, ...]) -> None:
     assert needed_sides(catalogue.scene(name)) == sides
@@ -216,7 +217,7 @@ def test_a_run_that_did_not_converge_is_told_and_computed_again(tmp_path: Path, 
     said: list[str] = []
     reason = "a contact reaches the rim of its patch: it needs 1.6 mm,\nhas 1.5 mm"
     failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status=reason)
-    monkeypatch.setattr(jobs, "compute_with_bodies", lambda task: ([failed], None))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda _: ([failed], None))
     found = jobs.ensure([Task((scene,), 1)], tmp_path, jobs.Engine(), said.append)
     assert [run.status for run in found] == [reason]
     assert list(tmp_path.iterdir()) == []
@@ -233,7 +234,7 @@ def test_fresh_computes_what_is_stored(tmp_path: Path, monkeypatch: pytest.Monke
     task, old = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
     jobs.keep(tmp_path, task, [old], bodies_of(scene, 1))
     fresh = run_of("lin-case1", 1, np.full((32, 4), 2.0))
-    monkeypatch.setattr(jobs, "compute_with_bodies", lambda task: ([fresh], bodies_of(scene, 1)))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda _: ([fresh], bodies_of(scene, 1)))
     jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None)
     assert load(scene, 1, stores=(tmp_path,)).load.max() == 1.0
     jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None, fresh=True)
@@ -340,7 +341,7 @@ def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     from compare.report import Source, compute_references
 
     asked: list[list[Task]] = []
-    monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, fresh: asked.append(list(tasks)))
+    monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))
     for source in (
         Source((tmp_path,), jobs.Engine()), Source((tmp_path,), jobs.Engine(), quick=True),
         Source(None, jobs.Engine(), compute=False),
