@@ -50,7 +50,7 @@ class Settings:
 #: Half width of the contact zone over the expected reach of the contacts, across and along the groove.
 MARGIN = (1.15, 1.2)
 #: How much smaller cells are at most where there is hardly room for the contact.
-TIGHT = 3.0
+TIGHT = 4.0
 #: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.
 ROUNDING = 5e-6
 

@@ -94,7 +94,7 @@ def ball_points(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
 
 
 def ball_depth(m: GrooveMap, size: SocketSize, side: int) -> float:
-    """Depth [m] of a ball's socket that faces a groove's: a share of that one's, or what leaves its corners thick enough."""
+    """Depth [m] of a ball's socket that faces a groove's: a share of that one's, or what keeps its corners thick."""
     corners = np.array([[a, 0.0, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
     widest = float(np.linalg.norm(rays(m, BallSocket(side, size, size.depth), corners), axis=1).max())
     return max(SHALLOWER * size.depth, m.ball * (1.0 - (1.0 - CORNER) / widest))
