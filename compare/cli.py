@@ -132,6 +132,7 @@ def report(
     quick: Annotated[bool, Parameter(negative="")] = False,
     stored: Annotated[bool, Parameter(negative="")] = False,
     store: Path = Path("rollbench-reference"),
+    fresh: Annotated[bool, Parameter(negative="")] = False,
     backend: str = "joblib",
     scheduler: str | None = None,
     workers: int | None = None,
@@ -150,6 +151,8 @@ def report(
         Use the runs of the 3D reference that come with the package instead of computing them.
     store
         Folder of the 3D reference's runs; an interrupted report goes on from there.
+    fresh
+        Compute runs even where that folder holds them.
     backend
         joblib (this machine) or dask (a cluster), for the 3D reference.
     scheduler
@@ -161,7 +164,7 @@ def report(
     from compare.report import make_report
 
     engine = Engine(backend, scheduler, workers or (2 if scheduler is None else None), _cache())
-    return make_report(only or (), out, quick=quick, stored=stored, store=store, engine=engine)
+    return make_report(only or (), out, quick=quick, stored=stored, store=store, engine=engine, fresh=fresh)
 
 
 def _cache() -> Path | None:
@@ -202,6 +205,7 @@ def mesh_study(
     store: Path = Path("rollbench-reference"),
     spread: Annotated[bool, Parameter(negative="")] = False,
     source_mesh: Annotated[bool, Parameter(negative="")] = False,
+    fresh: Annotated[bool, Parameter(negative="")] = False,
     as_json: Json = False,
     backend: str = "joblib",
     scheduler: str | None = None,
@@ -221,6 +225,8 @@ def mesh_study(
         Also vary the modelling choices that are not printed, on the coarsest level.
     source_mesh
         Also run the source's mesh: first-order tetrahedra of 0.08 mm around every contact.
+    fresh
+        Compute runs even where they are stored.
     backend
         joblib (this machine) or dask (a cluster).
     scheduler
@@ -233,7 +239,7 @@ def mesh_study(
 
     return run_mesh_study(
         scenes, levels, store, Engine(backend, scheduler, workers, _cache()), spread=spread, source=source_mesh,
-        json_out=as_json, show=_show, print_json=_print_json,
+        json_out=as_json, show=_show, print_json=_print_json, fresh=fresh,
     )  # fmt: skip
 
 
@@ -244,6 +250,7 @@ def compare(
     model: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
     levels: str | None = None,
     store: Path = Path("rollbench-reference"),
+    fresh: Annotated[bool, Parameter(negative="")] = False,
     as_json: Json = False,
     backend: str = "joblib",
     scheduler: str | None = None,
@@ -261,6 +268,8 @@ def compare(
         Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given.
     store
         Folder of the reference's results, besides those shipped.
+    fresh
+        Compute runs even where they are stored or shipped.
     backend
         joblib (this machine) or dask (a cluster).
     scheduler
@@ -273,7 +282,7 @@ def compare(
 
     return run_compare(
         scenes, model or (), None if levels is None else parse_levels(levels), store,
-        Engine(backend, scheduler, workers, _cache()), json_out=as_json, show=_show, print_json=_print_json,
+        Engine(backend, scheduler, workers, _cache()), json_out=as_json, show=_show, print_json=_print_json, fresh=fresh,
     )  # fmt: skip
 
 

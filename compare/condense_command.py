@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from compare.errors import InputError
+from compare.errors import InputError, Refusal
 from compare.reference import LEVELS, settings_of
 from compare.system import need_gmsh
 from meshes.parts import Scene
@@ -33,10 +33,7 @@ def run_condense(scene: Scene, out: Path | None, level: int, *, cache: Path | No
     try:
         setup = prepare(scene, (0, 1, 2, 3), settings_of([scene], level), step, cache=Cache(cache))
     except ValueError as error:
-        raise InputError(
-            scene.name, "3D bodies", str(error), "a scene whose contacts have room for their patches",
-            "change what it names",
-        ) from error  # fmt: skip
+        raise Refusal(scene.name, "3D bodies", str(error), "change what it names") from error
     try:
         condensed_bodies(setup, level).save(out)
     except OSError as error:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 _LONGEST = 120
+#: The same for what this program says itself.
+_WHOLE = 2000
 
 
 def one_line(text: str, longest: int = _LONGEST) -> str:
@@ -36,6 +38,20 @@ class InputError(Exception):
             f"{one_line(self.file)}: {one_line(self.key)}: got {one_line(self.value)}; "
             f"allowed: {one_line(self.allowed, 300)}; advice: {one_line(self.advice, 300)}{rest}"
         )
+
+
+class Refusal(InputError):
+    """A scene that a model cannot take: where, and the model's own words, in full, because they hold cause and remedy."""
+
+    def __init__(self, file: str, key: str, reason: str, advice: str) -> None:
+        """Keep the parts; the text is put together by ``str()``."""
+        super().__init__(file, key, reason, "", advice)
+        self.args = (file, key, reason, advice)
+
+    def __str__(self) -> str:
+        """One line: ``file: key: reason; advice: ...``."""
+        reason = one_line(" ".join(self.value.split()), _WHOLE).rstrip(".; ")
+        return f"{one_line(self.file)}: {one_line(self.key)}: {reason}; advice: {one_line(self.advice, 300)}"
 
 
 class SceneError(InputError):

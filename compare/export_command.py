@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.errors import InputError
+from compare.errors import InputError, Refusal
 from compare.reference import needed_sides, settings_of
 from compare.system import need_gmsh
 from meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need, reduced, write_mesh
@@ -74,9 +74,7 @@ def run_export(
         if ball is not None:
             fields = result_fields(scene, part, level, ball - 1, cache)
     except ValueError as error:
-        raise InputError(
-            scene.name, part, str(error), "a scene that can be meshed", "see solid.* and the nut's length in the scene",
-        ) from error  # fmt: skip
+        raise Refusal(scene.name, part, str(error), "see solid.* and the nut's length in the scene") from error
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         write_mesh(out, data, fields, form=form)

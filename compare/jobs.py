@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -24,7 +23,7 @@ from compare.reference import (
     save,
     with_bodies,
 )
-from meshes.condensed import CondensedBodies, load_condensed
+from meshes.condensed import CondensedBodies
 from meshes.parts import Scene
 
 Step = Callable[[str], None]
@@ -62,14 +61,16 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
     """What no store holds yet, task by task; an ablation is missing where a run has none."""
     left = []
     for task in tasks:
-        scenes = []
-        for scene in task.scenes:
-            run = load(scene, task.level, task.variant, stores)
-            if run is None or (task.ablate and not run.without):
-                scenes.append(scene)
+        runs = [load(scene, task.level, task.variant, stores) for scene in task.scenes]
+        scenes = tuple(
+            scene for scene, run in zip(task.scenes, runs, strict=True) if run is None or (task.ablate and not run.without)
+        )
         if scenes:
-            left.append(replace(task, scenes=tuple(scenes)))
-        elif with_bodies(task) and not any(bodies_path(s, task.scenes[0], task.level).exists() for s in stores):
+            left.append(replace(task, scenes=scenes))
+        elif with_bodies(task) and not all(
+            run and any(bodies_path(store, scene, run).exists() for store in stores)
+            for scene, run in zip(task.scenes, runs, strict=True)
+        ):
             left.append(task)
     return left
 
@@ -77,20 +78,18 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
 def perform(task: Task, store: Path) -> tuple[list[Run], CondensedBodies | None]:
     """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way."""
     runs, bodies = compute_with_bodies(task)
-    for run, scene in zip(runs, task.scenes, strict=True):
-        save(store, scene, run)
-    keep_bodies(store, task, bodies)
+    keep(store, task, runs, bodies)
     return runs, bodies
 
 
-def keep_bodies(store: Path, task: Task, bodies: CondensedBodies | None) -> None:
-    """Store the condensed bodies of a task. Raises InputError where the folder cannot be written to."""
+def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
+    """Store the converged runs of a task, and its bodies. Raises InputError where the folder cannot be written to."""
+    for run, scene in zip(runs, task.scenes, strict=True):
+        if run.status == "converged":
+            save(store, scene, run)
     if bodies is None:
         return
-    path = bodies_path(store, task.scenes[0], task.level)
-    with suppress(OSError, ValueError):  # none yet, or a damaged one
-        if len(load_condensed(path).sides) > len(bodies.sides):
-            return
+    path = bodies_path(store, task.scenes[0], runs[0])
     try:
         bodies.save(path)
     except OSError as error:
@@ -98,13 +97,17 @@ def keep_bodies(store: Path, task: Task, bodies: CondensedBodies | None) -> None
         raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None
 
 
-def ensure(tasks: Sequence[Task], store: Path, engine: Engine, step: Step, stores: Sequence[Path] = ()) -> int:
-    """Compute what neither ``store`` nor ``stores`` hold; returns how many tasks that were."""
+def ensure(
+    tasks: Sequence[Task], store: Path, engine: Engine, step: Step, stores: Sequence[Path] = (), *, fresh: bool = False
+) -> list[Run]:
+    """Compute what neither ``store`` nor ``stores`` hold, or, fresh, everything; returns the runs that did not converge."""
     from compare import parallel
 
-    left = [replace(task, cache=engine.cache) for task in missing(tasks, (store, *stores))]
+    wanted = tasks if fresh else missing(tasks, (store, *stores))
+    left = [replace(task, cache=engine.cache) for task in wanted]
+    failed: list[Run] = []
     if not left:
-        return 0
+        return failed
     start, done, total = perf_counter(), 0.0, sum(task.weight for task in left)
     step(f"3D reference: {len(left)} set-ups to compute, stored in {store}")
     jobs = [(perform, (task, store)) for task in left]
@@ -114,19 +117,18 @@ def ensure(tasks: Sequence[Task], store: Path, engine: Engine, step: Step, store
         nonlocal done, finished
         task = left[index]
         runs, bodies = made
-        for run, scene in zip(runs, task.scenes, strict=True):
-            if not path_in(store, scene, task.level, task.variant).exists():
-                save(store, scene, run)  # computed on a machine that does not share this folder
-        if bodies is not None and not bodies_path(store, task.scenes[0], task.level).exists():
-            keep_bodies(store, task, bodies)
+        good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.status == "converged"]
+        if not all(path_in(store, scene, run).exists() for scene, run in good):
+            keep(store, task, runs, bodies)  # computed on a machine that does not share this folder
+        failed.extend(run for run in runs if run.status != "converged")
         done += task.weight
         finished += 1
         spent = perf_counter() - start
         rest = spent * (total - done) / done
-        bad = sorted({run.status for run in runs} - {"converged"})
-        tail = f" ({'; '.join(bad)})" if bad else ""
+        bad = [f"{run.scene}: {run.status}" for run in runs if run.status != "converged"]
+        tail = f" (not stored: {'; '.join(bad)})" if bad else ""
         ahead = f", about {rest:.0f} s left" if finished < len(left) else ""
-        step(f"[{finished}/{len(left)}] {task.label}{tail}: {spent:.0f} s{ahead}")
+        step(" ".join(f"[{finished}/{len(left)}] {task.label}{tail}: {spent:.0f} s{ahead}".split()))
 
     over = threading.Event()
 
@@ -140,7 +142,7 @@ def ensure(tasks: Sequence[Task], store: Path, engine: Engine, step: Step, store
             reached(number, made)
     finally:
         over.set()
-    return len(left)
+    return failed
 
 
 def all_variants() -> tuple[str, ...]:

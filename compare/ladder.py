@@ -64,7 +64,7 @@ def uncertainty_percent(found: Reference) -> float | None:
 def finest_bodies(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> Path | None:
     """File of the condensed bodies on the reference's finest level, where a store has it."""
     for store in (shipped_store(),) if stores is None else stores:
-        path = bodies_path(store, scene, found.best.level)
+        path = bodies_path(store, scene, found.best)
         if path.exists():
             return path
     return None

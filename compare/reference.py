@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import datetime
+import glob
 import hashlib
 import json
 import resource
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from importlib import metadata, resources
 from pathlib import Path
@@ -17,12 +18,10 @@ from numpy.typing import NDArray
 
 from compare import __version__
 from compare.convergence import Convergence, observe
-from compare.errors import InputError
+from compare.errors import InputError, Refusal
 from compare.system import need_gmsh
 from compare.writing import replace_file
 from meshes.condensed import CondensedBodies, geometry_digest
-from meshes.errors import specimen
-from meshes.helix import ball_layout, groove_radii, nominal_groove_centres
 from meshes.parts import Scene
 from meshes.solid import Dimensions, dimensions
 
@@ -37,22 +36,22 @@ Step = Callable[[str], None]
 #: cells, so there are twice as many nodes. Lengths in m for the ball of ``BALL`` radius, other scenes in proportion.
 #: Level 0 is the source's mesh: first-order tetrahedra, 0.08 mm around every contact, 5 mm elsewhere (second-order ones
 #: of twice the size, split); it is no part of a convergence study.
-LEVELS: dict[int, dict[str, float]] = {
+LEVELS: dict[int, dict[str, Any]] = {
     1: {"b_over_h": 1.6, "fine": 1.6e-3, "coarse": 8.0e-3, "ball_fine": 0.55e-3, "ball_coarse": 1.2e-3, "cell": 5.0e-3},
     2: {"b_over_h": 2.2, "fine": 1.2e-3, "coarse": 6.0e-3, "ball_fine": 0.42e-3, "ball_coarse": 0.95e-3, "cell": 4.2e-3},
     3: {"b_over_h": 3.0, "fine": 0.92e-3, "coarse": 4.6e-3, "ball_fine": 0.32e-3, "ball_coarse": 0.72e-3, "cell": 3.6e-3},
 }
 SOURCE_LEVEL = 0
-SOURCE_MESH: dict[str, float] = {
+SOURCE_MESH: dict[str, Any] = {
     "b_over_h": 0.8, "fine": 1.6e-3, "coarse": 10.0e-3, "ball_fine": 0.55e-3, "ball_coarse": 1.3e-3, "cell": 5.0e-3,
     "tet": 0.08e-3,
 }  # fmt: skip
 BALL = 2.778e-3
 PRODUCTION = max(LEVELS)
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
-SCHEMA = 2
-#: How often patches are enlarged where a contact reaches their rim.
-ENLARGE = 2
+SCHEMA = 3
+#: How often patches are enlarged where a contact reaches their rim, and by what at least.
+ENLARGE, BEYOND = 2, 1.2
 #: The same for the condensed bodies.
 BODIES = 1
 Change = Callable[[Scene], Scene]
@@ -145,17 +144,17 @@ class Run:
 
 
 def needed_sides(scene: Scene) -> tuple[int, ...]:
-    """Sides that may touch, by the preload and the sense of the axial load; all four unless that is plain."""
-    drawn = specimen(scene, ball_layout(scene))
-    force = sum(x.force[2] for x in scene.loads)
-    lateral = sum(abs(x.force[0]) + abs(x.force[1]) for x in scene.loads)
-    bent = any(v != 0.0 for s in scene.supports for _, v in s.fixed)
-    closing = np.abs(drawn.profile).sum() + np.abs(drawn.radius - groove_radii(scene)).max()
-    closing += np.abs(drawn.centre - nominal_groove_centres(scene)).max()
-    tight = float((drawn.ball_radius - scene.balls.radius).max() + closing) > 2e-6
-    if force == 0.0 or lateral > 0.2 * abs(force) or bent or tight:
-        return (0, 1, 2, 3)
-    return (0, 3) if force > 0.0 else (1, 2)
+    """Sides that may touch, by `hifi.expected`. Raises Refusal where that finds no equilibrium."""
+    from hifi.expected import expected_contacts
+
+    try:
+        return expected_contacts(scene).sides()
+    except ValueError as error:
+        raise _refused(scene, error) from error
+
+
+def _refused(scene: Scene, error: ValueError) -> Refusal:
+    return Refusal(scene.name, "3D reference", str(error), "change what it names, or solve it with a low-order model")
 
 
 def geometry_of(scene: Scene) -> tuple[Any, ...]:
@@ -171,27 +170,85 @@ def groups(scenes: Sequence[Scene]) -> list[list[Scene]]:
     return list(found.values())
 
 
-def key_of(scene: Scene, level: int, variant: str = "") -> str:
-    """Content key of a run: geometry, errors, loads, supports, level and variant; names and remarks do not count."""
+def key_of(scene: Scene, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> str:
+    """Content key of a run: all that its numbers depend on.
+
+    Geometry, errors, loads and supports of the scene (names and remarks do not count), its solid dimensions as resolved,
+    the variant, the mesh settings as resolved, in numbers, and the prepared sides (both set by all scenes that were meshed
+    together), the ensemble's member (the first), versions of the mesh generator and the finite elements, ``SCHEMA``.
+    """
     bare = replace(scene, name="", title="", source="", assumed=(), members=1)
-    mesh = sorted((SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]).items())
-    return hashlib.sha256(f"{SCHEMA}|{bare!r}|{mesh!r}|{variant}".encode()).hexdigest()[:16]
+    solid = replace(dimensions(scene), assumed=())
+    mesh, programs = sorted(_plain(settings).items()), sorted(versions().items())
+    return _digest(SCHEMA, bare, solid, variant, mesh, tuple(sides), 0, programs)
+
+
+def bodies_key(scene: Scene, settings: Mapping[str, Any], sides: Sequence[int]) -> str:
+    """Content key of condensed bodies: parts, solid dimensions, mesh settings and sides as for runs, ``BODIES``."""
+    solid = replace(dimensions(scene), assumed=())
+    mesh = sorted(_plain(settings).items())
+    return _digest(SCHEMA, BODIES, geometry_digest(scene), solid, mesh, tuple(sides), sorted(versions().items()))
+
+
+def _digest(*parts: object) -> str:
+    return hashlib.sha256("|".join(repr(part) for part in parts).encode()).hexdigest()[:16]
+
+
+def _plain(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings as they come back from a file: lists are tuples."""
+    return {name: tuple(value) if isinstance(value, list | tuple) else value for name, value in settings.items()}
+
+
+def versions() -> dict[str, str]:
+    """Versions of the programs whose results runs depend on; empty for one that is not installed."""
+    found = {}
+    for name in ("gmsh", "scikit-fem"):
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = ""
+    return found
 
 
 def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
-    """Mesh settings that serve ``scenes`` of one geometry on a level with a modelling variant."""
-    from hifi.fit import Settings, expected_semi_axes
+    """Mesh settings that serve ``scenes`` of one geometry on a level with a modelling variant.
+
+    Raises InputError for an unknown level, Refusal where no contacts can be expected.
+    """
+    from hifi.fit import Settings, expected_reach, expected_semi_axes
 
     if level not in (SOURCE_LEVEL, *LEVELS):
         raise InputError("command line", "--levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
     mesh = SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]
     ratio = scenes[0].balls.radius / BALL
-    sizes: dict[str, Any] = {k: v if k == "b_over_h" else v * ratio for k, v in mesh.items()}
-    axes = [expected_semi_axes(scene) for scene in scenes]
+    sizes: dict[str, Any] = {k: v * ratio if isinstance(v, float) and k != "b_over_h" else v for k, v in mesh.items()}
+    axes, reach = [], []
+    for scene in scenes:
+        try:
+            axes.append(expected_semi_axes(scene))
+            reach.append(expected_reach(scene))
+        except ValueError as error:
+            raise _refused(scene, error) from error
     sizes["semi"] = (min(a for a, _ in axes), min(b for _, b in axes))
-    sizes["reach"] = (max(a for a, _ in axes), max(b for _, b in axes))
+    sizes["reach"] = (max(a for a, _ in reach), max(b for _, b in reach))
     sizes["element"] = "P1" if level == SOURCE_LEVEL else "Q2"
     return Settings(**sizes, **dict(VARIANTS[variant].settings if variant else ()))
+
+
+def serves(scene: Scene, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
+    """Whether a mesh of a level serves a scene: cells at least as fine, patches as large, all sides that may touch."""
+    changed = VARIANTS[variant].change(scene) if variant else scene
+    try:
+        own, needed = asdict(settings_of([changed], level, variant)), needed_sides(changed)
+    except InputError:
+        return False
+    found = _plain(settings)
+    same = all(found.get(name) == value for name, value in own.items() if name not in ("semi", "reach"))
+    fits = {"semi", "reach"} <= set(found) and set(needed) <= set(sides)
+    return bool(
+        same and fits and all(x <= y for x, y in zip(found["semi"], own["semi"], strict=True))
+        and all(x >= y for x, y in zip(found["reach"], own["reach"], strict=True))
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -226,7 +283,10 @@ def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
 
 
 def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
-    """Run a task; with its runs the bodies condensed to the contacts, where the task is one of a mesh level."""
+    """Run a task; with its runs, where all converged, the bodies condensed to the contacts, if `with_bodies`.
+
+    Where a contact reaches the rim of its patch, patches are enlarged to what the loads found need, if that changes them.
+    """
     need_gmsh()
     from hifi.condensed import condensed_bodies
     from hifi.reference import AT_RIM
@@ -242,20 +302,55 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
         try:
             setup = prepare(scenes[0], sides, settings, step, scenes[1:], cache=Cache(task.cache))
         except ValueError as error:
-            raise InputError(
-                scenes[0].name, "3D reference", str(error), "a scene whose contacts have room for their patches",
-                "change what it names, or solve the scene with a low-order model",
-            ) from error  # fmt: skip
-        runs = []
-        for number, scene in enumerate(scenes):
-            runs.append(_one(task, number, scene, setup, needed_sides(scene), step))
-            if AT_RIM in runs[-1].status and attempt < ENLARGE:
-                break
-        else:
+            raise _refused(scenes[0], error) from error
+        runs = [_one(task, number, scene, setup, needed_sides(scene), step) for number, scene in enumerate(scenes)]
+        full = [k for k, run in enumerate(runs) if run.status == AT_RIM]
+        if not full:
             break
-        settings = replace(settings, reach=(1.35 * settings.reach[0], 1.35 * settings.reach[1]))
-        step("a contact reaches the rim of its patch: larger patches")
-    return runs, condensed_bodies(setup, task.level) if with_bodies(task) else None
+        larger, why = enlarged(setup, [scenes[k] for k in full], [runs[k] for k in full])
+        if larger is None or attempt == ENLARGE:
+            for k in full:
+                runs[k] = replace(runs[k], status=f"a contact reaches the rim of its patch: {why}")
+            break
+        settings = larger
+        step(f"a contact reaches the rim of its patch, larger patches: {why}")
+    good = all(run.status == "converged" for run in runs)
+    return runs, condensed_bodies(setup, task.level) if good and with_bodies(task) else None
+
+
+def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run]) -> tuple[Settings | None, str]:
+    """Settings with patches for the loads that were found, or None where that changes no patch; both numbers in words."""
+    from hifi.expected import hertz_units
+    from hifi.fit import patch_lines, socket_size
+
+    def zone(settings: Settings) -> tuple[float, float]:
+        """Half widths [m] of the contact zone."""
+        size = socket_size(setup.scene, setup.map, setup.layout, setup.sides, setup.dims, settings)
+        widths = (size.gamma * float(setup.map.radius.mean()), size.phi * setup.map.R)
+        share = patch_lines(settings, widths, size.depth)[1]
+        return share[0] * widths[0], share[1] * widths[1]
+
+    def mm(lengths: tuple[float, float]) -> str:
+        return f"{1e3 * lengths[0]:.3g} mm across and {1e3 * lengths[1]:.3g} mm along the groove"
+
+    needs = np.zeros(2)
+    for scene, run in zip(scenes, runs, strict=True):
+        size = np.cbrt(run.load)
+        shift = np.nan_to_num(np.abs(np.radians(run.angle) - setup.map.beta)) * setup.map.radius
+        units = hertz_units(scene)
+        across, along = (size * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
+        needs = np.maximum(needs, [float((across + shift).max()), float(along.max())])
+    has, reach = zone(setup.settings), np.array(setup.settings.reach)
+    a, b = np.maximum(BEYOND * reach, needs).tolist()
+    larger, need = replace(setup.settings, reach=(a, b)), (float(needs[0]), float(needs[1]))
+    words = f"by the loads found it needs {mm(need)}, the patch has {mm(has)}"
+    try:
+        after = zone(larger)
+    except ValueError as error:
+        return None, f"{words}; a larger one is refused: {error}"
+    if max(after[0] / has[0], after[1] / has[1]) < 1.0 + 1e-6:
+        return None, f"{words}, as much as there is room for; lower the load, or make more room beside the contact"
+    return larger, words
 
 
 def with_bodies(task: Task) -> bool:
@@ -263,10 +358,9 @@ def with_bodies(task: Task) -> bool:
     return not task.variant and task.level in LEVELS
 
 
-def bodies_path(store: Path, scene: Scene, level: int) -> Path:
-    """File of the condensed bodies of a scene's parts in a store."""
-    mesh = hashlib.sha256(f"{SCHEMA}|{BODIES}|{sorted(LEVELS[level].items())!r}".encode()).hexdigest()[:6]
-    return store / f"bodies-{geometry_digest(scene)}-level{level}-{mesh}.npz"
+def bodies_path(store: Path, scene: Scene, run: Run) -> Path:
+    """File of the condensed bodies that belong to a run of a scene, in a store."""
+    return store / f"bodies-{geometry_digest(scene)}-level{run.level}-{bodies_key(scene, run.settings, run.sides)}.npz"
 
 
 def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, ...], step: Step) -> Run:
@@ -291,15 +385,18 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         peak_MB=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0, balance=result.balance,
         along_groove=result.along_groove, screw_balance=result.screw_balance, left_out=setup.left_out,
         quality=setup.quality, settings=asdict(setup.settings), assumed=setup.dims.assumed,
-        versions={"rollbench": __version__, "gmsh": metadata.version("gmsh")},
+        versions={"rollbench": __version__, **versions()},
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
     )  # fmt: skip
 
 
-def path_in(store: Path, scene: Scene, level: int, variant: str = "") -> Path:
-    """File of a run in a store."""
-    tail = f"-{variant}" if variant else ""
-    return store / f"{scene.name}-level{level}{tail}-{key_of(scene, level, variant)}.json"
+def path_in(store: Path, scene: Scene, run: Run) -> Path:
+    """File of a run of a scene in a store."""
+    return store / f"{_stem(scene, run.level, run.variant)}{key_of(scene, run.variant, run.settings, run.sides)}.json"
+
+
+def _stem(scene: Scene, level: int, variant: str) -> str:
+    return f"{scene.name}-level{level}-{variant}-" if variant else f"{scene.name}-level{level}-"
 
 
 ARRAYS = ("load", "angle", "frozen", "centreline")
@@ -311,8 +408,10 @@ def _rows(array: Array) -> list[list[float | None]]:
 
 
 def save(store: Path, scene: Scene, run: Run) -> Path:
-    """Write a run whole or not at all."""
-    path = path_in(store, scene, run.level, run.variant)
+    """Write a converged run whole or not at all. Raises ValueError for another one."""
+    if run.status != "converged":
+        raise ValueError(f"a run that did not converge is no reference: {run.status}")
+    path = path_in(store, scene, run)
     data = asdict(run) | {name: _rows(getattr(run, name)) for name in ARRAYS}
     data["without"] = {name: _rows(array) for name, array in run.without.items()}
     text = json.dumps(data, indent=None, separators=(",", ":")).replace('],[', '],\n[') + "\n"
@@ -330,20 +429,35 @@ def _array(rows: list[list[float | None]]) -> Array:
 
 
 def load(scene: Scene, level: int, variant: str = "", stores: Sequence[Path] | None = None) -> Run | None:
-    """A stored run, or None; a damaged file counts as absent. ``stores``: the shipped one unless given."""
+    """A stored run of a mesh that serves the scene, or None; a damaged file, or one of another key, counts as absent.
+
+    stores: the shipped one unless given, the first that has a run counts. Of several runs, made with other scenes, that on
+    the finest cells is taken (then that with the largest patches).
+    """
     for store in (shipped_store(),) if stores is None else stores:
-        path = path_in(store, scene, level, variant)
-        try:
-            data = json.loads(path.read_text(encoding="utf-8"))
-            arrays: dict[str, Any] = {k: _array(data.pop(k)) for k in ARRAYS}
-            without = {k: _array(v) for k, v in data.pop("without").items()}
-            data |= {"sides": tuple(data["sides"]), "assumed": tuple(data["assumed"])}
-            run = Run(**data, **arrays, without=without)
-            if run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape:
-                return run
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            continue
+        found = []
+        for path in sorted(store.glob(f"{glob.escape(_stem(scene, level, variant))}*.json")):
+            run = _read(path, scene, level, variant)
+            if run is not None and serves(scene, level, variant, run.settings, run.sides):
+                found.append(run)
+        if found:
+            return min(found, key=lambda run: (*run.settings["semi"], *(-x for x in run.settings["reach"])))
     return None
+
+
+def _read(path: Path, scene: Scene, level: int, variant: str) -> Run | None:
+    """Run in a file, if that is whole and its name is the key of what it holds."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        arrays: dict[str, Any] = {k: _array(data.pop(k)) for k in ARRAYS}
+        without = {k: _array(v) for k, v in data.pop("without").items()}
+        data |= {"sides": tuple(data["sides"]), "assumed": tuple(data["assumed"]), "settings": _plain(data["settings"])}
+        run = Run(**data, **arrays, without=without)
+        whole = run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape
+        own = (run.level, run.variant) == (level, variant) and path.name == path_in(path.parent, scene, run).name
+        return run if whole and own and run.status == "converged" else None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
 
 
 @dataclass(frozen=True)

@@ -70,12 +70,14 @@ class Progress:
 
 @dataclass(frozen=True)
 class Source:
-    """Where the runs of the 3D reference come from: folders, computed now or stored, coarse meshes only."""
+    """Where the runs of the 3D reference come from: folders, computed now or stored, coarse meshes only, anew even where
+    the folder holds them."""
 
     stores: tuple[Path, ...] | None
     engine: Engine
     compute: bool = True
     quick: bool = False
+    fresh: bool = False
 
 
 def compute_references(study: Study, source: Source, step: Step) -> None:
@@ -96,7 +98,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         tasks += plan(scenes[:1], (), all_variants())
         tasks += plan([study.scene(name) for name in UNSEEN], (1, 2))
         tasks.sort(key=lambda task: -task.weight)
-    ensure(tasks, source.stores[0], source.engine, step)
+    ensure(tasks, source.stores[0], source.engine, step, fresh=source.fresh)
 
 
 def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], Section, Section]:
@@ -175,16 +177,19 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
 
 def make_report(
     only: Sequence[str], out: Path, *, quick: bool = False, stored: bool = False,
-    store: Path = Path("rollbench-reference"), engine: Engine | None = None,
+    store: Path = Path("rollbench-reference"), engine: Engine | None = None, fresh: bool = False,
 ) -> int:  # fmt: skip
     """Run, draw and write the report; returns the exit code.
 
     quick: coarsest meshes of the 3D reference only; stored: the runs that come with the package; store: folder in which
-    computed runs are kept, so that an interrupted report goes on. Raises InputError for a bad section name or folder.
+    computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them.
+    Raises InputError for a bad section name or folder.
     """
     unknown = [name for name in only if name not in SECTIONS]
     if unknown:
         raise InputError("command line", "--only", f'"{unknown[0]}"', ", ".join(SECTIONS), "name a section")
+    if fresh and stored:
+        raise InputError("command line", "--fresh", "also --stored", "one of both", "leave --stored out to compute")
     from reports.html import check_target, write
 
     try:
@@ -197,15 +202,15 @@ def make_report(
     total = len([n for n in made if n not in ("overview", "errors", "manufacturing")])
     total += 1 + any(not only or n in only for n in ("overview", "errors", "manufacturing", "notes"))
     total += any(not only or n in only for n in ("overview", "ladder", "reference", "reference-mesh", "notes"))
-    source = Source(None if stored else (store,), engine or Engine(), not stored, quick)
+    source = Source(None if stored else (store,), engine or Engine(), not stored, quick, fresh)
     progress = Progress(total)
     start = perf_counter()
     sections, headline, study = build(only, progress, source)
     progress.section("drawing and writing")
     facts = provenance()
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
-    fresh = "computed, coarse meshes only" if quick else "computed"
-    facts["3D reference"] = "stored runs of the package" if stored else fresh
+    computed = "computed, coarse meshes only" if quick else "computed"
+    facts["3D reference"] = "stored runs of the package" if stored else computed
     report = Report(
         title="rollbench validation report",
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"

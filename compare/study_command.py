@@ -15,7 +15,7 @@ import numpy as np
 from compare import catalogue
 from compare.comparison import CONTENDERS, contenders, from_model, reference_answers, rows, suited
 from compare.convergence import observe
-from compare.errors import InputError
+from compare.errors import InputError, Refusal
 from compare.jobs import Engine, all_variants, ensure, plan
 from compare.measure import error_percent
 from compare.reference import LEVELS, SOURCE_LEVEL, VARIANTS, Run, load, reference, shipped_store
@@ -91,17 +91,23 @@ def on_terminal(text: str) -> None:
 
 def run_mesh_study(
     names: Sequence[str], levels: int, store: Path, engine: Engine, *, spread: bool, source: bool, json_out: bool,
-    show: Show, print_json: Callable[[Any], None],
+    show: Show, print_json: Callable[[Any], None], fresh: bool = False,
 ) -> int:  # fmt: skip
-    """Compute what is missing, print the table, write it as CSV and SVG into the store."""
+    """Compute what is missing (fresh: everything anew), print the table, write it as CSV and SVG into the store.
+
+    Raises Refusal for a scene of which no run converged.
+    """
     if not 1 <= levels <= len(LEVELS):
         raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give an order")
     scenes = [catalogue.scene(name) for name in names]
     tasks = plan(scenes, range(1, levels + 1), source=source)
     if spread:
         tasks += [t for s in scenes for t in plan([s], (), all_variants())]
-    ensure(tasks, store, engine, on_terminal)
+    failed = ensure(tasks, store, engine, on_terminal, fresh=fresh)
     tables = {scene.name: study_table(scene, (store,), levels) for scene in scenes}
+    for name, table in tables.items():
+        if not table:
+            raise unconverged(name, failed)
     for name, table in tables.items():
         columns = list(dict.fromkeys(k for row in table for k in row))
         text = io.StringIO()
@@ -115,6 +121,13 @@ def run_mesh_study(
     if json_out:
         print_json(tables)
     return 0
+
+
+def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
+    """What is said of a scene without a converged run: what became of its runs."""
+    why = [f"level {run.level}: {run.status}" for run in failed if run.scene == name]
+    reason = f"no run of the 3D reference converged ({'; '.join(why)})" if why else "no converged run of the 3D reference"
+    return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
 
 
 def _figure(name: str, table: Sequence[dict[str, Any]], store: Path) -> None:
@@ -151,28 +164,27 @@ def parse_levels(text: str) -> tuple[int, ...]:
 
 def run_compare(
     names: Sequence[str], models: Sequence[str], levels: tuple[int, ...] | None, store: Path, engine: Engine, *,
-    json_out: bool, show: Show, print_json: Callable[[Any], None],
+    json_out: bool, show: Show, print_json: Callable[[Any], None], fresh: bool = False,
 ) -> int:  # fmt: skip
     """Rows of every scene and model against the reference; what is not stored is computed first.
 
-    levels: None for the best stored reference (all levels are computed where there is none); else just those.
+    levels: None for the best stored reference (all levels are computed where there is none); else just those. fresh:
+    compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
     own = contenders(tuple(models))
     scenes = [catalogue.scene(name) for name in names]
     stores = (store, shipped_store())
-    without = [s for s in scenes if reference(s, stores) is None] if levels is None else scenes
+    without = [s for s in scenes if reference(s, stores) is None] if levels is None and not fresh else scenes
+    failed: list[Run] = []
     if without:
         wanted = levels or tuple(LEVELS)
         tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
-        ensure(tasks, store, engine, on_terminal, stores)
+        failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh)
     out = []
     for scene in scenes:
         found = reference(scene, stores)
         if found is None:
-            raise InputError(
-                scene.name, "3D reference", "no converged run", "a scene whose contact problem has a solution",
-                "see the status of the runs in the store, or solve it with a low-order model",
-            )  # fmt: skip
+            raise unconverged(scene.name, failed)
         answers = [from_model(c, scene) for c in (own or suited(scene))]
         answers += reference_answers(found, load(scene, SOURCE_LEVEL, stores=stores))
         for answer in answers:

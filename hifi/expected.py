@@ -34,21 +34,26 @@ Array = NDArray[np.float64]
 STEPS, BALANCED = 200, 1e-6
 #: Stiffness that keeps open balls and unheld screws in place, and that of supports, over that of a loaded contact.
 SOFT, HELD = 1e-7, 1e4
+#: Share of the largest load that the former may carry: more, and nothing else holds the screw.
+CARRIED = 1e-2
 #: Contacts that carry less than this share of the largest load do not count towards the mean.
 LOADED = 0.05
+#: Gaps below this share of the largest approach count as nearly closed.
+NEAR = 0.2
 
 
 @dataclass(frozen=True)
 class ExpectedContacts:
     """Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [rad] (nominal where open), semi-axes across and along the groove
-    ``(n, 4)`` [m], and how far a contact's middle lies from the nominal one along its groove's arc ``(n, 4)`` [m], counted
-    towards the edge."""
+    ``(n, 4)`` [m], how far a contact's middle lies from the nominal one along its groove's arc ``(n, 4)`` [m], counted
+    towards the edge, and gaps ``(n, 4)`` [m], negative where ball and groove are pressed together."""
 
     load: Array
     angle: Array
     across: Array
     along: Array
     shift: Array
+    gap: Array
 
     def semi(self) -> tuple[float, float]:
         """Semi-axes (a, b) [m] of a typical contact: the mean over the balls of the larger contact of each."""
@@ -66,11 +71,17 @@ class ExpectedContacts:
         return float((self.across + np.abs(self.shift))[:, own].max()), float(self.along[:, own].max())
 
 
+    def sides(self) -> tuple[int, ...]:
+        """Sides (0 to 3) that touch, or nearly: with a gap of less than a fifth of the largest approach."""
+        return tuple(int(s) for s in np.flatnonzero(self.gap.min(axis=0) < -NEAR * self.gap.min()))
+
+
 @dataclass(frozen=True)
 class _Model:
     """Stiffness of the screw's stations and of its supports, loads on them; A: change of all vectors from groove to ball
     centre ``(8 n,)`` by all freedoms, their values at rest ``(n, 4, 2)`` [m] and the lengths at which ball and groove touch
-    ``(n, 4)`` [m]; Hertz's constant F / approach^(3/2) of each side ``(4,)``; a typical stiffness [N/m]."""
+    ``(n, 4)`` [m]; Hertz's constant F / approach^(3/2) of each side ``(4,)``; a typical stiffness [N/m]; soft springs that
+    K holds on every freedom, [N/m] or [N m], and their arms (1, or the pitch radius of rotations)."""
 
     K: sp.csc_matrix
     P: Array
@@ -79,6 +90,8 @@ class _Model:
     touch: Array
     constant: Array
     stiffness: float
+    soft: Array
+    arm: Array
 
 
 @lru_cache(maxsize=64)
@@ -88,12 +101,14 @@ def expected_contacts(scene: Scene) -> ExpectedContacts:
     Raises ValueError where the model finds no equilibrium, or an ellipse is too thin for Hertz's formulas.
     """
     units = hertz_units(scene)
-    load, vectors = _equilibrium(_model(scene, units))
+    model = _model(scene, units)
+    load, vectors = _equilibrium(model)
     signs, beta = np.array(SIDE_SIGNS), scene.track.contact_angle
     angle = np.where(load > 0.0, np.arctan2(vectors[..., 1] * signs[:, 1], vectors[..., 0] * signs[:, 0]), beta)
     scale = np.cbrt(load)
     across, along = (scale * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
-    return ExpectedContacts(load, angle, across, along, (angle - beta) * groove_radii(scene))
+    gap = model.touch - np.linalg.norm(vectors, axis=2)
+    return ExpectedContacts(load, angle, across, along, (angle - beta) * groove_radii(scene), gap)
 
 
 def hertz_units(scene: Scene) -> tuple[HertzSolution, ...]:
@@ -117,11 +132,10 @@ def _model(scene: Scene, units: tuple[HertzSolution, ...]) -> _Model:
     layout, track, e = ball_layout(scene), scene.track, scene.screw.material
     drawn, n = specimen(scene, layout), layout.z.size
     rigid = scene.ingredients.screw == "rigid" or dimensions(scene).screw_held == "bore"
-    own = {x.at for x in (*scene.supports, *scene.loads)} | set(layout.z.tolist())
+    own = {x.at for x in scene.supports} | {x.at for x in scene.loads} | set(layout.z.tolist())
     nodes = [scene.nut.position] if rigid else sorted({round(z, 9) for z in own})
-    section = round_section(
-        0.5 * (scene.screw.outer_diameter / 2.0 + track.pitch_radius - scene.balls.radius), e.youngs_modulus, e.poissons_ratio
-    )
+    mean = 0.5 * (scene.screw.outer_diameter / 2.0 + track.pitch_radius - scene.balls.radius)  # of land and groove
+    section = round_section(mean, e.youngs_modulus, e.poissons_ratio)
     K = sp.lil_matrix((6 * len(nodes),) * 2)
     for k, (a, b) in enumerate(pairwise(nodes)):
         K[6 * k : 6 * k + 12, 6 * k : 6 * k + 12] += beam_stiffness(b - a, section)
@@ -155,11 +169,12 @@ def _model(scene: Scene, units: tuple[HertzSolution, ...]) -> _Model:
         screw = -sp.csr_matrix(np.hstack([frame, frame @ turn])) @ motion(z)
         blocks.append(sp.vstack([screw, screw, sp.csr_matrix((4, K.shape[0]))]))
     A = sp.hstack([sp.vstack(blocks), sp.kron(sp.identity(n), np.tile(np.eye(2), (4, 1)))]).tocsr()
-    soft = SOFT * stiffness * np.concatenate([np.tile(size**2, len(nodes)), np.ones(2 * n)])
+    arm = np.concatenate([np.tile(size, len(nodes)), np.ones(2 * n)])
+    soft = SOFT * stiffness * arm**2
     whole = sp.block_diag([K.tocsr() + held, sp.csr_matrix((2 * n, 2 * n))]) + sp.diags(soft)
     inward = np.array([np.polynomial.Polynomial(p if p.size else [0.0])(track.contact_angle) for p in drawn.profile])
     touch = (drawn.radius - inward)[None, :] - drawn.ball_radius[:, None]
-    return _Model(whole.tocsc(), np.append(P, np.zeros(2 * n)), A, -drawn.centre, touch, constant, stiffness)
+    return _Model(whole.tocsc(), np.append(P, np.zeros(2 * n)), A, -drawn.centre, touch, constant, stiffness, soft, arm)
 
 
 def _contact(model: _Model, x: Array) -> tuple[float, Array, Array, Array, Array]:
@@ -180,6 +195,8 @@ def _equilibrium(model: _Model) -> tuple[Array, Array]:
         wrong = model.P - model.K @ x - model.A.T @ (load[..., None] * unit).ravel()
         scale = max(float(load.max()), 1e-3 * float(np.abs(model.P).max(initial=0.0)), 1e-9)
         if float(np.abs(wrong).max()) < BALANCED * scale and step:
+            if float(np.abs(model.soft * x / model.arm).max()) > CARRIED * scale:
+                break
             return load, vectors
         # a stiffness of open contacts that dies out keeps the first steps short
         own = np.maximum(slope, model.stiffness * 10.0 ** (-step / 4.0))

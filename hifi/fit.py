@@ -56,6 +56,8 @@ class Settings:
 
 #: Half width of the contact zone over the expected reach of the contacts, across and along the groove.
 MARGIN = (1.15, 1.2)
+#: How much smaller cells are at most where there is hardly room for the contact.
+TIGHT = 4.0
 #: Expected semi-axes are rounded to this length [m], so that like scenes share their patches.
 ROUNDING = 5e-6
 
@@ -89,6 +91,8 @@ def patch_lines(
     if settings.element == "Q2":
         zone_a, zone_b = cell_a * np.ceil(zone_a / cell_a), cell_b * np.ceil(zone_b / cell_b)
     zone = (float(min(zone_a / width[0], ZONE)), float(min(zone_b / width[1], ZONE)))
+    # beside an edge, where the zone hardly reaches beyond the contact, smaller cells keep the outermost nodes out of it
+    cell_a = min(cell_a, max(4.0 * (zone[0] * width[0] - wide), cell_a / TIGHT))
     across = graded(zone[0], cell_a / width[0], settings.growth)
     along = graded(zone[1], cell_b / width[1], settings.growth)
     depth = growing(0.0, 1.0, cell_b / deep / settings.growth, settings.growth)

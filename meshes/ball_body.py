@@ -79,9 +79,9 @@ def directions(m: GrooveMap, side: int) -> Array:
 def rays(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
     """Rays ``(n, 3)`` from the ball's centre at local coordinates, of length 1 along the contact direction.
 
-    They pass through the groove's surface at the same gamma and azimuth; towards the ends of the socket, beyond ``exact`` of
-    its length, they go over to planes through the ball's centre, because the cone of rays through a groove's section is
-    hollow in its middle.
+    They pass through the groove's surface at the same gamma and azimuth; towards the ends of the socket, beyond ``exact``
+    of its length, they go over to planes through the ball's centre, because the cone of rays through a groove's section
+    is hollow in its middle.
     """
     n, t1, t2 = directions(m, socket.side)
 
@@ -106,7 +106,7 @@ def ball_points(m: GrooveMap, socket: BallSocket, xi: Array) -> Array:
 
 
 def ball_depth(m: GrooveMap, size: SocketSize, side: int) -> float:
-    """Depth [m] of a ball's socket that faces a groove's: a share of the groove's, or what leaves its corners thick enough."""
+    """Depth [m] of a ball's socket that faces a groove's: a share of that one's, or what keeps its corners thick."""
     corners = np.array([[a, 0.0, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
     widest = float(np.linalg.norm(rays(m, BallSocket(side, size, size.depth), corners), axis=1).max())
     return max(SHALLOWER * size.depth, m.ball * (1.0 - (1.0 - CORNER) / widest))

@@ -1,7 +1,7 @@
 """Sockets, the boxes left free around contacts for fine patches: their shape, their faces, and how large they may be.
 
-A socket is bounded by surfaces of constant angle gamma, depth and azimuth. Its local coordinates xi are gamma and azimuth
-in [-1, 1] and depth in [0, 1]; all sockets of a side are congruent, so that one patch fits them all.
+A socket is bounded by surfaces of constant depth and azimuth; in gamma it narrows with its depth. Its local coordinates
+xi are gamma and azimuth in [-1, 1] and depth in [0, 1]; all sockets of a side are congruent, so that one patch fits them.
 """
 
 from __future__ import annotations
@@ -28,17 +28,21 @@ GAMMA, DEPTH, ALONG = 0.30, 1.2 / 2.778, 1.24 / 2.778
 LEAST = 0.4
 #: Share of a socket's half width and length that its contact zone fills, if there is room; and at most.
 FILLED, ZONE = 0.6, 0.95
+#: Width that sockets offer to contacts over what they need, unless that takes more than half of what is left.
+SPARE = 1.15
 #: Flank kept free beside a socket, over its half width: as a rule, and where the contact needs the room.
 BESIDE, CLOSE = 0.25, 0.03
 #: Track kept free between two sockets, over their half length.
 BETWEEN = 0.6
 #: Material kept under a socket, over its depth; and beside it to an end or to the next turn, over the ball's radius.
 UNDER, AWAY = 0.5, 0.12
+#: How much narrower a socket is at its bottom: beside the edge of a groove there is room for it to bulge.
+TAPER = 0.2
 #: How far a ball may lie off its groove, over its radius.
 ON_GROOVE = 1e-3
 #: Shares tried by which a socket's faces bulge while a body is filled, see `socket_mesh`, and how far diagonals stand out
-#: then at least, over their lengths; terms that twist the rectangles of side faces and bottom, so that one diagonal does, and
-#: those in the middle of symmetric faces.
+#: then at least, over their lengths; terms that twist the rectangles of side faces and bottom, so that one diagonal does,
+#: and those in the middle of symmetric faces too.
 RAISED, RIDGE, TWIST = (0.04, 0.06, 0.08), 1e-4, (0.8, 0.4)
 SKEW = 0.2
 AZIMUTH_TURNED = np.array([1.0, 1.0, -1.0])
@@ -115,7 +119,7 @@ def side_socket(
 
 
 def bulging(xi: Array, share: float) -> Array:
-    """Local coordinates ``(n, 3)`` of a socket's faces moved out, by up to about ``share`` times their size; the rim stays."""
+    """Local coordinates ``(n, 3)`` of a socket's faces moved out, by about ``share`` times their size; the rim stays."""
     a, u, b = xi.T
     rise, across, along = u * (2.0 - u), 1.0 - a * a, 1.0 - b * b
     bottom = u * u * (across + along + TWIST[1] * across * along + SKEW * a * b)
@@ -166,7 +170,7 @@ def socket_centre(m: GrooveMap, side: int) -> tuple[float, float, float]:
 
 def local_points(m: GrooveMap, size: SocketSize, side: int, xi: Array) -> Array:
     """Points ``(n, 3)`` [m] of local socket coordinates for a ball at azimuth 0, z = 0."""
-    gamma = m.beta + size.gamma * xi[:, 0]
+    gamma = m.beta + size.gamma * xi[:, 0] * (1.0 - TAPER * xi[:, 1])
     rho = m.radius[side] + size.depth * xi[:, 1]
     r, zeta, _ = m.unroll(*m.section(side, gamma, rho))
     return m.space(r, zeta, socket_centre(m, side)[2] + size.phi * xi[:, 2])
@@ -190,7 +194,8 @@ def socket_coordinates(
     zeta = z - (ball_z - m.rg * ball_phi) - m.rg * total
     gamma, rho = m.polar(side, *m.roll(r, zeta))
     depth = (rho - m.radius[side]) / size.depth
-    return np.stack([(gamma - m.beta) / size.gamma, depth, (total - centre) / size.phi], axis=1)
+    across = (gamma - m.beta) / (size.gamma * (1.0 - TAPER * depth))
+    return np.stack([across, depth, (total - centre) / size.phi], axis=1)
 
 
 def flank_limits(m: GrooveMap, side: int, land: float) -> tuple[float, float]:
@@ -369,8 +374,8 @@ def fitted_socket(
         if getattr(size, name) < floor * (1.0 - 1e-9):
             found, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
             raise ValueError(
-                f"no room for the sockets of the contact patches: only {100.0 * found:.0f} % of the usual one is left, less "
-                f"than {100.0 * wanted:.0f} % (too {word}), because {cause[name]}"
+                f"no room for the sockets of the contact patches: only {100.0 * found:.0f} % of the usual one is left, "
+                f"less than {100.0 * wanted:.0f} % (too {word}), because {cause[name]}"
             )
     return size
 
@@ -401,7 +406,8 @@ def _narrowed(
                     f"{1e3 * usable * radius:.3g} mm ({np.degrees(usable):.3g} deg), because {where}; {remedy}, lower the "
                     "load, or open the groove (a larger groove radius makes the ellipse shorter)"
                 )
-            own = max(room / (1.0 + BESIDE), min(need / (radius * ZONE), room / (1.0 + CLOSE)))
+            bare = need / (radius * ZONE)
+            own = max(room / (1.0 + BESIDE), min(SPARE * bare, 0.5 * (bare + room / (1.0 + CLOSE))))
             if own < gamma:
                 gamma, why = own, f"{where}; {remedy}"
     return gamma, why

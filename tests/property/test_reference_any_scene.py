@@ -1,18 +1,34 @@
 """The 3D reference takes any scene through one path: coarse meshes, few balls, the low-order model as a rough check."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from compare import catalogue
+from compare.errors import Refusal
 from compare.measure import load_error
 from compare.models import Options, run_model
-from compare.reference import BALL, needed_sides
-from hifi.fit import Settings, expected_semi_axes
+from compare.reference import BALL, Task, compute, needed_sides, settings_of
+from compare.study import with_groove
+from hifi.fit import (
+    Settings,
+    ball_place,
+    expected_reach,
+    expected_semi_axes,
+    patch_lines,
+    socket_size,
+)
 from hifi.reference import solve_reference
-from hifi.setup import prepare
+from hifi.setup import mesh_parts, patch_mesh, patch_normals, prepare
+from meshes.groove_map import GrooveMap
+from meshes.helix import ball_layout
 from meshes.parts import Balls, Load, Nut, Scene, Screw, Solid, Support, Track
+from meshes.quality import measure
+from meshes.sockets import local_points
+from meshes.solid import dimensions
+from tests.property.survey_scenes import CASE, pressed, shortened, survey, tipped
 
 HELD = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),)
 
@@ -61,10 +77,9 @@ ALL = dict(scenes())
 def test_any_scene_converges_in_balance_and_near_the_low_order_model(name):
     scene = ALL[name]
     ratio = scene.balls.radius / BALL
-    axes = expected_semi_axes(scene)
     settings = Settings(
-        b_over_h=1.2, semi=axes, reach=axes, fine=2.5e-3 * ratio, coarse=10e-3 * ratio, ball_fine=0.9e-3 * ratio,
-        ball_coarse=1.8e-3 * ratio, modes=12,
+        b_over_h=1.2, semi=expected_semi_axes(scene), reach=expected_reach(scene), fine=2.5e-3 * ratio,
+        coarse=10e-3 * ratio, ball_fine=0.9e-3 * ratio, ball_coarse=1.8e-3 * ratio, modes=12,
     )  # fmt: skip
     sides = needed_sides(scene)
     made = prepare(scene, sides, settings)
@@ -78,3 +93,75 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name):
     assert error.rms_percent < 12.0, error
     assert min(made.quality[k] for k in ("screw", "nut", "ball")) > 0.0
     assert made.quality["deviation"] < 1e-12 or scene.track.lead == 0.0
+
+
+SURVEY = dict(survey())
+#: Those of which a patch and its sockets are meshed in every run of the tests; all with `pytest -m survey`.
+TIGHT = ("conformity 0.51", "conformity 0.515", "60 kN", "contact angle 20", "contact angle 70", "lead 5", "unseen-63x20",
+         "unseen-four-point")  # fmt: skip
+
+
+def sockets_of(scene, cuts=(2, 2, 2)):
+    """Meshes of a scene shortened to two balls, with the sockets of the whole scene; its map and settings."""
+    settings, small = replace(settings_of([scene], 1), cuts=cuts), shortened(scene)
+    m, layout, sides = GrooveMap.of(small), ball_layout(small), needed_sides(scene)
+    made = mesh_parts(small, m, layout, dimensions(small), sides, settings)
+    whole = socket_size(scene, GrooveMap.of(scene), ball_layout(scene), sides, dimensions(scene), settings)
+    assert (made.size.gamma, made.size.cuts) == (pytest.approx(whole.gamma, rel=0.15), cuts)
+    return m, made, settings, sides
+
+
+def check_patches(scene, cuts=(2, 2, 2)):
+    m, made, settings, sides = sockets_of(scene, cuts)
+    assert min(body.quality.smallest for body in (made.screw, made.nut, made.ball)) > 0.0
+    zone = patch_lines(settings, made.widths, made.size.depth)[1]
+    assert zone[0] * made.widths[0] >= settings.reach[0]
+    assert zone[1] * made.widths[1] >= settings.reach[1]
+    for side in sides:
+        body = made.screw if side < 2 else made.nut
+        groove = patch_mesh(made, body.sockets[side], partial(local_points, m, made.size, side), settings)
+        ball = patch_mesh(made, made.ball.sockets[side], ball_place(m, made.size, side, made.zone)[1], settings)
+        assert min(measure(x.points, x.cells, "Q2").smallest for x in (groove, ball)) > 0.1
+        found, wanted = patch_normals(ball, np.zeros(3)), patch_normals(groove, np.array([m.R, 0.0, 0.0]))
+        np.testing.assert_allclose(found, wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", TIGHT)
+def test_patches_and_sockets_of_tight_scenes_are_meshed(name):
+    check_patches(SURVEY[name])
+
+
+@pytest.mark.parametrize("cuts", [(3, 3, 3), (4, 3, 4), (4, 4, 4), (6, 4, 6)], ids=str)
+@pytest.mark.parametrize("name", ["lead 5", "conformity 0.515"])
+def test_sockets_are_meshed_however_they_are_cut(name, cuts):
+    check_patches(SURVEY[name], cuts)
+
+
+def test_displaced_supports_widen_the_patches():
+    assert settings_of([tipped()], 1).reach[0] > 1.3 * settings_of([CASE], 1).reach[0]
+
+
+def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
+    def never(*_):
+        raise AssertionError("meshed")
+
+    monkeypatch.setattr("hifi.setup.build_body", never)
+    monkeypatch.setattr("hifi.setup.build_ball", never)
+    with pytest.raises(Refusal) as refused:
+        compute(Task((pressed(with_groove(CASE, 0.515), 4e9),), 1))
+    words = str(refused.value)
+    assert "no room for the contact ellipse" in words
+    assert words.count(" mm (") == 2
+    assert "lower the load" in words
+
+
+@pytest.mark.slow
+@pytest.mark.survey
+@pytest.mark.parametrize("name", SURVEY)
+def test_survey(name):
+    """Level 1 converges in balance, within a time and memory that a machine of two cores has."""
+    (run,) = compute(Task((SURVEY[name],), 1))
+    assert run.status == "converged"
+    assert max(run.balance, run.screw_balance) < 1e-8
+    low = run_model(SURVEY[name], "refined", Options(discretisation=False, estimate=False))
+    assert load_error(low.load, run.load).rms_percent < 5.0

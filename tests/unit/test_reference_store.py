@@ -1,6 +1,6 @@
 """Stored runs of the 3D reference: keys, damage, the gate against them, rows, jobs."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,57 +22,107 @@ from compare.reference import (
     needed_sides,
     path_in,
     save,
+    serves,
+    settings_of,
 )
 from compare.study import Study
-from compare.study_command import parse_levels, study_table
+from compare.study_command import parse_levels, study_table, unconverged
 from meshes.condensed import CondensedBodies, geometry_digest, load_condensed
 from meshes.parts import Scene
+from meshes.solid import dimensions
 
 
-def run_of(scene_name: str, level: int, load_: np.ndarray, variant: str = "") -> Run:
+def run_of(scene_name: str, level: int, load_: np.ndarray, variant: str = "", group: tuple[str, ...] = ()) -> Run:
+    """A run as meshed together with the scenes of ``group``."""
+    settings = asdict(settings_of([catalogue.scene(n) for n in (group or (scene_name,))], level, variant))
     return Run(
         scene=scene_name, level=level, variant=variant, status="converged", load=load_, angle=np.full(load_.shape, np.nan),
         frozen=load_, centreline=np.zeros((3, 4)), without={"elastic nut": load_}, without_seconds={"elastic nut": 1.0},
         sides=(0, 3), unknowns=10, stages={"meshes": 1.0, "nut": 2.0}, solve_seconds=0.5, peak_MB=5.0, balance=0.0,
         along_groove=0.0, screw_balance=0.0, left_out=0.0, quality={"elements across 2b": 6.0},
-        settings={"b_over_h": LEVELS[level]["b_over_h"]}, assumed=("nothing",), versions={}, date="2026-01-01",
+        settings=settings, assumed=("nothing",), versions={}, date="2026-01-01",
     )  # fmt: skip
 
 
 def test_round_trip_and_damage(tmp_path: Path) -> None:
     scene = catalogue.scene("lin-case1")
     loads = np.arange(128.0).reshape(32, 4)
-    file = save(tmp_path, scene, run_of("lin-case1", 2, loads))
-    assert file == path_in(tmp_path, scene, 2)
+    run = run_of("lin-case1", 2, loads)
+    file = save(tmp_path, scene, run)
+    assert file == path_in(tmp_path, scene, run)
     back = load(scene, 2, stores=(tmp_path,))
     assert back is not None
     assert np.array_equal(back.load, loads)
     assert np.array_equal(back.without["elastic nut"], loads)
     assert np.isnan(back.angle).all()
     assert back.setup_seconds == 3.0
-    assert (back.sides, back.assumed) == ((0, 3), ("nothing",))
+    assert (back.sides, back.assumed, back.settings) == ((0, 3), ("nothing",), run.settings)
     assert load(scene, 1, stores=(tmp_path,)) is None
     whole = file.read_text()
-    for damaged in (whole[:100], whole.replace('"load":[[', '"load":[[1],['), "[]", ""):
+    other = whole.replace('"modes":16', '"modes":15')
+    for damaged in (whole[:100], whole.replace('"load":[[', '"load":[[1],['), "[]", "", other):
         file.write_text(damaged)
         assert load(scene, 2, stores=(tmp_path,)) is None
     assert [p.name for p in tmp_path.iterdir()] == [file.name]
 
 
-def test_key_follows_the_content_not_the_name() -> None:
+def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Everything that a run's numbers depend on changes its key; names and remarks do not."""
     scene = catalogue.scene("lin-case1")
-    key = key_of(scene, 1)
-    assert key_of(replace(scene, title="other", assumed=(), name="x"), 1) == key
+    mesh, sides = asdict(settings_of([scene], 1)), (0, 3)
+    key = key_of(scene, "", mesh, sides)
+    assert key_of(replace(scene, title="other", assumed=(), name="x"), "", mesh, sides) == key
+    assert key_of(scene, "", mesh | {"cuts": list(mesh["cuts"]), "semi": list(mesh["semi"])}, [0, 3]) == key
     changed = [
         replace(scene, nut=replace(scene.nut, length=0.055)), replace(scene, solid=replace(scene.solid, shaft=0.03)),
         replace(scene, loads=()),
     ]  # fmt: skip
-    assert len({key, key_of(scene, 2), key_of(scene, 1, "land"), *(key_of(s, 1) for s in changed)}) == 6
+    found = [key_of(s, "", mesh, sides) for s in changed]
+    found += [key_of(scene, "", asdict(settings_of([scene], 2)), sides), key_of(scene, "land", mesh, sides)]
+    found += [key_of(scene, "", mesh, (0, 1, 2, 3)), key_of(scene, "", mesh | {"reach": (1e-3, 1e-4)}, sides)]
+    monkeypatch.setattr(reference, "versions", lambda: {"gmsh": "0", "scikit-fem": "0"})
+    found.append(key_of(scene, "", mesh, sides))
+    monkeypatch.undo()
+    monkeypatch.setattr(reference, "SCHEMA", -1)
+    found.append(key_of(scene, "", mesh, sides))
+    monkeypatch.undo()
+    assumed = dimensions(scene)
+    monkeypatch.setattr(reference, "dimensions", lambda _: replace(assumed, hole=2.0 * assumed.hole))
+    found.append(key_of(scene, "", mesh, sides))
+    assert len({key, *found}) == 11
+
+
+def test_only_converged_runs_are_stored(tmp_path: Path) -> None:
+    scene = catalogue.scene("lin-case1")
+    failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status="not held: because")
+    with pytest.raises(ValueError, match="no reference: not held: because"):
+        save(tmp_path, scene, failed)
+    jobs.keep(tmp_path, Task((scene,), 1), [failed], None)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path: Path) -> None:
+    scene, loads = catalogue.scene("lin-case1"), np.ones((32, 4))
+    wide = run_of("lin-case1", 1, loads, group=("lin-case1", "lin-case2"))
+    assert wide.settings["reach"] > run_of("lin-case1", 1, loads).settings["reach"]
+    narrow = run_of("unseen-short-nut", 1, np.ones((24, 4)))
+    save(tmp_path, scene, wide)
+    assert load(scene, 1, stores=(tmp_path,)) is not None
+    for name in ("semi", "reach"):  # too coarse cells, too small patches
+        factor = 1.5 if name == "semi" else 0.5
+        other = replace(wide, settings=wide.settings | {name: tuple(factor * x for x in wide.settings[name])})
+        assert not serves(scene, 1, "", other.settings, other.sides)
+    assert not serves(scene, 1, "", wide.settings, (0, 1, 2))
+    assert not serves(scene, 1, "", wide.settings | {"modes": 24}, wide.sides)
+    assert not serves(scene, 1, "", narrow.settings | {"reach": (1e-4, 1e-5)}, narrow.sides)
 
 
 @pytest.mark.parametrize(
     ("name", "sides"),
-    [("lin-case1", (0, 3)), ("lin-case2", (0, 3)), ("lin-case3", (0, 1, 2, 3)), ("lin-profile", (0, 1, 2, 3))],
+    [
+        ("lin-case1", (0, 3)), ("lin-case2", (0, 3)), ("lin-case3", (0, 1, 2, 3)), ("lin-profile", (0, 1, 2, 3)),
+        ("unseen-25x5", (0, 1, 2, 3)), ("unseen-63x20", (0, 3)),
+    ],
 )
 def test_sides_that_may_touch(name: str, sides: tuple[int, ...]) -> None:
     assert needed_sides(catalogue.scene(name)) == sides
@@ -109,21 +159,24 @@ def test_condensed_bodies_survive_the_file_and_refuse_a_foreign_one(tmp_path: Pa
         load_condensed(tmp_path / "c.npz")
 
 
-def test_bodies_with_more_sides_are_kept(tmp_path: Path) -> None:
-    scene = catalogue.scene("lin-case1")
-    task = Task((scene,), 1)
-    jobs.keep_bodies(tmp_path, task, bodies_of(scene, 1, (0, 1, 2, 3)))
-    jobs.keep_bodies(tmp_path, task, bodies_of(scene, 1))
-    assert load_condensed(bodies_path(tmp_path, scene, 1)).sides.size == 4
-
-
 def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
     scene = catalogue.scene("lin-case1")
-    task = Task((scene,), 1)
-    save(tmp_path, scene, run_of("lin-case1", 1, np.ones((32, 4))))
+    task, run = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
+    save(tmp_path, scene, run)
     assert jobs.missing([task], (tmp_path,)) == [task]
-    jobs.keep_bodies(tmp_path, task, bodies_of(scene, 1))
+    jobs.keep(tmp_path, task, [run], bodies_of(scene, 1))
     assert jobs.missing([task], (tmp_path,)) == []
+
+
+def test_bodies_are_keyed_by_the_range_of_loads_that_they_were_made_for(tmp_path: Path) -> None:
+    """A run under other loads has the same geometry, but its patches' own terms are sampled elsewhere."""
+    scene = catalogue.scene("lin-case1")
+    run = run_of("lin-case1", 1, np.ones((32, 4)))
+    heavy = replace(scene, loads=(replace(scene.loads[0], force=(0.0, 0.0, 60e3)),))
+    other = replace(run, settings=asdict(settings_of([heavy], 1)))
+    assert bodies_path(tmp_path, scene, run) != bodies_path(tmp_path, heavy, other)
+    assert bodies_path(tmp_path, scene, run) == bodies_path(tmp_path, replace(scene, name="x"), run)
+    assert bodies_path(tmp_path, scene, run) != bodies_path(tmp_path, scene, replace(run, sides=(0, 1, 2, 3)))
 
 
 def test_plan_and_what_is_missing(tmp_path: Path) -> None:
@@ -152,10 +205,40 @@ def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.
     tasks = [Task((scenes[0],), level) for level in (1, 2)]
     with pytest.raises(KeyboardInterrupt):
         jobs.ensure(tasks, tmp_path, jobs.Engine(), said.append)
-    kept = {path_in(tmp_path, scenes[0], 1).name, bodies_path(tmp_path, scenes[0], 1).name}
+    run = run_of("lin-case1", 1, np.ones((32, 4)))
+    kept = {path_in(tmp_path, scenes[0], run).name, bodies_path(tmp_path, scenes[0], run).name}
     assert {p.name for p in tmp_path.iterdir()} == kept
     assert jobs.missing(tasks, (tmp_path,)) == [tasks[1]]
     assert any("[1/2]" in line and "s left" in line for line in said)
+
+
+def test_a_run_that_did_not_converge_is_told_and_computed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.scene("lin-case1")
+    said: list[str] = []
+    reason = "a contact reaches the rim of its patch: it needs 1.6 mm,\nhas 1.5 mm"
+    failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status=reason)
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda _: ([failed], None))
+    found = jobs.ensure([Task((scene,), 1)], tmp_path, jobs.Engine(), said.append)
+    assert [run.status for run in found] == [reason]
+    assert list(tmp_path.iterdir()) == []
+    assert all("\n" not in line for line in said)
+    assert any("it needs 1.6 mm, has 1.5 mm" in line for line in said)
+    assert len(jobs.missing([Task((scene,), 1)], (tmp_path,))) == 1
+    words = str(unconverged("lin-case1", found))
+    assert "level 1: a contact reaches the rim of its patch: it needs 1.6 mm, has 1.5 mm" in words
+    assert "\n" not in words
+
+
+def test_fresh_computes_what_is_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.scene("lin-case1")
+    task, old = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
+    jobs.keep(tmp_path, task, [old], bodies_of(scene, 1))
+    fresh = run_of("lin-case1", 1, np.full((32, 4), 2.0))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda _: ([fresh], bodies_of(scene, 1)))
+    jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None)
+    assert load(scene, 1, stores=(tmp_path,)).load.max() == 1.0
+    jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None, fresh=True)
+    assert load(scene, 1, stores=(tmp_path,)).load.max() == 2.0
 
 
 @pytest.mark.parametrize(("text", "levels"), [("3", (1, 2, 3)), ("1", (1,)), ("1,3", (1, 3)), ("source, 2", (0, 2))])
@@ -258,7 +341,7 @@ def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     from compare.report import Source, compute_references
 
     asked: list[list[Task]] = []
-    monkeypatch.setattr(jobs, "ensure", lambda tasks, *_: asked.append(list(tasks)))
+    monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))
     for source in (
         Source((tmp_path,), jobs.Engine()), Source((tmp_path,), jobs.Engine(), quick=True),
         Source(None, jobs.Engine(), compute=False),

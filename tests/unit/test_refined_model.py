@@ -11,7 +11,7 @@ from compare import catalogue, ladder, model_form
 from compare.cli import main
 from compare.errors import InputError
 from compare.models import DEFAULT, Options, run_model
-from compare.reference import bodies_path, reference, shipped_store
+from compare.reference import bodies_path, load, reference, shipped_store
 from compare.study import Study
 from lowfi.compliance.bodies import LADDER, REFINED
 from lowfi.compliance.imported import Condensed
@@ -30,7 +30,9 @@ def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str
 
 
 def bodies(name: str = "lin-case1", level: int = 3) -> Path:
-    return bodies_path(shipped_store(), catalogue.scene(name), level)
+    run = load(catalogue.scene(name), level)
+    assert run is not None
+    return bodies_path(shipped_store(), catalogue.scene(name), run)
 
 
 def test_the_default_is_refined_and_says_what_it_is_worth(capsys: pytest.CaptureFixture[str]) -> None:

@@ -21,6 +21,7 @@ from meshes.sockets import (
     FILLED,
     GAMMA,
     LEAST,
+    SPARE,
     UNDER,
     ZONE,
     SocketSize,
@@ -118,7 +119,7 @@ def test_faces_bulge_out_of_the_box_and_are_convex_beyond_their_first_row(cuts):
     mesh, raised = socket_mesh(lambda xi: xi, cuts)
     top = mesh.xi[: len(raised), 1] == 0.0
     assert np.all(np.abs(raised[:, [0, 2]]) >= np.abs(mesh.xi[: len(raised), [0, 2]]))
-    sides = [np.flatnonzero((mesh.xi[: len(raised), axis] == end)) for axis, end in ((0, 1.0), (2, -1.0))]
+    sides = [np.flatnonzero(mesh.xi[: len(raised), axis] == end) for axis, end in ((0, 1.0), (2, -1.0))]
     for own, axis, sign in zip(sides, (0, 2), (1.0, -1.0), strict=True):
         inner = own[~top[own] & (np.abs(mesh.xi[own, 2 - axis]) < 1.0)]
         assert np.all(sign * (raised[inner, axis] - mesh.xi[inner, axis]) > 0.02)
@@ -217,7 +218,7 @@ def test_sockets_are_as_wide_as_their_contacts_need(reach):
     assert need <= ZONE * size.gamma * (1.0 + 1e-12)
     assert (1.0 + CLOSE) * size.gamma <= room * (1.0 + 1e-12)
     wanted = min(max(GAMMA, need / FILLED), room / (1.0 + BESIDE))
-    assert size.gamma == pytest.approx(max(wanted, need / ZONE))
+    assert size.gamma == pytest.approx(max(wanted, min(SPARE * need / ZONE, 0.5 * (need / ZONE + room / (1.0 + CLOSE)))))
     assert shares(case, size)[1:] == pytest.approx((1.0, 1.0))
 
 
@@ -225,7 +226,7 @@ def test_sockets_are_as_wide_as_their_contacts_need(reach):
     ("changes", "match"),
     [
         ({}, r"of side SL: it reaches 1\.6 mm \(28\.2 deg\).*room for 1\.57 mm \(27\.6 deg\).*edge.*deepen the groove"),
-        ({"land_screw": 15.6e-3}, r"1\.6 mm \(28\.2 deg\).*room for 1\.18 mm \(20\.8 deg\).*15\.6 mm, is 22\.5 deg.*lower the load"),
+        ({"land_screw": 15.6e-3}, r"\(28\.2 deg\).*room for 1\.18 mm \(20\.8 deg\).*15\.6 mm, is 22\.5 deg.*lower"),
     ],
 )
 def test_contacts_beyond_the_edge_are_refused_with_both_numbers(changes, match):
@@ -244,7 +245,7 @@ def test_long_contacts_get_long_sockets_or_are_refused():
     assert fitted(case, need=(0.2e-3, 0.9e-3)).phi == pytest.approx(0.9e-3 / FILLED / GrooveMap.of(case).R)
     close = with_balls(small_screw(4), [0.0, 1.0, 1.12])
     assert fitted(close, need=(0.2e-3, 0.5e-3)).phi == pytest.approx(0.12 / 2.6)
-    with pytest.raises(ValueError, match="too short.*balls 2 and 3"):
+    with pytest.raises(ValueError, match=r"too short.*balls 2 and 3"):
         fitted(close, need=(0.2e-3, 0.8e-3))
 
 
@@ -314,7 +315,7 @@ def test_small_beside_a_flat_end():
     assert max(below, above) + AWAY * m.ball == pytest.approx(8e-3, rel=1e-6)
 
 
-@pytest.mark.parametrize(("sides", "lead"), [((0, 3), 4.2e-3), (ALL, 5.2e-3)])
+@pytest.mark.parametrize(("sides", "lead"), [((0, 3), 4.1e-3), (ALL, 5.2e-3)])
 def test_small_beside_the_next_turn(sides, lead):
     case = replace(scene("lin-nominal-4p1"), track=replace(scene("lin-nominal-4p1").track, lead=lead))
     m = GrooveMap.of(case)
@@ -341,7 +342,7 @@ def test_ends_are_measured_from_the_outermost_balls():
         (small_screw(4, beta=np.radians(8.0)), (0,), {}, "narrow.*apex.*bring the groove radius closer"),
         (small_screw(4, beta=np.radians(9.0)), (0, 1), {}, "narrow.*deg.*contact|narrow.*apex"),
         (scene("lin-case1"), (0,), {"bore_screw": 13.5e-3}, "shallow.*wall.*screw's bore.*thicken"),
-        (scene("lin-case1"), (3,), {"outer_nut": 19.6e-3}, "shallow.*wall.*nut's outside.*thicken"),
+        (scene("lin-case1"), (3,), {"outer_nut": 19.5e-3}, "shallow.*wall.*nut's outside.*thicken"),
         (with_balls(small_screw(4), [0.0, 1.0, 1.06]), ALL, {}, "short.*balls 2 and 3 are 0.99 mm apart.*spread them"),
         (with_balls(small_screw(4), [0.0, 1.0, 1.0]), ALL, {}, "only 0 %.*balls 2 and 3 are 0 mm apart"),
         (scene("bearing-9"), ALL, {"ends": (2.5e-3, 13.5e-3)}, "outermost balls are 5.5 mm and 5.5 mm.*lengthen the nut"),
