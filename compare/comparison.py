@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from compare.convergence import observe
 from compare.errors import InputError
 from compare.findings import entry
+from compare.grid_summary import uncertainty_percent
 from compare.measure import LoadError, error_percent, load_error
 from compare.models import Options, run_model
 from compare.reference import Reference, Run
@@ -151,14 +152,11 @@ def rows(scene: Scene, answer: Loads, found: Reference) -> list[Row]:
 
 
 def uncertainty_of(found: Reference, take: Callable[[Run], float]) -> float | None:
-    """Uncertainty of one quantity of a reference by its three finest levels; None with fewer, or where it is missing."""
-    if len(found.runs) < 3:
-        return None
-    runs = found.runs[-3:]
-    values = [take(run) for run in runs]
+    """Grid uncertainty of one quantity of a reference; None with one level, or where the quantity is missing."""
+    values = [take(run) for run in found.runs]
     if not np.isfinite(values).all():
         return None
-    return observe(values, [1.0 / run.settings["b_over_h"] for run in runs]).uncertainty
+    return observe(values, found.sizes).uncertainty
 
 
 def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
@@ -202,8 +200,7 @@ def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
     def printed(key: str) -> float | None:
         return entry("lin-2.4.1", key).value if key and answer.model.startswith("lin") else None
 
-    mean = float(found.load[found.load > 0.0].mean())
-    bar = None if found.uncertainty is None else float(np.abs(error_percent(found.uncertainty, 0.0, mean)).max())
+    bar = uncertainty_percent(found)
     for name, unit, value, key in (
         (f"largest error, of the mean load (ball {e.ball} {e.side})", "%", e.max_percent, ""),
         ("RMS error, of the mean load", "%", e.rms_percent, ""),

@@ -136,7 +136,8 @@ def reference_rows(study: Study, max_error: float, loads: Mapping[str, Array] | 
     ``loads``: of another model, by scene, to see whether the gate would catch it.
     """
     from compare.comparison import REFERENCED, gate_points
-    from compare.ladder import UNSEEN, uncertainty_percent
+    from compare.grid_summary import uncertainty_percent
+    from compare.ladder import UNSEEN
     from compare.reference import reference
 
     rows: list[GateRow] = []

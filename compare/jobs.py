@@ -13,7 +13,6 @@ from compare.errors import InputError
 from compare.reference import (
     LEVELS,
     SOURCE_LEVEL,
-    VARIANTS,
     Run,
     Task,
     bodies_path,
@@ -24,6 +23,7 @@ from compare.reference import (
     save,
     with_bodies,
 )
+from compare.variants import VARIANTS
 from meshes.condensed import CondensedBodies, load_condensed
 from meshes.parts import Scene
 

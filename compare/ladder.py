@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison import REFERENCED
+from compare.grid_summary import uncertainty_percent
 from compare.measure import LoadError, error_percent, load_error
 from compare.model_form import Point, estimate, features
 from compare.models import Options, run_model
@@ -46,16 +47,6 @@ class Rung:
     uncertainty: float | None
     bias: float
     seconds: float
-
-
-def uncertainty_percent(found: Reference) -> float | None:
-    """Largest uncertainty of a reference in per cent of its mean load: by three levels, or the difference of two."""
-    mean = float(found.load[found.load > 0.0].mean())
-    if found.uncertainty is not None:
-        return float(np.abs(error_percent(found.uncertainty, 0.0, mean)).max())
-    if len(found.runs) == 2:
-        return float(np.abs(error_percent(found.runs[0].load, found.runs[1].load, mean)).max())
-    return None
 
 
 def finest_bodies(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> Path | None:

@@ -446,7 +446,9 @@ def nut_held(mesh: GroovedBody, dims: Dimensions, outer: float) -> Index:
     if dims.nut_held == "outer surface":
         return np.flatnonzero(np.abs(np.hypot(mesh.points[:, 0], mesh.points[:, 1]) - outer) < 1e-7)
     faces = {"left face": (mesh.low_end,), "right face": (mesh.high_end,), "both faces": (mesh.low_end, mesh.high_end)}
-    return np.concatenate(faces[dims.nut_held])
+    found = np.concatenate(faces[dims.nut_held])
+    r = np.hypot(mesh.points[found, 0], mesh.points[found, 1])
+    return found[(r >= dims.held_radii[0] - 1e-7) & (r <= dims.held_radii[1] + 1e-7)]
 
 
 def nut_response(

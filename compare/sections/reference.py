@@ -22,6 +22,7 @@ from compare.comparison import (
     summary,
 )
 from compare.findings import Finding, entry
+from compare.grid_summary import uncertainty_percent
 from compare.measure import LoadError, error_percent, load_error
 from compare.models import Options, run_model
 from compare.reference import LEVELS, PRODUCTION, SOURCE_LEVEL, Reference, Run, load, reference
@@ -59,17 +60,6 @@ def findings(study: Study, stores: Sequence[Any] | None = None) -> list[Finding]
     return out
 
 
-def _mean(found: Reference) -> float:
-    return float(found.load[found.load > 0.0].mean())
-
-
-def bar_percent(found: Reference) -> float | None:
-    """Largest uncertainty of any contact load of a reference, in per cent of its mean load."""
-    if found.uncertainty is None:
-        return None
-    return float(np.abs(error_percent(found.uncertainty, 0.0, _mean(found))).max())
-
-
 def error_table(study: Study, found: References, stores: Sequence[Any] | None) -> Table:
     """Errors of every low-order model, of the source's mesh and of the extrapolation against the finest reference."""
     rows: list[dict[str, Cell]] = []
@@ -80,16 +70,16 @@ def error_table(study: Study, found: References, stores: Sequence[Any] | None) -
             e, result, _ = summary(contender, scene, ref)
             shown = keys[:2] if keys and contender.name == "lin" else ()
             printed = " / ".join(entry("lin-2.4.1", k).printed for k in shown) or "–"
-            rows.append(_error_row(name, contender.label, e, load_ratio(result.load), printed, bar_percent(ref)))
+            rows.append(_error_row(name, contender.label, e, load_ratio(result.load), printed, uncertainty_percent(ref)))
         source = load(scene, SOURCE_LEVEL, stores=stores)
         for answer in reference_answers(ref, source):
             if answer.model != f"3D level {ref.best.level}":
                 e = load_error(answer.load, ref.load)
                 rows.append(
-                    _error_row(name, LABELS[answer.model], e, load_ratio(answer.load), "–", bar_percent(ref))
+                    _error_row(name, LABELS[answer.model], e, load_ratio(answer.load), "–", uncertainty_percent(ref))
                 )
         own: dict[str, Cell] = {"scene": name, "model": LABELS[f"3D level {ref.best.level}"]}
-        rows.append(own | {"load_ratio": load_ratio(ref.load), "bar": bar_percent(ref)})
+        rows.append(own | {"load_ratio": load_ratio(ref.load), "bar": uncertainty_percent(ref)})
     columns = (
         Column("scene", "scene", "", "s"),
         Column("model", "model", "", "s"),
@@ -290,7 +280,7 @@ def time_items(study: Study, found: References, stores: Sequence[Any] | None) ->
                        "line+markers", emphasis=True)
             )  # fmt: skip
         series += [Series(p["model"], [p["cold"]], [p["error"]], "markers") for p in points if p["kind"] == "source"]
-        bar = bar_percent(ref)
+        bar = uncertainty_percent(ref)
         if bar is not None:
             label = f"3D reference, level {best.level} (its uncertainty)"
             series.append(Series(label, [cold], [bar], "markers", emphasis=True))

@@ -41,7 +41,7 @@ def test_units_scale_and_offset_change_nothing_else() -> None:
     for a, b in zip(plain.each, moved.each, strict=True):
         assert b.uncertainty == pytest.approx(1e-6 * a.uncertainty, rel=1e-4)
     one, other = observe(values[:, 0], SIZES[4]), observe(3.0 - 2.0 * values[:, 0], SIZES[4])
-    assert other.uncertainty == pytest.approx(2.0 * one.uncertainty, rel=1e-9)
+    assert other.uncertainty == pytest.approx(2.0 * one.uncertainty, rel=1e-6)
 
 
 def test_published_orders() -> None:
