@@ -10,6 +10,7 @@ from pathlib import Path
 from time import perf_counter
 
 from compare.errors import InputError
+from compare.memory import reset_peak
 from compare.reference import (
     LEVELS,
     SOURCE_LEVEL,
@@ -75,7 +76,11 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
 
 
 def perform(task: Task, store: Path) -> tuple[list[Run], CondensedBodies | None]:
-    """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way."""
+    """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way.
+
+    The record of peak memory starts anew, so that every run has its own.
+    """
+    reset_peak()
     runs, bodies = compute_with_bodies(task)
     for run, scene in zip(runs, task.scenes, strict=True):
         save(store, scene, run)

@@ -49,8 +49,8 @@ class Effect:
 
 @dataclass(frozen=True)
 class Modelling:
-    """Modelling uncertainty of a scene: of every contact's load ``(n, 4)`` [% of the mean load], its largest and RMS over the
-    loaded contacts, and of largest : smallest load on SL [%]; the choices in it, by falling RMS, with their largest
+    """Modelling uncertainty of a scene: of every contact's load ``(n, 4)`` [% of the mean load], its largest and RMS over
+    the loaded contacts, and of largest : smallest load on SL [%]; the choices in it, by falling RMS, with their largest
     changes."""
 
     scene: str

@@ -5,7 +5,6 @@ from __future__ import annotations
 import datetime
 import hashlib
 import json
-import resource
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from importlib import metadata, resources
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 from compare import __version__
 from compare.convergence import Convergence, Pooled, pool, representative_size
 from compare.errors import InputError
+from compare.memory import peak_MB
 from compare.system import need_gmsh
 from compare.variants import VARIANTS
 from compare.writing import replace_file
@@ -64,7 +64,8 @@ class Run:
     Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], loads with directions frozen in the nominal state, centreline
     ``(stations, 4)``: z, ux, uy, uz [m]; loads without single ingredients, with seconds they take; sides that were
     prepared; unknowns of the equivalent monolithic mesh; seconds of the set-up by stage and of the load case; peak
-    memory [MB] of the process; balance of balls and screw; bound on the modes left out; settings and versions.
+    memory [MB] of the set-up and its load cases so far (None: not measured); balance of balls and screw; bound on the
+    modes left out; settings and versions.
     """
 
     scene: str
@@ -81,7 +82,7 @@ class Run:
     unknowns: int
     stages: dict[str, float]
     solve_seconds: float
-    peak_MB: float
+    peak_MB: float | None
     balance: float
     along_groove: float
     screw_balance: float
@@ -242,7 +243,7 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         angle=np.degrees(result.contact_angle), frozen=frozen,
         centreline=np.column_stack([result.stations, result.centreline[:, :3]]), without=without, without_seconds=seconds,
         sides=setup.sides, unknowns=result.unknowns, stages=setup.seconds, solve_seconds=result.seconds["contact"],
-        peak_MB=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0, balance=result.balance,
+        peak_MB=peak_MB(), balance=result.balance,
         along_groove=result.along_groove, screw_balance=result.screw_balance, left_out=setup.left_out,
         quality=setup.quality, settings=asdict(setup.settings), assumed=setup.dims.assumed,
         versions={"rollbench": __version__, "gmsh": metadata.version("gmsh")},
@@ -302,8 +303,8 @@ def load(scene: Scene, level: int, variant: str = "", stores: Sequence[Path] | N
 
 @dataclass(frozen=True)
 class Reference:
-    """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], their uncertainty ``(n, 4)`` [N]
-    by grid convergence (three times the difference of two levels; None with one), the convergence of every contact's load,
+    """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], their uncertainty ``(n, 4)``
+    [N] by grid convergence (three times the difference of two levels; None with one), the convergence of every contact's load,
     and of all of them with one order; loads extrapolated to cells of no size, None where no order is believed."""
 
     scene: str
