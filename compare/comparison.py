@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.convergence import observe
+from compare.convergence import observe, pool
 from compare.errors import InputError
 from compare.findings import entry
 from compare.grid_summary import uncertainty_percent
@@ -159,8 +159,23 @@ def uncertainty_of(found: Reference, take: Callable[[Run], float]) -> float | No
     return observe(values, found.sizes).uncertainty
 
 
+def uncertainties_of(found: Reference, take: Callable[[Run], Array]) -> Array:
+    """Grid uncertainties of like quantities (any shape) with one order for all; nan with one level, or where one is
+    missing on a level."""
+    values = np.stack([take(run) for run in found.runs])
+    bars = np.full(values.shape[1:], np.nan)
+    known = np.isfinite(values).all(axis=0)
+    if known.any():
+        bars[known] = np.array([c.uncertainty for c in pool(values[:, known], found.sizes).each], dtype=float)
+    return bars
+
+
+def _bar(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
 def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
-    best = found.best
+    best, turns = found.best, uncertainties_of(found, lambda run: run.angle)
     for i, s in np.ndindex(answer.load.shape):
         value, ref = float(answer.load[i, s]), float(found.load[i, s])
         if value == 0.0 and ref == 0.0:
@@ -174,8 +189,7 @@ def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
             angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
             yield Row(
                 scene.name, "contact angle", i + 1, SIDES[s], "deg", None, answer.model, angle, own,
-                uncertainty_of(found, lambda run, i=i, s=s: float(run.angle[i, s])),  # type: ignore[misc]
-                float(error_percent(angle, own)), answer.seconds,
+                _bar(turns[i, s]), float(error_percent(angle, own)), answer.seconds,
             )  # fmt: skip
 
 
@@ -185,11 +199,11 @@ def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
     for k, axis in enumerate("xyz"):
         largest = float(np.abs(line[:, 1 + k]).max(initial=0.0))
         values = np.interp(line[:, 0], answer.stations, answer.line[:, k])
-        for n, (z, value, ref) in enumerate(zip(line[:, 0], values, line[:, 1 + k], strict=True)):
-            bar = uncertainty_of(found, lambda run, n=n, k=k: 1e6 * float(run.centreline[n, 1 + k]))  # type: ignore[misc]
+        bars = uncertainties_of(found, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
+        for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
             yield Row(
                 scene.name, f"centreline u{axis} at {1e3 * z:.4g} mm", None, None, "um", None, answer.model,
-                1e6 * float(value), 1e6 * float(ref), bar, float(error_percent(value, ref, largest)), answer.seconds,
+                1e6 * float(value), 1e6 * float(ref), _bar(bar), float(error_percent(value, ref, largest)), answer.seconds,
             )  # fmt: skip
 
 

@@ -304,8 +304,8 @@ def load(scene: Scene, level: int, variant: str = "", stores: Sequence[Path] | N
 @dataclass(frozen=True)
 class Reference:
     """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], their uncertainty ``(n, 4)``
-    [N] by grid convergence (three times the difference of two levels; None with one), the convergence of every contact's load,
-    and of all of them with one order; loads extrapolated to cells of no size, None where no order is believed."""
+    [N] by grid convergence (three times the difference of two levels; None with one), the convergence of every contact's
+    load, and of all of them with one order; loads extrapolated to cells of no size, None where no order is believed."""
 
     scene: str
     runs: tuple[Run, ...]

@@ -448,7 +448,7 @@ def nut_held(mesh: GroovedBody, dims: Dimensions, outer: float) -> Index:
     faces = {"left face": (mesh.low_end,), "right face": (mesh.high_end,), "both faces": (mesh.low_end, mesh.high_end)}
     found = np.concatenate(faces[dims.nut_held])
     r = np.hypot(mesh.points[found, 0], mesh.points[found, 1])
-    return found[(r >= dims.held_radii[0] - 1e-7) & (r <= dims.held_radii[1] + 1e-7)]
+    return np.asarray(found[(r >= dims.held_radii[0] - 1e-7) & (r <= dims.held_radii[1] + 1e-7)])
 
 
 def nut_response(
