@@ -18,6 +18,7 @@ from compare.model_form import Point, estimate, features
 from compare.models import Options, run_model
 from compare.reference import Reference, bodies_path, reference, shipped_store
 from compare.study import Study
+from lowfi.compliance.bodies import forget
 from lowfi.result import StaticResult
 from meshes.parts import Scene
 
@@ -38,7 +39,8 @@ RUNGS = {
 @dataclass(frozen=True)
 class Rung:
     """One model on one scene against its reference: errors, the reference's uncertainty in per cent of the mean load,
-    seconds of the solve, mean load over the reference's less one [%]."""
+    seconds of the solve of a geometry that is new (libraries loaded, interpreted), sum of loads against the reference's
+    [%]."""
 
     scene: str
     model: str
@@ -68,6 +70,7 @@ def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None = None) 
             if path is None:
                 continue
             options = replace(options, condensed=path)
+        forget()
         start = perf_counter()
         result = run_model(scene, model, options)
         seconds = perf_counter() - start

@@ -98,10 +98,12 @@ def twisted(scene: Scene) -> Scene:
 LANDS, HOLE, WIDTH = "radius of the nut's lands", "hole along the meshed screw", "width of the nut's held face"
 LENGTH, PHASE = "length of the 3D stretch of shaft", "phase of the junction along the helix"
 BEYOND, TWIST = "where the screw's groove ends", "axial-torsional coupling of the shaft beyond"
-SIDES, MODES, FIXING = "sockets on flanks that stay open", "modes per patch", "where the nut is held"
+SIDES, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "where the nut is held"
 
 VARIANTS: dict[str, Variant] = {
-    "base": Variant("nothing but the mesh: sockets only on the flanks that touch", SIDES, "numerical", same),
+    "base": Variant(
+        "the scene alone: sockets on flanks that touch, contact grid by its own load", SIDES, "numerical", same
+    ),
     "junction": Variant(
         "3D shaft 20 mm longer on each side", LENGTH, "modelling", scaled("shaft", lambda d: d.shaft, 1.0, 20e-3)
     ),

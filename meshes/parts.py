@@ -198,8 +198,8 @@ class Solid:
     ``nut_inner_diameter``: lands of the nut [m]; ``hole_diameter``: hole along the axis of the meshed screw [m];
     ``shaft``: length of the 3D stretch beyond the nut on each side [m]; ``shaft_diameter``: diameter of the equivalent
     plain shaft beyond it [m] (``None``: the section is homogenised from the grooved shaft);
-    ``nut_held``: where the nut is held (half a face: the inner or outer half of its width); ``screw_held``: at the ends of the 3D stretch, or by its bore (a ring on a stiff
-    shaft); ``nut``: elastic, or rigid beyond the contact patches.
+    ``nut_held``: where the nut is held (half a face: the inner or outer half of its width); ``screw_held``: at the ends
+    of the 3D stretch, or by its bore (a ring on a stiff shaft); ``nut``: elastic, or rigid beyond the contact patches.
     """
 
     nut_inner_diameter: float | None = None

@@ -81,9 +81,9 @@ def convergence_table(found: References) -> Table:
         cells: dict[str, Cell] = {label: s.labels.get(label, 0) for label in LABELS}
         rows.append(
             cells
-            | {"scene": name, "levels": s.levels, "order": "one level" if pooled is None else pooled.text, "scatter": scatter,
-             "moved": s.extrapolation, "max": s.largest, "at": "" if s.ball is None else f"{s.ball} {SIDES[s.side or 0]}",
-             "rms": s.rms}
+            | {"scene": name, "levels": s.levels, "order": "one level" if pooled is None else pooled.text,
+               "scatter": scatter, "moved": s.extrapolation, "max": s.largest,
+               "at": "" if s.ball is None else f"{s.ball} {SIDES[s.side or 0]}", "rms": s.rms}
         )  # fmt: skip
     columns = (
         Column("scene", "scene", "", "s"), Column("levels", "levels", "", "s"),
@@ -98,7 +98,8 @@ def convergence_table(found: References) -> Table:
         "contact's own. The uncertainty is the largest, over all orders from 0.5 to 2 that the data allow, of 1.25 times "
         "the difference from the limit, plus the scatter (its own or that of all, the larger), plus the residual of the "
         "finest level. Labels say whether a contact has an order of its own and why not; contacts that are zero on every "
-        "level are held. Two levels give a band of three times their difference (of the RMS difference of all where that is larger)."
+        "level are held. Two levels give a band of three times their difference (of the RMS difference of all where that "
+        "is larger)."
     )
     return Table("reference-convergence", "Grid convergence of the contact loads", columns, rows, note)
 
@@ -204,8 +205,8 @@ def modelling_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
     columns.append(Column("why", "why not", "", "s"))
     note = (
         "Added contact by contact by the root of squares, because choices are independent and have no known sign; of "
-        "several variants of one choice each contact counts the largest. The RMS is what a typical contact may be off, the largest "
-        "is quoted beside the grid's uncertainty. An estimate by one typical variation of each choice, not a bound."
+        "several variants of one choice each contact counts the largest. The RMS is what a typical contact may be off, the "
+        "largest is quoted beside the grid's uncertainty. An estimate by one typical variation of each choice, not a bound."
     )
     return Table("reference-modelling", "Modelling uncertainty of the 3D reference", columns, rows, note)
 
