@@ -116,7 +116,7 @@ class Loads:
 
 
 def timed(contender: Contender, scene: Scene) -> tuple[StaticResult, float]:
-    """Result of a contender and the seconds of the whole call."""
+    """Result of a contender and the seconds of the call, interpreted; bodies of a geometry solved before are known then."""
     own = contender.scene(scene)
     start = perf_counter()
     result = run_model(own, contender.model, Options(discretisation=False, engine="interpreted", estimate=False))
@@ -189,7 +189,7 @@ def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
             angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
             yield Row(
                 scene.name, "contact angle", i + 1, SIDES[s], "deg", None, answer.model, angle, own,
-                _bar(turns[i, s]), float(error_percent(angle, own)), answer.seconds,
+                _bar(float(turns[i, s])), float(error_percent(angle, own)), answer.seconds,
             )  # fmt: skip
 
 

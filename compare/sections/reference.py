@@ -339,7 +339,7 @@ def section(
     items += [*load_figures(study, found), *load_tables(study, found, stores), line_figure(study, found),
               line_table(study, found)]  # fmt: skip
     timed = found if quick else references(study, stores, (*REFERENCED, *UNSEEN))
-    items += time_items(timed, study, stores, step)
+    items += time_items(timed, study, stores, step, quick=quick)
     return Section("reference", title, tuple(items))
 
 

@@ -220,8 +220,11 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
     ]  # fmt: skip
 
 
-def time_items(found: References, study: Study, stores: Sequence[Any] | None, step: Step) -> list[Table | Figure]:
-    """Tables and figures of all scenes with a reference."""
+def time_items(
+    found: References, study: Study, stores: Sequence[Any] | None, step: Step, *, quick: bool = False
+) -> list[Table | Figure]:
+    """Tables and figures of all scenes with a reference; ``quick``: compile nothing anew."""
     points = {name: time_points(name, ref, study, stores, step) for name, ref in found.items()}
-    return [time_table(points), compile_table(step), speed_table(points), *time_figures(points)]
+    first = [] if quick else [compile_table(step)]
+    return [time_table(points), *first, speed_table(points), *time_figures(points)]
 
