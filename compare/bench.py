@@ -27,6 +27,7 @@ from threadpoolctl import threadpool_limits
 
 from compare.catalogue import scene as shipped
 from compare.ensemble import run_ensemble
+from compare.memory import peak_MB, reset_peak
 from compare.stability import with_balls
 from lowfi import source as lin
 from lowfi.compliance.bodies import REFINED, forget
@@ -91,29 +92,6 @@ def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] 
         if enabled:
             gc.enable()
     return median(seconds[1:])
-
-
-def reset_peak() -> None:
-    """Start a new record of the highest resident memory of this process (Linux; elsewhere it only grows)."""
-    try:
-        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
-    except OSError:
-        return
-
-
-def peak_MB() -> float | None:
-    """Highest resident memory of this process since ``reset_peak`` [MB]; None where the system does not tell."""
-    try:
-        lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
-        return next(float(x.split()[1]) for x in lines if x.startswith("VmHWM")) * 1.024e-3
-    except (OSError, StopIteration):
-        pass
-    try:
-        import resource
-    except ImportError:
-        return None
-    size = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return size / 1e6 if sys.platform == "darwin" else size * 1.024e-3
 
 
 # --- the two formulations, set up and ready to be timed

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.convergence import observe
+from compare.convergence import observe, pool
 from compare.errors import InputError
 from compare.findings import entry
+from compare.grid_summary import uncertainty_percent
 from compare.measure import LoadError, error_percent, load_error
 from compare.models import Options, run_model
 from compare.reference import Reference, Run
@@ -115,7 +116,7 @@ class Loads:
 
 
 def timed(contender: Contender, scene: Scene) -> tuple[StaticResult, float]:
-    """Result of a contender and the seconds of the whole call."""
+    """Result of a contender and the seconds of the call, interpreted; bodies of a geometry solved before are known then."""
     own = contender.scene(scene)
     start = perf_counter()
     result = run_model(own, contender.model, Options(discretisation=False, engine="interpreted", estimate=False))
@@ -151,18 +152,30 @@ def rows(scene: Scene, answer: Loads, found: Reference) -> list[Row]:
 
 
 def uncertainty_of(found: Reference, take: Callable[[Run], float]) -> float | None:
-    """Uncertainty of one quantity of a reference by its three finest levels; None with fewer, or where it is missing."""
-    if len(found.runs) < 3:
-        return None
-    runs = found.runs[-3:]
-    values = [take(run) for run in runs]
+    """Grid uncertainty of one quantity of a reference; None with one level, or where the quantity is missing."""
+    values = [take(run) for run in found.runs]
     if not np.isfinite(values).all():
         return None
-    return observe(values, [1.0 / run.settings["b_over_h"] for run in runs]).uncertainty
+    return observe(values, found.sizes).uncertainty
+
+
+def uncertainties_of(found: Reference, take: Callable[[Run], Array]) -> Array:
+    """Grid uncertainties of like quantities (any shape) with one order for all; nan with one level, or where one is
+    missing on a level."""
+    values = np.stack([take(run) for run in found.runs])
+    bars = np.full(values.shape[1:], np.nan)
+    known = np.isfinite(values).all(axis=0)
+    if known.any():
+        bars[known] = np.array([c.uncertainty for c in pool(values[:, known], found.sizes).each], dtype=float)
+    return bars
+
+
+def _bar(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
 
 
 def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
-    best = found.best
+    best, turns = found.best, uncertainties_of(found, lambda run: run.angle)
     for i, s in np.ndindex(answer.load.shape):
         value, ref = float(answer.load[i, s]), float(found.load[i, s])
         if value == 0.0 and ref == 0.0:
@@ -176,8 +189,7 @@ def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
             angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
             yield Row(
                 scene.name, "contact angle", i + 1, SIDES[s], "deg", None, answer.model, angle, own,
-                uncertainty_of(found, lambda run, i=i, s=s: float(run.angle[i, s])),  # type: ignore[misc]
-                float(error_percent(angle, own)), answer.seconds,
+                _bar(float(turns[i, s])), float(error_percent(angle, own)), answer.seconds,
             )  # fmt: skip
 
 
@@ -187,11 +199,11 @@ def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
     for k, axis in enumerate("xyz"):
         largest = float(np.abs(line[:, 1 + k]).max(initial=0.0))
         values = np.interp(line[:, 0], answer.stations, answer.line[:, k])
-        for n, (z, value, ref) in enumerate(zip(line[:, 0], values, line[:, 1 + k], strict=True)):
-            bar = uncertainty_of(found, lambda run, n=n, k=k: 1e6 * float(run.centreline[n, 1 + k]))  # type: ignore[misc]
+        bars = uncertainties_of(found, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
+        for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
             yield Row(
                 scene.name, f"centreline u{axis} at {1e3 * z:.4g} mm", None, None, "um", None, answer.model,
-                1e6 * float(value), 1e6 * float(ref), bar, float(error_percent(value, ref, largest)), answer.seconds,
+                1e6 * float(value), 1e6 * float(ref), _bar(bar), float(error_percent(value, ref, largest)), answer.seconds,
             )  # fmt: skip
 
 
@@ -202,8 +214,7 @@ def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
     def printed(key: str) -> float | None:
         return entry("lin-2.4.1", key).value if key and answer.model.startswith("lin") else None
 
-    mean = float(found.load[found.load > 0.0].mean())
-    bar = None if found.uncertainty is None else float(np.abs(error_percent(found.uncertainty, 0.0, mean)).max())
+    bar = uncertainty_percent(found)
     for name, unit, value, key in (
         (f"largest error, of the mean load (ball {e.ball} {e.side})", "%", e.max_percent, ""),
         ("RMS error, of the mean load", "%", e.rms_percent, ""),

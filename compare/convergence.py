@@ -1,56 +1,238 @@
-"""Grid convergence after Celik et al. (J. Fluids Eng. 130 (2008) 078001) of quantities on three mesh levels."""
+"""Grid convergence by least squares after Eca and Hoekstra (J. Comput. Phys. 262 (2014) 104-130), alone and pooled.
+
+A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit of the
+smaller standard deviation counts. Where its order p lies outside ``ORDERS``, phi_0 + alpha h, phi_0 + alpha h^2 and (below
+the range, from four levels on) phi_0 + alpha_1 h + alpha_2 h^2 take its place, the best of them. With delta = phi_1 - phi_0
+the error that the fit gives the finest level, sigma the fit's standard deviation, r_1 the residual of the finest level and
+Delta = (max - min) / (levels - 1), the uncertainty of phi_1 is
+
+    U = F |delta| + sigma + |r_1|                        where sigma < Delta,
+    U = 3 (sigma / Delta) (|delta| + sigma + |r_1|)      elsewhere,
+
+with F = 1.25 for an order in the range, else 3. Where this module differs from the source, ``observe`` and ``pool`` say
+so; both are tested for the share of noisy sequences whose truth U holds.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compare.grid_fits import SEARCH, Fit, allowed, fixed, given, searched
+
 Array = NDArray[np.float64]
 
-#: Safety factor of the grid convergence index on three grids.
-SAFETY = 1.25
-#: Observed orders outside this range mean nothing: three grids that differ by scatter can give any number.
-ORDERS = (0.5, 6.0)
+#: Orders that are believed (the source's range): below, cells are too coarse to tell; above, it is chance.
+ORDERS = (0.5, 2.0)
+#: Safety factors: of an order in the range, and without one.
+SAFE, CAREFUL = 1.25, 3.0
+#: Changes below this share of the largest value are the last digit of stored values.
+ROUND_OFF = 1e-6
+#: Orders of the interval that ``pool`` goes through for the largest uncertainty.
+STEPS = 16
+
+MONOTONE = "monotone"
+NOT_MONOTONE = "not monotone"
+OUT_OF_RANGE = "order out of range"
+HELD = "held (zero by a support or no load)"
+TOO_FEW = "fewer than three levels"
+LABELS = (MONOTONE, NOT_MONOTONE, OUT_OF_RANGE, HELD, TOO_FEW)
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """One quantity: values coarse to fine, ``monotone``, observed order, extrapolated value, and its uncertainty.
+    """One quantity: ``values`` coarse to fine; ``label``, one of ``LABELS``: why it has an order of its own or none;
+    ``own_order``: what its own values give, believed or not (None where they give nothing); ``extrapolated``: value on
+    cells of no size, None where none is believed; ``uncertainty`` of the finest value, in the quantity's unit, None with
+    one level."""
 
-    uncertainty (in the quantity's unit): 1.25 |fine - medium| / (r^p - 1) where the sequence is monotone with a
-    meaningful order; otherwise the band of the three values. order and extrapolated are None in that case.
-    """
-
-    values: tuple[float, float, float]
-    monotone: bool
-    order: float | None
+    values: tuple[float, ...]
+    label: str
+    own_order: float | None
     extrapolated: float | None
-    uncertainty: float
+    uncertainty: float | None
+
+    @property
+    def order(self) -> float | None:
+        """The quantity's own order, where it is believed."""
+        return self.own_order if self.label == MONOTONE else None
+
+    @property
+    def text(self) -> str:
+        """The label with the order."""
+        if self.own_order is None:
+            return self.label
+        if self.label == MONOTONE:
+            return f"monotone, order {self.own_order:.2f}"
+        return f"order out of range (p {_shown(self.own_order)})"
+
+
+@dataclass(frozen=True)
+class Pooled:
+    """Quantities with one order: ``order`` where it is believed; ``fitted_order`` whatever it is and the ``interval`` that
+    the data allow (both None with fewer than three levels); standard deviation about the fit of all quantities together;
+    the convergence of each."""
+
+    order: float | None
+    fitted_order: float | None
+    interval: tuple[float, float] | None
+    deviation: float | None
+    each: tuple[Convergence, ...]
+
+    @property
+    def labels(self) -> dict[str, int]:
+        """Number of quantities by label, in the order of ``LABELS``."""
+        found = Counter(c.label for c in self.each)
+        return {label: found[label] for label in LABELS if found[label]}
+
+    @property
+    def text(self) -> str:
+        """The order in words, with the interval that the data allow."""
+        if self.fitted_order is None or self.interval is None:
+            return TOO_FEW if any(c.label == TOO_FEW for c in self.each) else HELD
+        low, high = self.interval
+        if self.order is None:
+            return f"out of range: p {_shown(self.fitted_order)} ({low:.2g} to {high:.2g})"
+        return f"{self.order:.2f} ({low:.2g} to {high:.2g})"
+
+
+def _shown(p: float) -> str:
+    low, high = SEARCH
+    return f"below {low:g}" if p <= low else f"above {high:g}" if p >= high else f"= {p:.2f}"
+
+
+def representative_size(settings: Mapping[str, Any]) -> float:
+    """Relative cell size of a level from its mesh settings: a level refines all its sizes together, by the ratio of the
+    cells across a contact."""
+    return 1.0 / float(settings["b_over_h"])
 
 
 def observe(values: ArrayLike, sizes: ArrayLike) -> Convergence:
-    """Convergence of three ``values`` on cells of ``sizes``, coarse to fine.
+    """Convergence of one quantity's ``values`` on cells of ``sizes`` (only their ratios count), coarse to fine.
 
-    Solves p = |ln|e32/e21| + q(p)| / ln r21 by fixed point for unequal refinement ratios (Celik, steps 3 to 5).
+    Against the source: U is no smaller than by first order, with F = 1.25, as long as the values do not contradict first
+    order (F test), because a few noisy values easily show an order that is too high; and three levels, from which the
+    source refrains, leave the fit of an order no freedom to show scatter, so that the smallest standard deviation of the
+    fits of fixed order stands in for it. Two levels: a band of three times their difference, no order.
+    Raises ValueError for sizes that do not fall, or numbers of values and sizes that differ.
     """
-    f3, f2, f1 = (float(v) for v in np.asarray(values, float))
-    h3, h2, h1 = (float(h) for h in np.asarray(sizes, float))
-    e32, e21 = f3 - f2, f2 - f1
-    band = max(f1, f2, f3) - min(f1, f2, f3)
-    three = (f3, f2, f1)
-    if e21 == 0.0 or e32 == 0.0 or e32 / e21 <= 0.0:
-        return Convergence(three, False, None, None, band)
-    r21, r32 = h2 / h1, h3 / h2
-    p = abs(np.log(abs(e32 / e21))) / np.log(r21)
-    for _ in range(100):
-        below, above = r21**p - 1.0, r32**p - 1.0
-        new = abs(np.log(abs(e32 / e21)) + (np.log(below / above) if below > 0.0 and above > 0.0 else 0.0)) / np.log(r21)
-        if abs(new - p) < 1e-12:
-            break
-        p = new
-    if not ORDERS[0] <= p <= ORDERS[1]:
-        return Convergence(three, False, None, None, band)
-    gain = r21**p - 1.0
-    return Convergence(three, True, float(p), f1 + (f1 - f2) / gain, SAFETY * abs(e21) / gain)
+    y, h = _checked(values, sizes)
+    n, column = len(h), y[:, 0]
+    given_ = tuple(float(v) for v in column)
+    if n == 1:
+        return Convergence(given_, TOO_FEW, None, None, None)
+    if n == 2:
+        return Convergence(given_, TOO_FEW, None, None, CAREFUL * abs(given_[1] - given_[0]))
+    if _still(column):
+        return Convergence(given_, HELD, None, given_[-1], 0.0)
+    label, order = _label(column, h)
+    free = [searched(y, h, weighted) for weighted in (False, True)]
+    good = [f for f in free if f.order is not None and ORDERS[0] <= f.order <= ORDERS[1]]
+    best = min(free, key=lambda f: f.deviation)
+    others = fixed(y, h, both=best.order is not None and best.order < ORDERS[0])
+    fit = min(good or others, key=lambda f: f.deviation)
+    sigma = fit.deviation if n > 3 or not good else min(f.deviation for f in others)
+    spread = float(np.ptp(column)) / (n - 1)
+    uncertainty = float(_bar(y, fit, sigma, SAFE if good else CAREFUL, spread)[0])
+    low, high = allowed(y, h, best)
+    if low <= 1.0 <= high:
+        first = min((f for f in others if f.form == "first order"), key=lambda f: f.deviation)
+        uncertainty = max(uncertainty, float(_bar(y, first, sigma, SAFE, spread)[0]))
+    limit = float(fit.limit[0]) if good and label == MONOTONE else None
+    return Convergence(given_, label, order, limit, uncertainty)
+
+
+def pool(values: ArrayLike, sizes: ArrayLike) -> Pooled:
+    """Convergence of many like quantities ``(levels, m)`` on cells of ``sizes``, coarse to fine, with one order for all.
+
+    phi_0 and alpha are each quantity's own; the order that all share is searched, with the interval of orders that the
+    data allow (F test, 95 %). So many degrees of freedom are left that sigma is known, which changes against the source:
+    U is the largest of 1.25 |delta| + sigma + |r_1| over all allowed orders within ``ORDERS``; where all of them lie above,
+    2 is taken, whose error is larger than the fit's own; where all lie below, the source's fits of fixed orders are,
+    with its factor of 3. sigma of a quantity is its own or that of all, whichever is larger: one or two residuals are
+    small by chance too often. The order is believed where it lies in the range, or above it by no more than chance allows
+    (then it is 2); values are extrapolated by it unless an order below the range is allowed too.
+
+    Two levels: a band of three times the difference, or three times the RMS difference of all where that is larger.
+    Quantities that are the same on every level are held: they take no part, and have no uncertainty.
+    Raises ValueError as ``observe``.
+    """
+    y, h = _checked(values, sizes)
+    n, m = y.shape
+    moving = np.array([not _still(column) for column in y.T], dtype=bool)
+    if n < 3 or not moving.any():
+        return _banded(y, moving)
+    data = y[:, moving]
+    free = min((searched(data, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
+    assert free.order is not None
+    interval = allowed(data, h, free)
+    if interval[1] < ORDERS[0]:
+        fits, factor = [min(fixed(data, h, both=True), key=lambda f: f.deviation)], CAREFUL
+    else:
+        low, high = (min(max(p, ORDERS[0]), ORDERS[1]) for p in interval)
+        fits, factor = [given(data, h, float(p), free.weighted) for p in np.linspace(low, high, STEPS)], SAFE
+    bars, limits = np.zeros(m), y[-1].copy()
+    bars[moving] = np.max([_bar(data, f, np.maximum(f.own, f.deviation), factor) for f in fits], axis=0)
+    order = min(free.order, ORDERS[1]) if free.order >= ORDERS[0] and interval[0] <= ORDERS[1] else None
+    extrapolate = order is not None and interval[0] >= ORDERS[0]
+    if order is not None:
+        limits[moving] = given(data, h, order, free.weighted).limit
+    each = []
+    for k in range(m):
+        label, own = _label(y[:, k], h) if moving[k] else (HELD, None)
+        limit = float(limits[k]) if extrapolate or not moving[k] else None
+        each.append(Convergence(tuple(float(v) for v in y[:, k]), label, own, limit, float(bars[k])))
+    return Pooled(order, free.order, interval, free.deviation, tuple(each))
+
+
+def _banded(y: Array, moving: NDArray[np.bool_]) -> Pooled:
+    """One or two levels, or nothing that moves: bands, no order."""
+    n, m = y.shape
+    if n == 1:
+        return Pooled(None, None, None, None, tuple(Convergence((float(v),), TOO_FEW, None, None, None) for v in y[0]))
+    difference = np.abs(y[-1] - y[-2])
+    floor = float(np.sqrt((difference[moving] ** 2).mean())) if moving.any() else 0.0
+    band = np.where(moving, CAREFUL * np.maximum(difference, floor), 0.0)
+    label = TOO_FEW if n == 2 else HELD
+    limits = [None if n == 2 else float(v) for v in y[-1]]
+    each = [Convergence(tuple(float(v) for v in y[:, k]), label, None, limits[k], float(band[k])) for k in range(m)]
+    return Pooled(None, None, None, None, tuple(each))
+
+
+def _checked(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
+    """Values ``(levels, m)`` and sizes over the finest."""
+    y, h = np.asarray(values, float), np.asarray(sizes, float)
+    y = y[:, None] if y.ndim == 1 else y
+    if h.ndim != 1 or len(y) != len(h) or not len(h) or not np.isfinite(y).all():
+        raise ValueError(f"{len(y)} levels of finite values and {h.size} sizes do not go together")
+    if not (np.diff(h) < 0.0).all() or h[-1] <= 0.0:
+        raise ValueError("sizes must fall from coarse to fine and be positive")
+    return y, h / h[-1]
+
+
+def _still(column: Array) -> bool:
+    """Whether a quantity is the same on every level, but for the last digit it was stored with."""
+    return float(np.ptp(column)) <= ROUND_OFF * float(np.abs(column).max())
+
+
+def _label(column: Array, h: Array) -> tuple[str, float | None]:
+    """Why a quantity on three or more levels has an order of its own or none, and the order."""
+    steps = np.diff(column)
+    if not ((steps > 0.0).all() or (steps < 0.0).all()):
+        return NOT_MONOTONE, None
+    p = searched(column[:, None], h).order
+    assert p is not None
+    return (MONOTONE if ORDERS[0] <= p <= ORDERS[1] else OUT_OF_RANGE), p
+
+
+def _bar(y: Array, fit: Fit, sigma: Array | float, factor: float, spread: float = np.inf) -> Array:
+    """U of every quantity's finest value ``(m,)``; spread: Delta, where sigma is judged by it."""
+    error, off = np.abs(y[-1] - fit.residual[-1] - fit.limit), np.abs(fit.residual[-1])
+    if np.max(sigma) < spread:
+        return np.asarray(factor * error + sigma + off)
+    return np.asarray(CAREFUL * sigma / spread * (error + sigma + off))

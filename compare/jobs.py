@@ -9,10 +9,10 @@ from pathlib import Path
 from time import perf_counter
 
 from compare.errors import InputError
+from compare.memory import reset_peak
 from compare.reference import (
     LEVELS,
     SOURCE_LEVEL,
-    VARIANTS,
     Run,
     Task,
     bodies_path,
@@ -23,6 +23,7 @@ from compare.reference import (
     save,
     with_bodies,
 )
+from compare.variants import VARIANTS
 from meshes.condensed import CondensedBodies
 from meshes.parts import Scene
 
@@ -76,7 +77,11 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
 
 
 def perform(task: Task, store: Path) -> tuple[list[Run], CondensedBodies | None]:
-    """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way."""
+    """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way.
+
+    The record of peak memory starts anew, so that every run has its own.
+    """
+    reset_peak()
     runs, bodies = compute_with_bodies(task)
     keep(store, task, runs, bodies)
     return runs, bodies

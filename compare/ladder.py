@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison import REFERENCED
+from compare.grid_summary import uncertainty_percent
 from compare.measure import LoadError, error_percent, load_error
 from compare.model_form import Point, estimate, features
 from compare.models import Options, run_model
 from compare.reference import Reference, bodies_path, reference, shipped_store
 from compare.study import Study
+from lowfi.compliance.bodies import forget
 from lowfi.result import StaticResult
 from meshes.parts import Scene
 
@@ -40,7 +42,8 @@ RUNGS = {
 @dataclass(frozen=True)
 class Rung:
     """One model on one scene against its reference: errors, the reference's uncertainty in per cent of the mean load,
-    seconds of the solve, mean load over the reference's less one [%]."""
+    seconds of the solve of a geometry that is new (libraries loaded, interpreted), sum of loads against the reference's
+    [%]."""
 
     scene: str
     model: str
@@ -49,16 +52,6 @@ class Rung:
     uncertainty: float | None
     bias: float
     seconds: float
-
-
-def uncertainty_percent(found: Reference) -> float | None:
-    """Largest uncertainty of a reference in per cent of its mean load: by three levels, or the difference of two."""
-    mean = float(found.load[found.load > 0.0].mean())
-    if found.uncertainty is not None:
-        return float(np.abs(error_percent(found.uncertainty, 0.0, mean)).max())
-    if len(found.runs) == 2:
-        return float(np.abs(error_percent(found.runs[0].load, found.runs[1].load, mean)).max())
-    return None
 
 
 def finest_bodies(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> Path | None:
@@ -80,6 +73,7 @@ def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None = None) 
             if path is None:
                 continue
             options = replace(options, condensed=path)
+        forget()
         start = perf_counter()
         result = run_model(scene, model, options)
         seconds = perf_counter() - start

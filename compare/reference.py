@@ -6,7 +6,6 @@ import datetime
 import glob
 import hashlib
 import json
-import resource
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from importlib import metadata, resources
@@ -17,13 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare import __version__
-from compare.convergence import Convergence, observe
+from compare.convergence import Convergence, Pooled, pool, representative_size
 from compare.errors import InputError, Refusal
+from compare.memory import peak_MB
 from compare.system import need_gmsh
+from compare.variants import VARIANTS
 from compare.writing import replace_file
 from meshes.condensed import CondensedBodies, geometry_digest
 from meshes.parts import Scene
-from meshes.solid import Dimensions, dimensions
 
 if TYPE_CHECKING:
     from hifi.fit import Settings
@@ -54,52 +54,6 @@ SCHEMA = 3
 ENLARGE, BEYOND = 2, 1.2
 #: The same for the condensed bodies.
 BODIES = 1
-Change = Callable[[Scene], Scene]
-
-
-def _solid(**changes: Any) -> Change:
-    return lambda scene: replace(scene, solid=replace(scene.solid, **changes))
-
-
-def _scaled(name: str, take: Callable[[Dimensions], float], factor: float, shift: float = 0.0) -> Change:
-    """Change of a dimension of the solid parts by a factor and a shift [m]."""
-
-    def change(scene: Scene) -> Scene:
-        return _solid(**{name: take(dimensions(scene)) * factor + shift})(scene)
-
-    return change
-
-
-@dataclass(frozen=True)
-class Variant:
-    """A modelling choice varied on the coarsest level: what it is, the changed scene or mesh settings; ``spread``: an
-    unprinted dimension or a numerical choice (part of the spread), otherwise another boundary condition."""
-
-    label: str
-    change: Change
-    settings: tuple[tuple[str, Any], ...] = ()
-    spread: bool = True
-
-
-#: Modelling choices that the source does not print, and the nut's fixing.
-VARIANTS: dict[str, Variant] = {
-    "base": Variant("nothing but the mesh: sockets only on the flanks that touch", lambda s: s),
-    "junction": Variant(
-        "3D shaft 20 mm longer on each side", _scaled("shaft", lambda d: d.shaft, 1.0, 20e-3)
-    ),
-    "junction-short": Variant("3D shaft of half the length", _scaled("shaft", lambda d: d.shaft, 0.5)),
-    "land": Variant(
-        "nut lands 0.6 mm narrower in diameter", _scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3)
-    ),
-    "hole": Variant("hole along the screw of half the diameter", _scaled("hole_diameter", lambda d: 2.0 * d.hole, 0.5)),
-    "shaft-plain": Variant(
-        "shaft beyond the 3D stretch plain, of the lands' diameter",
-        lambda s: _solid(shaft_diameter=s.screw.outer_diameter)(s),
-    ),
-    "modes": Variant("24 modes per patch instead of 16", lambda s: s, (("modes", 24),)),
-    "nut-right": Variant("nut held at its right face", _solid(nut_held="right face"), spread=False),
-    "nut-outer": Variant("nut held by its outer surface", _solid(nut_held="outer surface"), spread=False),
-}
 
 
 @dataclass(frozen=True)
@@ -109,7 +63,8 @@ class Run:
     Loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], loads with directions frozen in the nominal state, centreline
     ``(stations, 4)``: z, ux, uy, uz [m]; loads without single ingredients, with seconds they take; sides that were
     prepared; unknowns of the equivalent monolithic mesh; seconds of the set-up by stage and of the load case; peak
-    memory [MB] of the process; balance of balls and screw; bound on the modes left out; settings and versions.
+    memory [MB] of the set-up and its load cases so far (None: not measured); balance of balls and screw; bound on the
+    modes left out; settings and versions.
     """
 
     scene: str
@@ -126,7 +81,7 @@ class Run:
     unknowns: int
     stages: dict[str, float]
     solve_seconds: float
-    peak_MB: float
+    peak_MB: float | None
     balance: float
     along_groove: float
     screw_balance: float
@@ -382,7 +337,7 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         angle=np.degrees(result.contact_angle), frozen=frozen,
         centreline=np.column_stack([result.stations, result.centreline[:, :3]]), without=without, without_seconds=seconds,
         sides=setup.sides, unknowns=result.unknowns, stages=setup.seconds, solve_seconds=result.seconds["contact"],
-        peak_MB=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0, balance=result.balance,
+        peak_MB=peak_MB(), balance=result.balance,
         along_groove=result.along_groove, screw_balance=result.screw_balance, left_out=setup.left_out,
         quality=setup.quality, settings=asdict(setup.settings), assumed=setup.dims.assumed,
         versions={"rollbench": __version__, **versions()},
@@ -462,15 +417,16 @@ def _read(path: Path, scene: Scene, level: int, variant: str) -> Run | None:
 
 @dataclass(frozen=True)
 class Reference:
-    """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], its uncertainty ``(n, 4)`` [N]
-    (None with fewer than three levels) and the convergence of every contact's load; loads extrapolated to cells of no
-    size where the three levels allow it, else the finest."""
+    """The 3D reference of a scene: runs coarse to fine, loads of the finest ``(n, 4)`` [N], their uncertainty ``(n, 4)``
+    [N] by grid convergence (three times the difference of two levels; None with one), the convergence of every contact's
+    load, and of all of them with one order; loads extrapolated to cells of no size, None where no order is believed."""
 
     scene: str
     runs: tuple[Run, ...]
     load: Array
     uncertainty: Array | None
     convergence: tuple[tuple[Convergence, ...], ...] | None
+    pooled: Pooled | None
     extrapolated: Array | None
 
     @property
@@ -478,19 +434,35 @@ class Reference:
         """The finest run."""
         return self.runs[-1]
 
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """Relative cell sizes of the runs."""
+        return tuple(representative_size(run.settings) for run in self.runs)
+
+    @property
+    def estimate(self) -> Array:
+        """Best estimate of the loads ``(n, 4)`` [N]: extrapolated, or else those of the finest level."""
+        return self.load if self.extrapolated is None else self.extrapolated
+
 
 def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference | None:
     """Best stored reference of a scene, or None."""
     runs = tuple(run for level in LEVELS if (run := load(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.status == "converged")
-    if not runs:
-        return None
+    return reference_of(scene.name, runs) if runs else None
+
+
+def reference_of(scene: str, runs: tuple[Run, ...]) -> Reference:
+    """Reference of converged runs, coarse to fine."""
     best = runs[-1]
-    if len(runs) < 3:
-        return Reference(scene.name, runs, best.load, None, None, None)
-    sizes = [1.0 / run.settings["b_over_h"] for run in runs[-3:]]
-    stack = np.stack([run.load for run in runs[-3:]])
-    found = tuple(tuple(observe(stack[:, i, s], sizes) for s in range(4)) for i in range(stack.shape[1]))
-    uncertainty = np.array([[c.uncertainty for c in row] for row in found])
-    extrapolated = np.array([[c.values[2] if c.extrapolated is None else c.extrapolated for c in row] for row in found])
-    return Reference(scene.name, runs, best.load, uncertainty, found, extrapolated)
+    if len(runs) < 2:
+        return Reference(scene, runs, best.load, None, None, None, None)
+    shape = best.load.shape
+    pooled = pool(np.stack([run.load.ravel() for run in runs]), [representative_size(run.settings) for run in runs])
+    each = pooled.each
+    uncertainty = np.array([c.uncertainty for c in each], dtype=float).reshape(shape)
+    rows = tuple(each[i * shape[1] : (i + 1) * shape[1]] for i in range(shape[0]))
+    extrapolated = None
+    if all(c.extrapolated is not None for c in each):
+        extrapolated = np.maximum(np.array([c.extrapolated for c in each], dtype=float).reshape(shape), 0.0)
+    return Reference(scene, runs, best.load, uncertainty, rows, pooled, extrapolated)

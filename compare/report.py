@@ -84,6 +84,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     """Compute the runs that the report needs and ``source`` does not hold yet."""
     from compare.comparison import REFERENCED
     from compare.jobs import all_variants, ensure, plan
+    from compare.modelling import VARIED
     from compare.reference import LEVELS
 
     if not source.compute or source.stores is None:
@@ -95,7 +96,8 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         tasks = plan(scenes[:2], (min(LEVELS),))
     else:
         tasks = plan(scenes, tuple(LEVELS), source=True, ablate=True)
-        tasks += plan(scenes[:1], (), all_variants())
+        for name in VARIED:
+            tasks += plan([study.scene(name)], (), all_variants())
         tasks += plan([study.scene(name) for name in UNSEEN], (1, 2))
         tasks.sort(key=lambda task: -task.weight)
     ensure(tasks, source.stores[0], source.engine, step, fresh=source.fresh)

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJson
 from pydantic_core import PydanticCustomError, core_schema
 
 from compare import units
+from meshes.parts import NutHeld
 
 MAX_BALLS = 100_000
 
@@ -293,8 +294,10 @@ class SolidKeys(Table):
     shaft_diameter: Size | None = key(
         "diameter of the plain shaft beyond the 3D stretch; the homogenised grooved shaft if left out", None, "31 mm"
     )
-    nut_held: Literal["left face", "right face", "both faces", "outer surface"] | None = key(
-        "where the nut is held; its left face, or its outer surface at zero lead", None, "left face"
+    nut_held: NutHeld | None = key(
+        "where the nut is held; its left face, or its outer surface at zero lead (low-order models hold the whole face)",
+        None,
+        "left face",
     )
     screw_held: Literal["ends", "bore"] | None = key(
         "whether supports and loads reach the screw through its ends or through a stiff shaft in its bore", None, "ends"

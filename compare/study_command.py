@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,12 +18,14 @@ from compare.convergence import observe
 from compare.errors import InputError, Refusal
 from compare.jobs import Engine, all_variants, ensure, plan
 from compare.measure import error_percent
-from compare.reference import LEVELS, SOURCE_LEVEL, VARIANTS, Run, load, reference, shipped_store
+from compare.modelling import base_run
+from compare.reference import LEVELS, SOURCE_LEVEL, Run, load, reference, reference_of, shipped_store
+from compare.variants import VARIANTS
 from compare.writing import replace_file
 from meshes.parts import SIDES, Scene
 
 Show = Callable[..., None]
-Take = Callable[[Run], float]
+Take = partial[float]
 
 
 def _extreme(side: int, sign: float, run: Run) -> float:
@@ -57,31 +59,52 @@ def quantities(run: Run) -> list[tuple[str, str, Take]]:
 
 
 def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(LEVELS)) -> list[dict[str, Any]]:
-    """Per quantity: value on each level, observed order, extrapolated value, grid uncertainty, modelling spread and the
-    effect of holding the nut elsewhere."""
-    runs = [r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None]
+    """Per quantity: value on each level, its own order, extrapolated value, grid uncertainty and why it has an order or
+    none; modelling uncertainty (root of squares over the choices that were varied) and the effect of the scene's own ones.
+
+    Loads of single contacts have the uncertainty of the fit with one order for all contacts, the others that of their own.
+    """
+    runs = tuple(r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None)
     if not runs:
         return []
-    base = load(scene, min(LEVELS), "base", stores) or load(scene, min(LEVELS), stores=stores)
+    found = reference_of(scene.name, runs)
+    base = base_run(scene, stores)
     changed = {v: r for v in VARIANTS if v != "base" and (r := load(scene, min(LEVELS), v, stores)) is not None}
     table = []
     for name, unit, take in quantities(runs[-1]):
         values = [take(r) for r in runs]
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
-        if len(values) >= 3:
-            found = observe(values[-3:], [1.0 / r.settings["b_over_h"] for r in runs[-3:]])
+        if len(runs) >= 2:
+            of_contact = found.convergence is not None and take.func is _single
+            c = found.convergence[take.args[0]][take.args[1]] if of_contact else observe(values, found.sizes)  # type: ignore[index]
             row |= {
-                "order": found.order, "extrapolated": found.extrapolated, "uncertainty": found.uncertainty,
-                "uncertainty_percent": float(error_percent(found.uncertainty, 0.0, values[-1])),
-                "kind": "grid convergence index" if found.monotone else "band: not monotone",
+                "order": c.order, "extrapolated": c.extrapolated, "uncertainty": c.uncertainty,
+                "uncertainty_percent": _percent(c.uncertainty, values[-1]), "kind": c.text,
             }  # fmt: skip
         if base is not None and changed:
-            for column, spread in (("modelling_spread", True), ("nut_fixing", False)):
-                own = [r for v, r in changed.items() if VARIANTS[v].spread is spread]
-                row[column] = max((abs(take(r) - take(base)) for r in own), default=None)
+            moves = {v: abs(take(r) - take(base)) for v, r in changed.items()}
+            row["modelling_spread"] = _root_of_squares(moves)
+            row["scene_choices"] = max((m for v, m in moves.items() if VARIANTS[v].kind == "scene"), default=None)
         table.append(row)
     return table
+
+
+def _percent(value: float | None, of: float) -> float | None:
+    """A number in per cent of another; None where there is none, or nothing to compare it with."""
+    if value is None or (of == 0.0 and value != 0.0):
+        return None
+    return float(error_percent(value, 0.0, of))
+
+
+def _root_of_squares(moves: Mapping[str, float]) -> float | None:
+    """Root of squares over modelling choices, each by the larger of its variants; None where none was varied."""
+    by_choice: dict[str, float] = {}
+    for name, move in moves.items():
+        variant = VARIANTS[name]
+        if variant.kind == "modelling":
+            by_choice[variant.choice] = max(move, by_choice.get(variant.choice, 0.0))
+    return float(np.linalg.norm(list(by_choice.values()))) if by_choice else None
 
 
 def on_terminal(text: str) -> None:

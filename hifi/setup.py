@@ -300,7 +300,11 @@ def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_
 
 def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
     """C of the nut, held where ``dims`` says."""
-    return held_transform(mesh.mesh, *NUT_HELD[dims.nut_held])
+    found = nodes_on(mesh.mesh, *NUT_HELD[dims.nut_held])
+    r = np.hypot(mesh.points[found, 0], mesh.points[found, 1])
+    held = freedoms(found[(r >= dims.held_radii[0] - 1e-7) & (r <= dims.held_radii[1] + 1e-7)])
+    size = mesh.mesh.doflocs.size
+    return sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
 
 
 def nut_response(

@@ -18,6 +18,12 @@ SIDE_SIGNS = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
 #: Freedoms of a station of the screw: displacements along x, y, z and small rotations about them.
 FREEDOMS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
+#: Where a nut may be held: the inner and outer halves of a face are rings on both sides of the middle of its width.
+NutHeld = Literal[
+    "left face", "right face", "both faces", "outer surface", "left face, inner half", "left face, outer half",
+    "right face, inner half", "right face, outer half",
+]  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Material:
@@ -192,15 +198,15 @@ class Solid:
     ``nut_inner_diameter``: lands of the nut [m]; ``hole_diameter``: hole along the axis of the meshed screw [m];
     ``shaft``: length of the 3D stretch beyond the nut on each side [m]; ``shaft_diameter``: diameter of the equivalent
     plain shaft beyond it [m] (``None``: the section is homogenised from the grooved shaft);
-    ``nut_held``: where the nut is held; ``screw_held``: at the ends of the 3D stretch, or by its bore (a ring on a stiff
-    shaft); ``nut``: elastic, or rigid beyond the contact patches.
+    ``nut_held``: where the nut is held (half a face: the inner or outer half of its width); ``screw_held``: at the ends
+    of the 3D stretch, or by its bore (a ring on a stiff shaft); ``nut``: elastic, or rigid beyond the contact patches.
     """
 
     nut_inner_diameter: float | None = None
     hole_diameter: float | None = None
     shaft: float | None = None
     shaft_diameter: float | None = None
-    nut_held: Literal["left face", "right face", "both faces", "outer surface"] | None = None
+    nut_held: NutHeld | None = None
     screw_held: Literal["ends", "bore"] | None = None
     nut: Literal["elastic", "rigid"] = "elastic"
 

@@ -17,7 +17,8 @@ SHAFT = 1.5
 @dataclass(frozen=True)
 class Dimensions:
     """Radii of the nut's lands and of the screw's hole [m], 3D length of shaft beyond each nut face [m], radius of the
-    shaft beyond it (None: homogenised), where nut and screw are held, and the assumptions in words."""
+    shaft beyond it (None: homogenised), where nut and screw are held, radii [m] between which a face of the nut is held,
+    and the assumptions in words."""
 
     land: float
     hole: float
@@ -25,6 +26,7 @@ class Dimensions:
     shaft_radius: float | None
     nut_held: str
     screw_held: str
+    held_radii: tuple[float, float]
     assumed: tuple[str, ...]
 
     def ends(self, scene: Scene) -> tuple[float, float]:
@@ -51,10 +53,14 @@ def dimensions(scene: Scene) -> Dimensions:
     else:
         hole = HOLE * R
         assumed.append(f"A hole of {2e3 * hole:.3g} mm diameter along the axis of the meshed screw; the scene has none.")
-    held = solid.nut_held
+    held: str | None = solid.nut_held
     if held is None:
         held = "outer surface" if scene.track.lead == 0.0 else "left face"
         assumed.append(f"The nut is held at its {held}.")
+    held, _, half = held.partition(", ")
+    wall = scene.nut.outer_diameter / 2.0
+    middle = 0.5 * (land + wall)
+    held_radii = {"": (land, wall), "inner half": (land, middle), "outer half": (middle, wall)}[half]
     screw_held = solid.screw_held
     if screw_held is None:
         screw_held = "bore" if scene.ingredients.screw == "rigid" and scene.screw.bore > 0.0 else "ends"
@@ -83,5 +89,5 @@ def dimensions(scene: Scene) -> Dimensions:
         )
     return Dimensions(
         land, hole, shaft, None if solid.shaft_diameter is None else solid.shaft_diameter / 2.0, held, screw_held,
-        tuple(assumed),
+        held_radii, tuple(assumed),
     )  # fmt: skip

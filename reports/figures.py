@@ -173,6 +173,8 @@ def _check(name: str, panel: Panel) -> None:
             raise ValueError(f"{curve}: {len(series.x)} x values but {len(series.y)} y values")
         if series.style == "band" and (series.y2 is None or len(series.y2) != len(series.x)):
             raise ValueError(f"{curve}: a band needs y2 of the same length as x")
+        if series.bars is not None and any(len(ends) != len(series.x) for ends in series.bars):
+            raise ValueError(f"{curve}: error bars need lower and upper ends of the same length as x")
 
 
 def _orders(panels: Sequence[Panel]) -> list[dict[str, int]]:
@@ -202,7 +204,7 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int]) -> None:
     axes.set_ylabel(panel.ylabel)
     values = {
         "x": np.concatenate([[], *(np.asarray(series.x, float) for series in panel.series)]),
-        "y": np.concatenate([[], *(np.asarray(series.y, float) for series in panel.series)]),
+        "y": np.concatenate([[], *(np.asarray(y, float) for s in panel.series for y in (s.y, *(s.bars or ())))]),
     }
     for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
         finite = values[name][np.isfinite(values[name])]
@@ -232,6 +234,9 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
         axes.plot(x, y, color=colour, linewidth=0.5, alpha=0.6)
         axes.plot(x, upper, color=colour, linewidth=0.5, alpha=0.6)
         return
+    if series.bars is not None:
+        low, high = (np.asarray(ends, float) for ends in series.bars)
+        axes.vlines(x, low, high, color=colour, linewidth=1.1, alpha=0.7, zorder=2.2)
     many = len(x) > 40
     axes.plot(
         x,

@@ -40,7 +40,8 @@ class Table:
 
 @dataclass(frozen=True)
 class Series:
-    """One curve: label, x, y, style (``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` up to y2)."""
+    """One curve: label, x, y, style (``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` up to y2); ``bars``: lower
+    and upper ends of error bars."""
 
     label: str
     x: Sequence[float]
@@ -48,6 +49,7 @@ class Series:
     style: str = "line+markers"
     y2: Sequence[float] | None = None
     emphasis: bool = False
+    bars: tuple[Sequence[float], Sequence[float]] | None = None
 
 
 @dataclass(frozen=True)

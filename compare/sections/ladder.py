@@ -53,13 +53,15 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
         Column("max", "largest error", "% of mean", ".2f"), Column("at", "at ball", "", "s"),
         Column("rms", "RMS error", "% of mean", ".2f"), Column("own", "largest", "% of own load", ".2f"),
         Column("bias", "sum of loads", "%", "+.2f"),
-        Column("bar", "reference's uncertainty", "% of mean", ".2f"), Column("seconds", "solve, interpreted", "s", "g3"),
+        Column("bar", "reference's uncertainty", "% of mean", ".2f"),
+        Column("seconds", "new geometry, interpreted", "s", "g3"),
     )  # fmt: skip
     note = (
         "; ".join(f"{model}: {what}" for model, what in RUNGS.items())
         + ". Against the finest stored level of the 3D reference. Scenes named unseen were fixed before any of them was "
-        "solved in 3D, and none of the model's choices was made by them; their references have two levels, and their "
-        "uncertainty is the difference of the two. Seconds include what a geometry needs once, at its first solve."
+        "solved in 3D, and none of the model's choices was made by them; the "
+        "uncertainty of a reference of two levels is three times their difference. Seconds are those of a geometry that is "
+        "new to a running process; a new process is in the table of run times."
     )
     return Table("ladder", "The ladder", columns, rows, note)
 

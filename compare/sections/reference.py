@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -22,9 +21,12 @@ from compare.comparison import (
     summary,
 )
 from compare.findings import Finding, entry
+from compare.grid_summary import uncertainty_percent
+from compare.ladder import UNSEEN
 from compare.measure import LoadError, error_percent, load_error
-from compare.models import Options, run_model
+from compare.modelling import VARIED, Modelling, combined, modelling_percent, varied
 from compare.reference import LEVELS, PRODUCTION, SOURCE_LEVEL, Reference, Run, load, reference
+from compare.sections.reference_time import time_items
 from compare.study import Study
 from meshes.parts import SIDES, Scene
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
@@ -32,10 +34,19 @@ from reports.records import Cell, Column, Figure, Panel, Section, Series, Table,
 References = Mapping[str, Reference]
 
 
-def references(study: Study, stores: Sequence[Any] | None = None) -> dict[str, Reference]:
-    """Stored references of the scenes that have one."""
-    found = {name: reference(study.scene(name), stores) for name in REFERENCED}
+def references(
+    study: Study, stores: Sequence[Any] | None = None, names: Sequence[str] = REFERENCED
+) -> dict[str, Reference]:
+    """Stored references of the scenes that have one: the case studies unless ``names`` says otherwise."""
+    found = {name: reference(study.scene(name), stores) for name in names}
     return {name: r for name, r in found.items() if r is not None}
+
+
+def modelling(study: Study, stores: Sequence[Any] | None) -> dict[str, Modelling]:
+    """Modelling uncertainty of the scenes on which choices were varied."""
+    scenes = [study.scene(name) for name in VARIED]
+    found = {scene.name: combined(scene, varied(scene, stores)) for scene in scenes}
+    return {name: m for name, m in found.items() if m is not None}
 
 
 def findings(study: Study, stores: Sequence[Any] | None = None) -> list[Finding]:
@@ -59,20 +70,10 @@ def findings(study: Study, stores: Sequence[Any] | None = None) -> list[Finding]
     return out
 
 
-def _mean(found: Reference) -> float:
-    return float(found.load[found.load > 0.0].mean())
-
-
-def bar_percent(found: Reference) -> float | None:
-    """Largest uncertainty of any contact load of a reference, in per cent of its mean load."""
-    if found.uncertainty is None:
-        return None
-    return float(np.abs(error_percent(found.uncertainty, 0.0, _mean(found))).max())
-
-
 def error_table(study: Study, found: References, stores: Sequence[Any] | None) -> Table:
     """Errors of every low-order model, of the source's mesh and of the extrapolation against the finest reference."""
     rows: list[dict[str, Cell]] = []
+    modelled = modelling(study, stores)
     for name, ref in found.items():
         scene = study.scene(name)
         keys = PRINTED.get(name)
@@ -80,16 +81,19 @@ def error_table(study: Study, found: References, stores: Sequence[Any] | None) -
             e, result, _ = summary(contender, scene, ref)
             shown = keys[:2] if keys and contender.name == "lin" else ()
             printed = " / ".join(entry("lin-2.4.1", k).printed for k in shown) or "–"
-            rows.append(_error_row(name, contender.label, e, load_ratio(result.load), printed, bar_percent(ref)))
+            rows.append(_error_row(name, contender.label, e, load_ratio(result.load), printed, uncertainty_percent(ref)))
         source = load(scene, SOURCE_LEVEL, stores=stores)
         for answer in reference_answers(ref, source):
             if answer.model != f"3D level {ref.best.level}":
                 e = load_error(answer.load, ref.load)
                 rows.append(
-                    _error_row(name, LABELS[answer.model], e, load_ratio(answer.load), "–", bar_percent(ref))
+                    _error_row(name, LABELS[answer.model], e, load_ratio(answer.load), "–", uncertainty_percent(ref))
                 )
         own: dict[str, Cell] = {"scene": name, "model": LABELS[f"3D level {ref.best.level}"]}
-        rows.append(own | {"load_ratio": load_ratio(ref.load), "bar": bar_percent(ref)})
+        rows.append(own | {"load_ratio": load_ratio(ref.load), "bar": uncertainty_percent(ref)})
+        for row in rows:
+            if row["scene"] == name:
+                row["modelling"] = modelling_percent(name, modelled)
     columns = (
         Column("scene", "scene", "", "s"),
         Column("model", "model", "", "s"),
@@ -100,22 +104,22 @@ def error_table(study: Study, found: References, stores: Sequence[Any] | None) -
         Column("own_rms", "RMS", "% of own load", ".2f"),
         Column("printed", "printed max / RMS", "%", "s"),
         Column("bar", "reference's uncertainty", "% of mean", ".2f"),
+        Column("modelling", "its modelling uncertainty", "% of mean", ".2f"),
         Column("load_ratio", "largest : smallest on SL", "", ".3f"),
     )
     note = (
         "Errors against the finest level of the 3D reference. Printed: the source's low-order model against its ANSYS "
-        "model, whose loads are not printed; its errors are of the own load."
+        "model, whose loads are not printed; its errors are of the own load. The reference's uncertainty is its grid's "
+        "(largest of any contact); its modelling uncertainty, what idealisations and unprinted dimensions are worth, is a "
+        "number of its own (section reference-mesh) and deducted nowhere."
     )
     return Table("reference-errors", "Models against the 3D reference", columns, rows, note)
 
 
 LABELS = {
-    "3D source mesh": "3D reference, the source's mesh",
-    "3D extrapolated": "3D reference, extrapolated",
-    "3D level 1": "3D reference, level 1",
-    "3D level 2": "3D reference, level 2",
-    "3D level 3": "3D reference, level 3",
-}
+    "3D source mesh": "3D reference, the source's mesh", "3D extrapolated": "3D reference, extrapolated",
+    **{f"3D level {level}": f"3D reference, level {level}" for level in LEVELS},
+}  # fmt: skip
 
 
 def _error_row(scene: str, label: str, e: LoadError, ratio: float, printed: str, bar: float | None) -> dict[str, Cell]:
@@ -230,103 +234,6 @@ def line_figure(study: Study, found: References) -> Figure:
     return Figure("reference-centreline", "Lateral displacement of the centreline", tuple(panels))
 
 
-def compiled_seconds(contender: Contender, scene: Scene, repeats: int = 20) -> float:
-    """Seconds of one cold solve, geometry included, once the kernels are compiled: the median of some calls."""
-    own = contender.scene(scene)
-    spent = []
-    for _ in range(repeats + 1):
-        start = perf_counter()
-        run_model(own, contender.model, Options(discretisation=False, engine="compiled", estimate=False))
-        spent.append(perf_counter() - start)
-    return float(np.median(spent[1:]))
-
-
-def time_points(ref: Reference, scene: Scene, stores: Sequence[Any] | None) -> list[dict[str, Any]]:
-    """Error and run time of every model and mesh of a scene: cold, and with what can be shared shared."""
-    out: list[dict[str, Any]] = []
-    for contender in suited(scene):
-        e, result, seconds = summary(contender, scene, ref)
-        warm = compiled_seconds(contender, scene) if contender.model in ("refined", "lin") else seconds
-        out.append(
-            {"model": contender.label, "error": e.max_percent, "rms": e.rms_percent, "cold": seconds, "warm": warm,
-             "unknowns": result.solver.unknowns, "memory": None, "kind": "low"}
-        )  # fmt: skip
-    runs = [(LABELS[f"3D level {r.level}"], r) for r in ref.runs]
-    source = load(scene, SOURCE_LEVEL, stores=stores)
-    if source is not None:
-        runs.insert(0, (LABELS["3D source mesh"], source))
-    for label, run in runs:
-        e = load_error(run.load, ref.load)
-        out.append(
-            {"model": label, "error": e.max_percent, "rms": e.rms_percent, "cold": run.setup_seconds + run.solve_seconds,
-             "warm": run.solve_seconds, "unknowns": run.unknowns, "memory": run.peak_MB,
-             "kind": "source" if run.level == SOURCE_LEVEL else "level"}
-        )  # fmt: skip
-    return out
-
-
-def time_items(study: Study, found: References, stores: Sequence[Any] | None) -> list[Table | Figure]:
-    """Error against run time: one table and one figure for all models and mesh levels, and the speed ratio by scene."""
-    rows: list[dict[str, Cell]] = []
-    panels = []
-    ratios: list[dict[str, Cell]] = []
-    for name, ref in found.items():
-        points = time_points(ref, study.scene(name), stores)
-        rows += [{"scene": name} | {k: v for k, v in p.items() if k != "kind"} for p in points]
-        low = next(p for p in points if p["model"] == CONTENDERS["lin"].label)
-        best = ref.best
-        cold = best.setup_seconds + best.solve_seconds
-        ratios.append(
-            {"scene": name, "low": low["cold"], "low_warm": low["warm"], "ref": cold, "ref_warm": best.solve_seconds,
-             "cold": cold / low["cold"], "warm": best.solve_seconds / low["warm"], "both": cold / low["warm"]}
-        )  # fmt: skip
-        series = [
-            Series(p["model"], [p["cold"]], [max(p["error"], 1e-2)], "markers") for p in points if p["kind"] == "low"
-        ]
-        levels = [p for p in points if p["kind"] == "level" and p["error"] > 0.0]
-        if levels:
-            series.append(
-                Series("3D reference, coarser levels", [p["cold"] for p in levels], [p["error"] for p in levels],
-                       "line+markers", emphasis=True)
-            )  # fmt: skip
-        series += [Series(p["model"], [p["cold"]], [p["error"]], "markers") for p in points if p["kind"] == "source"]
-        bar = bar_percent(ref)
-        if bar is not None:
-            label = f"3D reference, level {best.level} (its uncertainty)"
-            series.append(Series(label, [cold], [bar], "markers", emphasis=True))
-        panels.append(Panel(name, "run time, cold / s", "largest error / % of the mean load", tuple(series), log="xy"))
-    table = Table(
-        "reference-time", "Error against run time",
-        (
-            Column("scene", "scene", "", "s"), Column("model", "model", "", "s"),
-            Column("error", "largest error", "% of mean", ".2f"), Column("rms", "RMS error", "% of mean", ".2f"),
-            Column("cold", "cold", "s", "g3"), Column("warm", "shared set-up", "s", "g3"),
-            Column("unknowns", "unknowns", "", "s"), Column("memory", "peak memory", "MB", ".0f"),
-        ),
-        rows, "Cold: everything, in a process that has done nothing yet (low-order: interpreted). Shared set-up: a further "
-        "load case of the same 3D geometry; for the low-order model a whole solve, geometry included, with its kernels "
-        "compiled. Unknowns of the 3D reference are those of the monolithic mesh that its condensed parts are equal to; "
-        "memory is the whole process's.",
-    )  # fmt: skip
-    speed = Table(
-        "reference-speed", "Speed ratio, 3D reference : the source's model (the source: over 6,800, ANSYS : its model)",
-        (
-            Column("scene", "scene", "", "s"), Column("low", "low-order, cold", "s", "g3"),
-            Column("low_warm", "low-order, compiled", "s", "g3"), Column("ref", "3D reference, cold", "s", ".1f"),
-            Column("ref_warm", "3D reference, load case alone", "s", ".2f"), Column("cold", "ratio, cold", "", ".0f"),
-            Column("warm", "load case alone : compiled", "", ".0f"), Column("both", "cold : compiled", "", ".0f"),
-        ),
-        ratios,
-    )  # fmt: skip
-    caption = "Errors are against the finest level of the 3D reference, whose own point is its uncertainty."
-    figures = []
-    kinds = {"": [p for p in panels if len(p.series) > 6], "-preload": [p for p in panels if len(p.series) <= 6]}
-    for tail, own in kinds.items():
-        if own:
-            figures.append(Figure(f"reference-time{tail}", "Error against run time", tuple(own), caption))
-    return [table, speed, *figures]
-
-
 def study_figure(name: str, table: Sequence[Mapping[str, Any]]) -> Figure | None:
     """Largest and smallest loads over the mesh levels, as change from the finest; None with fewer than two levels."""
     keys = sorted({k for row in table for k in row if k.startswith("level ")})
@@ -416,20 +323,23 @@ def section(
         "and a socket at every contact, one fine patch of 27-node hexahedra per flank condensed exactly and reused on all "
         "balls, elastic balls free to move, unilateral frictionless contact, normals that follow the motion. It shares "
         f"nothing with the low-order models but the description of the parts. Computed: {'; '.join(versions)}.",
-        "The uncertainty is the grid convergence index of three levels per contact (Celik et al. 2008), or the band of the "
-        "three where they are not monotone. Sides are " + ", ".join(SIDES) + ".",
+        "The uncertainty is the reference's grid convergence by least squares (Eca and Hoekstra 2014) with one order for "
+        "all contacts of a scene, and each contact's own scatter about that fit; with two levels, three times their "
+        "difference. Sides are " + ", ".join(SIDES) + ".",
         gate_text(found, study),
     ]
     if quick:
         text.insert(0, "QUICK RUN: coarse meshes only, so there is no grid uncertainty; these numbers are for a look, not "
                        "for a decision.")  # fmt: skip
     elif any(ref.best.level < PRODUCTION for ref in found.values()):
-        text.insert(0, f"Some references were not computed up to level {PRODUCTION}; they have no grid uncertainty.")
+        text.insert(0, f"Some references were not computed up to level {PRODUCTION}; their uncertainty is larger for it.")
     over = exceedance_table(found, study, stores)
     items: list[Any] = [Text(tuple(text)), error_table(study, found, stores)]
     items += [over] if over.rows else []
     items += [*load_figures(study, found), *load_tables(study, found, stores), line_figure(study, found),
-              line_table(study, found), *time_items(study, found, stores)]  # fmt: skip
+              line_table(study, found)]  # fmt: skip
+    timed = found if quick else references(study, stores, (*REFERENCED, *UNSEEN))
+    items += time_items(timed, study, stores, step, quick=quick)
     return Section("reference", title, tuple(items))
 
 

@@ -9,6 +9,7 @@ import pytest
 from compare import catalogue, comparison, gate, jobs, reference
 from compare.comparison import CONTENDERS, from_model, gate_points, reference_answers, rows
 from compare.errors import InputError
+from compare.grid_summary import summarise
 from compare.ladder import UNSEEN
 from compare.reference import (
     LEVELS,
@@ -27,6 +28,7 @@ from compare.reference import (
 )
 from compare.study import Study
 from compare.study_command import parse_levels, study_table, unconverged
+from compare.variants import VARIANTS
 from meshes.condensed import CondensedBodies, geometry_digest, load_condensed
 from meshes.parts import Scene
 from meshes.solid import dimensions
@@ -329,12 +331,64 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     assert all(r.error_percent == 0.0 for r in rows(scene, finest, found) if r.quantity == "load")
 
 
-def test_mesh_study_has_orders_or_bands() -> None:
-    table = study_table(catalogue.scene("lin-case1"), None)
+def test_mesh_study_says_why_there_is_an_order_or_none() -> None:
+    scene = catalogue.scene("lin-case1")
+    table = study_table(scene, None)
     largest = next(row for row in table if row["quantity"] == "largest load, SL")
-    assert {"level 1", "level 2", "level 3", "uncertainty", "kind", "modelling_spread", "nut_fixing"} <= set(largest)
+    levels = {f"level {k}" for k in LEVELS}
+    assert levels | {"uncertainty", "kind", "modelling_spread", "scene_choices"} <= set(largest)
+    found = _found("lin-case1")
     for row in table:
-        assert (row["order"] is None) == row["kind"].startswith("band")
+        assert (row["order"] is None) != row["kind"].startswith("monotone, order")
+        assert row["kind"].startswith(("monotone, order ", "not monotone", "order out of range (p ", "held (zero"))
+        values = [row[k] for k in sorted(levels)]
+        steps = np.diff(values)
+        if row["kind"] == "not monotone":
+            assert (steps > 0.0).any()
+            assert (steps < 0.0).any()
+    assert found.convergence is not None
+    ball = next(row for row in table if row["quantity"] == "load of ball 5, NR")
+    assert ball["uncertainty"] == found.convergence[4][3].uncertainty
+
+
+def test_two_levels_give_a_band_and_one_none(tmp_path: Path) -> None:
+    scene = catalogue.scene("lin-case1")
+    coarse = np.full((32, 4), 100.0)
+    coarse[:, 1:3] = 0.0
+    finer = coarse.copy()
+    finer[0, 0] += 2.0
+    save(tmp_path, scene, run_of("lin-case1", 1, coarse))
+    one = reference.reference(scene, (tmp_path,))
+    assert one is not None
+    assert one.uncertainty is None
+    assert summarise(one).largest is None
+    save(tmp_path, scene, run_of("lin-case1", 2, finer))
+    two = reference.reference(scene, (tmp_path,))
+    assert two is not None
+    assert two.uncertainty is not None
+    assert two.uncertainty[0, 0] == pytest.approx(6.0)
+    assert np.array_equal(two.estimate, finer)
+    assert summarise(two).largest == pytest.approx(6.0 / finer[finer > 0.0].mean() * 100.0)
+    assert (summarise(two).ball, summarise(two).side) == (1, 0)
+
+
+def test_levels_of_one_order_are_extrapolated(tmp_path: Path) -> None:
+    """Any number of levels: contacts of a common order, their limits, and the summary of the scene."""
+    scene = catalogue.scene("lin-case1")
+    limit = np.linspace(100.0, 200.0, 128).reshape(32, 4)
+    slope = np.linspace(-3.0, 4.0, 128).reshape(32, 4)
+    for level in LEVELS:
+        h = LEVELS[1]["b_over_h"] / LEVELS[level]["b_over_h"]
+        save(tmp_path, scene, run_of("lin-case1", level, limit + slope * h**1.5))
+    found = reference.reference(scene, (tmp_path,))
+    assert found is not None
+    assert found.extrapolated == pytest.approx(limit, rel=1e-5)
+    s = summarise(found)
+    assert s.pooled is not None
+    assert s.pooled.order == pytest.approx(1.5, abs=1e-3)
+    last = (LEVELS[1]["b_over_h"] / LEVELS[max(LEVELS)]["b_over_h"]) ** 1.5
+    assert s.largest == pytest.approx(1.25 * 4.0 * last / s.mean * 100.0, rel=1e-2)
+    assert s.levels == len(LEVELS)
 
 
 def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -349,7 +403,7 @@ def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         compute_references(Study(), source, print)
     full, quick = asked
     assert {t.level for t in full if not t.variant} == {0, 1, 2, 3}
-    assert {t.variant for t in full} == {"", *reference.VARIANTS}
+    assert {t.variant for t in full} == {"", *VARIANTS}
     cases = [t for t in full if not t.scenes[0].name.startswith("unseen")]
     assert [t.ablate for t in cases if t.level == 1 and not t.variant] == [True]
     unseen = {(t.level, s.name) for t in full for s in t.scenes if s.name in UNSEEN}

@@ -1,0 +1,230 @@
+"""Error against run time: every model, mesh and scene by one definition of error, error bar, cold and warm time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any, Literal
+
+import numpy as np
+
+from compare.cold import measure
+from compare.comparison import CONTENDERS, REFERENCED, Contender, suited
+from compare.ladder import UNSEEN, finest_bodies
+from compare.measure import error_percent, load_error
+from compare.models import Options, run_model
+from compare.reference import SOURCE_LEVEL, Array, Reference, load
+from compare.study import Study
+from meshes.parts import Scene
+from reports.records import Cell, Column, Figure, Panel, Series, Table
+
+References = Mapping[str, Reference]
+Step = Callable[[str], None]
+#: Models that stand in no comparison table but have a time and an error.
+FURTHER = (
+    Contender("lin-cell", "the source's model, section of the grooved cell", "lin-cell"),
+    Contender("lin-nut", "the same with the nut as a beam", "lin-nut"),
+    Contender("condensed", "refined model, bodies from the condensed 3D model", "condensed"),
+    Contender("source", "the source's own equations and iteration", "source"),
+)
+#: Lower edge of the figures [% of the mean load].
+FLOOR = 1e-2
+#: Panels of one figure.
+PANELS = 6
+
+
+@dataclass(frozen=True)
+class TimePoint:
+    """One model or mesh of a scene against the best estimate of the reference: largest and RMS error [% of the mean load],
+    lowest and highest largest error that the grid uncertainty of every contact allows (None with one level); seconds
+    cold and warm, unknowns, peak memory [MB] (None: not measured), kind, and the status where it is no solution."""
+
+    label: str
+    kind: Literal["model", "level", "source mesh"]
+    error: float
+    rms: float
+    low: float | None
+    high: float | None
+    cold: float
+    warm: float | None
+    unknowns: int
+    memory: float | None
+    status: str = "converged"
+
+
+def error_range(value: Array, found: Reference) -> tuple[float, float, float | None, float | None]:
+    """Largest and RMS error of loads (n, 4) [N] against the best estimate, and the ends of the largest one's error bar.
+
+    With each contact's error e and uncertainty U, the true largest error lies between max(|e| - U) and max(|e| + U). Errors
+    are per cent of the mean load of the best estimate.
+    """
+    e = load_error(value, found.estimate)
+    if found.uncertainty is None:
+        return e.max_percent, e.rms_percent, None, None
+    mean = float(found.estimate[found.estimate > 0.0].mean())
+    off = np.abs(error_percent(value, found.estimate, mean))
+    bar = np.abs(error_percent(found.uncertainty, 0.0, mean))
+    return e.max_percent, e.rms_percent, max(0.0, float((off - bar).max())), float((off + bar).max())
+
+
+def warm_seconds(contender: Contender, scene: Scene, options: Options, repeats: int = 10) -> float:
+    """Seconds of a further solve, bodies known and kernels compiled: the median of some calls."""
+    spent = []
+    for _ in range(repeats + 1):
+        start = perf_counter()
+        run_model(contender.scene(scene), contender.model, options)
+        spent.append(perf_counter() - start)
+    return float(np.median(spent[1:]))
+
+
+def time_points(name: str, found: Reference, study: Study, stores: Sequence[Any] | None, step: Step) -> list[TimePoint]:
+    """All models and meshes of a scene."""
+    scene, out = study.scene(name), []
+    bodies = finest_bodies(scene, found, stores)
+    for contender in (*suited(scene), *FURTHER):
+        if contender.model == "condensed" and bodies is None:
+            continue
+        step(f"{name}, {contender.label}: cold and warm")
+        out.append(_model_point(name, contender, found, scene, bodies if contender.model == "condensed" else None))
+    runs = [(f"3D reference, level {r.level}", r) for r in found.runs]
+    source = load(scene, SOURCE_LEVEL, stores=stores)
+    if source is not None:
+        runs.insert(0, ("3D reference, the source's mesh", source))
+    for label, run in runs:
+        out.append(
+            TimePoint(
+                label, "source mesh" if run.level == SOURCE_LEVEL else "level", *error_range(run.load, found),
+                run.setup_seconds + run.solve_seconds, run.solve_seconds, run.unknowns, run.peak_MB, run.status,
+            )
+        )  # fmt: skip
+    return out
+
+
+def _model_point(name: str, contender: Contender, found: Reference, scene: Scene, bodies: Path | None) -> TimePoint:
+    cold = measure(name, contender.model, ingredients=contender.ingredients, condensed=bodies, repeats=1)
+    options = Options(discretisation=False, engine="compiled", condensed=bodies, estimate=False)
+    result = run_model(contender.scene(scene), contender.model, options)
+    return TimePoint(
+        contender.label, "model", *error_range(result.load, found), cold.process,
+        warm_seconds(contender, scene, options), result.solver.unknowns, cold.memory, result.status,
+    )  # fmt: skip
+
+
+def time_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
+    """Every point of every scene."""
+    rows: list[dict[str, Cell]] = [
+        {"scene": scene, "model": p.label, "error": p.error, "low": p.low, "high": p.high, "rms": p.rms, "cold": p.cold,
+         "warm": p.warm, "unknowns": p.unknowns, "memory": p.memory if p.memory is not None else "not measured",
+         "status": "" if p.status == "converged" else p.status}
+        for scene, own in points.items() for p in own
+    ]  # fmt: skip
+    columns = (
+        Column("scene", "scene", "", "s"), Column("model", "model", "", "s"),
+        Column("error", "largest error", "% of mean", ".2f"), Column("low", "at least", "% of mean", ".2f"),
+        Column("high", "at most", "% of mean", ".2f"), Column("rms", "RMS error", "% of mean", ".2f"),
+        Column("cold", "cold", "s", "g3"), Column("warm", "warm", "s", "g3"), Column("unknowns", "unknowns", "", "s"),
+        Column("memory", "peak memory", "MB", ".0f"), Column("status", "unless converged", "", "s"),
+    )
+    note = (
+        "Errors of all models and meshes are against the same best estimate: the reference extrapolated to cells of no "
+        "size where an order is believed, else its finest level, whose own difference is then zero by definition. At "
+        "least and at most: what the grid uncertainty of every contact leaves of the largest error. Cold: for low-order "
+        "models a new process with empty caches, from the start of the interpreter to the first solve, interpreted; for "
+        "the 3D reference set-up and load case as stored with the run. Warm: bodies of the geometry known, kernels "
+        "compiled; of the 3D reference a further load case. Peak memory is each run's own, interpreter and libraries "
+        "included. Unknowns of the 3D reference are those of the monolithic mesh that its condensed parts are equal to."
+    )
+    return Table("reference-time", "Error against run time", columns, rows, note)
+
+
+def compile_table(step: Step, scene: str = "lin-case1") -> Table:
+    """The first process on a machine: with and without compiling the kernels."""
+    rows: list[dict[str, Cell]] = []
+    for name in ("lin", "refined"):
+        for engine in ("interpreted", "compiled"):
+            step(f"{scene}, {name} {engine}: first process")
+            cold = measure(scene, name, engine=engine)
+            rows.append(
+                {"model": CONTENDERS[name].label, "engine": engine, "process": cold.process, "first": cold.first,
+                 "warm": cold.warm, "memory": cold.memory}
+            )  # fmt: skip
+    columns = (
+        Column("model", "model", "", "s"), Column("engine", "kernels", "", "s"),
+        Column("process", "new process, empty caches", "s", "g3"), Column("first", "its first solve", "s", "g3"),
+        Column("warm", "a further solve", "s", "g3"), Column("memory", "peak memory", "MB", ".0f"),
+    )
+    note = (
+        "Compiled kernels are made once per machine and kept beside the sources; the command line solves single scenes "
+        "interpreted. Each row is a process of its own; the first solve of the refined model makes the geometry's bodies."
+    )
+    return Table("reference-cold", f"{scene}: first process, with and without compiling", columns, rows, note)
+
+
+def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
+    """Speed ratio of the finest level to the source's low-order model, scene by scene."""
+    rows: list[dict[str, Cell]] = []
+    for scene, own in points.items():
+        low = next(p for p in own if p.label == CONTENDERS["lin"].label)
+        best = [p for p in own if p.kind == "level"][-1]
+        if low.warm and best.warm:
+            rows.append(
+                {"scene": scene, "low": low.cold, "low_warm": low.warm, "ref": best.cold, "ref_warm": best.warm,
+                 "cold": best.cold / low.cold, "warm": best.warm / low.warm, "both": best.cold / low.warm}
+            )  # fmt: skip
+    columns = (
+        Column("scene", "scene", "", "s"), Column("low", "low-order, cold", "s", "g3"),
+        Column("low_warm", "low-order, warm", "s", "g3"), Column("ref", "3D reference, cold", "s", ".1f"),
+        Column("ref_warm", "3D reference, load case alone", "s", ".2f"), Column("cold", "ratio, cold", "", ".0f"),
+        Column("warm", "load case alone : warm", "", ".0f"), Column("both", "cold : warm", "", ".0f"),
+    )
+    title = "Speed ratio, 3D reference : the source's model (the source: over 6,800, ANSYS : its model)"
+    return Table("reference-speed", title, columns, rows)
+
+
+def time_panel(scene: str, own: Sequence[TimePoint]) -> Panel:
+    """Error over cold run time of one scene, each point with its error bar."""
+
+    def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
+        low = [max(p.low, FLOOR) for p in points if p.low is not None]
+        high = [max(p.high, FLOOR) for p in points if p.high is not None]
+        bars = (low, high) if len(low) == len(high) == len(points) else None
+        errors = [max(p.error, FLOOR) for p in points]
+        return Series(label, [p.cold for p in points], errors, style, emphasis=emphasis, bars=bars)
+
+    good = [p for p in own if p.status == "converged"]
+    drawn = [series(p.label, [p], "markers") for p in good if p.kind == "model"]
+    drawn += [series(p.label, [p], "markers") for p in good if p.kind == "source mesh"]
+    levels = [p for p in good if p.kind == "level"]
+    if levels:
+        drawn.append(series("3D reference, its levels", levels, "line+markers", emphasis=True))
+    return Panel(scene, "run time, cold / s", "largest error / % of the mean load", tuple(drawn), log="xy")
+
+
+def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
+    """Case studies without and with preload, and the screws that no model was made with."""
+    caption = (
+        "All points are errors against the same best estimate (extrapolated, or else the finest level), with what its grid "
+        f"uncertainty leaves of them as bars; what is below {FLOOR:g} % is drawn at the lower edge."
+    )
+    axial = CONTENDERS["mei"].label  # takes part where there is no preload
+    plain = [n for n in REFERENCED if n in points and any(p.label == axial for p in points[n])]
+    groups = {
+        "": plain, "-preload": [n for n in REFERENCED if n in points and n not in plain],
+        "-unseen": [n for n in UNSEEN if n in points][:PANELS],
+    }  # fmt: skip
+    return [
+        Figure(f"reference-time{tail}", "Error against run time", tuple(time_panel(n, points[n]) for n in names), caption)
+        for tail, names in groups.items() if names
+    ]  # fmt: skip
+
+
+def time_items(
+    found: References, study: Study, stores: Sequence[Any] | None, step: Step, *, quick: bool = False
+) -> list[Table | Figure]:
+    """Tables and figures of all scenes with a reference; ``quick``: compile nothing anew."""
+    points = {name: time_points(name, ref, study, stores, step) for name, ref in found.items()}
+    first = [] if quick else [compile_table(step)]
+    return [time_table(points), *first, speed_table(points), *time_figures(points)]
+
