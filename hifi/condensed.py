@@ -1,10 +1,10 @@
 """What a prepared geometry tells a low-order model: compliance of its bodies along the contact normals.
 
 Every contact's force is spread like Hertz's pressure over its nodes, and the matrices are for one force. What a contact's
-own approach has beside them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of groove
-and ball, sockets held, solved as contact, and how the rest of both bodies answers a smaller or larger ellipse. Pressures are
-hats on half cells and gaps their weighted means; every force is solved at four places a quarter of a cell beside the nodes,
-whose waves cancel: 0.05 to 0.1 % of the approach are left, where forces on nodes leave 1 to 2 %.
+own approach has beside them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of
+groove and ball, sockets held, solved as contact, and how the rest of both bodies answers a smaller or larger ellipse.
+Pressures are hats on half cells and gaps their weighted means; every force is solved at four places a quarter of a cell
+beside the nodes, whose waves cancel: 0.1 % of the approach are left, where forces on nodes leave 1 to 2 %.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def contact_weights(patch: CondensedPatch) -> Array:
     w = np.tile(0.5 * node_weight, 2)
 
     def both(a: Array, b: Array) -> Array:
-        return np.einsum("pi,qj->pqij", a, b).reshape(x.size**2, 9)
+        return np.asarray(np.einsum("pi,qj->pqij", a, b).reshape(x.size**2, 9))
 
     at = patch.points[cells]
     tangents = [np.einsum("qk,cka->cqa", both(a, b), at) for a, b in ((slope, shape), (shape, slope))]
@@ -156,9 +156,10 @@ def approaches(C: Array, gap: Array, close: Array, loads: Array) -> Array:
 
 def body_motion(setup: Setup, side: int, force: Array) -> float:
     """Motion [m/N] of a contact by its own ``force`` on its nodes through the body, mean over all balls."""
-    body, G = (setup.screw, setup.screw.stretch.F) if side < 2 else (setup.nut, setup.nut.G if setup.nut else np.zeros((0, 0)))
-    if body is None:
+    if side >= 2 and setup.nut is None:
         return 0.0
+    G = setup.screw.stretch.F if side < 2 or setup.nut is None else setup.nut.G
+    body = setup.screw if side < 2 or setup.nut is None else setup.nut
     sides = [s for s in setup.sides if s in body.modes]
     counts = [body.modes[s].shape[1] for s in sides]
     first, amplitude = sum(counts[: sides.index(side)]), body.modes[side].T @ force
@@ -186,7 +187,7 @@ def rest_of(setup: Setup, spreads: dict[int, Array]) -> Array:
     order = [setup.sides.index(3 - s) for s in setup.sides]
     own = np.diag(D)
     ball = 0.5 * (own + own[order]) + D[np.arange(len(own)), order]
-    return ball + np.array([body_motion(setup, s, spreads[s]) for s in setup.sides])
+    return np.asarray(ball + [body_motion(setup, s, spreads[s]) for s in setup.sides])
 
 
 def own_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:

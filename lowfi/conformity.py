@@ -2,8 +2,8 @@
 
 Ball (radius r) and groove (radius rho) touch over an ellipse of semi-axes a, b; theta is the angle of a point of it at the
 ball's centre from the contact's normal. Along the ball's normals an approach delta closes the gap by delta cos(theta), a
-growth e of the ball by e, everywhere. With the energy max over p >= 0 of (delta cos(theta) + e - gap) p - p C p / 2, of slope
-N = integral p cos(theta) by delta and P = integral p by e, the approach that does to N what the growth does is
+growth e of the ball by e, everywhere. With the energy max over p >= 0 of (delta cos(theta) + e - gap) p - p C p / 2, of
+slope N = integral p cos(theta) by delta and P = integral p by e, the approach that does to N what the growth does is
 
     delta_eq = e (dN/de) / (dN/ddelta) = e (dP/ddelta) / (dN/ddelta) = e dP/dN,
 
@@ -13,8 +13,8 @@ for any bodies. Hertz's moments <x^2> = a^2/5, <y^2> = b^2/5 give P = N (1 + (a^
 
 That is the approach e with both relative curvatures less by e/r^2: Hertz's approach at a given force grows by a^2/6 per
 curvature (1/2 d/dN of N a^2/5), so that the larger ball, which conforms more, gains e (a^2 + b^2)/(6 r^2). A groove smaller
-by e closes the gap by e across, where its normals nearly are the ball's, and by e cos(theta) along the track, as an
-approach: only the curvature across changes, by e/rho^2. A profile's offset does it by its curvature; its third and fourth
+by e closes the gap by more than an approach across it, where its arc shrinks, and like one along the track, where its
+normals do not turn with the ball's: only the curvature across changes, by e/rho^2. A profile's offset does it by its curvature; its third and fourth
 derivatives join by moments of order (a/rho)^3 and are left out. So Hertz's constants are taken at each contact's own radii,
 exactly. Limits: a flat contact (a << r) keeps delta_eq = e; without errors nothing changes.
 
@@ -49,12 +49,16 @@ def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Arra
     """
     gamma = np.array(scene.track.contact_angle)
     profiles = [groove_profile(gamma, drawn.radius[s], drawn.profile[s]) for s in range(4)]
-    radius, slope, bend = np.stack(profiles, axis=1)
-    groove = (radius**2 + 2.0 * slope**2 - radius * bend) / np.hypot(radius, slope) ** 3
+    change = _curvature(*np.stack(profiles, axis=1)) - _curvature(groove_radii(scene), np.zeros(4), np.zeros(4))
     ball = 1.0 / ball_radius - 1.0 / scene.balls.radius
     changes = np.repeat(np.repeat(ball[..., None, None], 4, axis=-2), 2, axis=-1)
-    changes[..., 0] -= groove - 1.0 / groove_radii(scene)
+    changes[..., 0] -= change
     return np.asarray(changes)
+
+
+def _curvature(radius: Array, slope: Array, bend: Array) -> Array:
+    """Curvature [1/m] of a curve in polar coordinates from its radius and derivatives by angle."""
+    return np.asarray((radius**2 + 2.0 * slope**2 - radius * bend) / np.hypot(radius, slope) ** 3)
 
 
 def oblique_term(constants: HertzConstants, ball_radius: float) -> Array:

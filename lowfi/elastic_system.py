@@ -41,9 +41,9 @@ class Flanks:
 
     first, second: compliance [m/N] of screw and nut ``(4 N, 4 N)``, or of both together ``(2 N, 2 N)`` and nothing;
     R ``(N, d, k)`` by the free motions, v0 ``(N, d)`` [m] by loads and prescribed displacements, work ``(k,)`` of the
-    loads; e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz; clipped: largest negative compliance cut away over a contact's own. own: what
-    the flanks' motions are found from again: compliance of screw and of nut on the built sides, v0 ``(N, 2, 2)`` and R
-    ``(N, 2, 2, k)`` of the screw's flanks.
+    loads; e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz; clipped: largest negative compliance cut away over
+    a contact's own. own: what the flanks' motions are found from again: compliance of screw and of nut on the built sides,
+    v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks.
     """
 
     first: Array
@@ -143,8 +143,8 @@ def flanks_of(
         e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[sides] + slope / size
         if condensed is not None:
             for s in condensed.sides_of(sides):
-                own, h[:, s] = condensed.bodies.own_law(s)
-                e[:, s] = own + ball.e
+                e[:, s], h[:, s] = condensed.bodies.own_law(s)
+                e[:, s] += ball.e
         own = body.G[np.ix_(order, order)]
         if screw:
             beam, moved, rigid = flank_response(shaft, sides)

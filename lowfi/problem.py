@@ -81,7 +81,7 @@ def nominal_curvatures(scene: Scene) -> Array:
     bare = replace(scene, errors=Errors(), balls=replace(scene.balls, azimuths=(scene.track.phase,)))
     layout = ball_layout(bare)
     drawn = specimen(bare, layout)
-    return relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
+    return np.asarray(relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0])
 
 
 def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:
@@ -102,7 +102,7 @@ def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
 
 
 def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
-    """Relative principal curvatures at contact angles gamma ``(N, 4)``, ``(N, 4, 2)`` [1/m], that across the groove first."""
+    """Relative principal curvatures ``(N, 4, 2)`` [1/m] at contact angles ``(N, 4)`` [rad], across the groove first."""
     groove = [principal_curvatures(scene, drawn, side, gamma[:, side]) for side in range(4)]
     return np.asarray(1.0 / drawn.ball_radius[:, None, None] + np.stack(groove, axis=1))
 
@@ -136,7 +136,7 @@ def printed_constants(scene: Scene) -> Array:
 
 
 def error_free(scene: Scene) -> Scene:
-    """The scene with Hertz constants of error-free parts, which the sources' own models take, or as printed if it says so."""
+    """The scene with Hertz constants of error-free parts, as the sources' own models take them, or as printed."""
     if scene.ingredients.hertz == "as printed":
         return scene
     return replace(scene, ingredients=replace(scene.ingredients, hertz="error-free"))

@@ -242,7 +242,8 @@ def solve_source(
     if scene.ingredients.screw == "rigid":
         raise ValueError("the source's formulation needs a beam screw")
     layout = ball_layout(scene)
-    problem = build(error_free(scene), specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
+    drawn, use = specimen(scene, layout, member), np.ones(4, dtype=bool)
+    problem = build(error_free(scene), drawn, layout, use, everything=everything)
     if hertz is not None:
         problem.C[:] = hertz
     axes = np.stack([layout.radial, layout.binormal], axis=1)

@@ -29,8 +29,8 @@ class CondensedBodies:
 
     geometry: digest of the parts (`geometry_digest`); level: mesh level; sides ``(k,)`` in order; screw, nut
     ``(N k', N k')``: contacts ball after ball, of each ball its sides on that body; the screw is held at ``base`` [m] by
-    its section; ball ``(k, k)``: one ball on its contacts. local ``(k, f)`` [m/N]: what each contact's own approach has over
-    the force F beside Hertz's C F^(-1/3) and those matrices, the same for every ball, at the forces ``(k, f)`` [N]; hertz
+    its section; ball ``(k, k)``: one ball on its contacts. local ``(k, f)`` [m/N]: what each contact's own approach over
+    its force F has beside Hertz's C F^(-1/3) and those matrices, the same for every ball; force ``(k, f)`` [N]; hertz
     ``(k,)``: C [m/N^(2/3)].
     """
 
@@ -46,7 +46,7 @@ class CondensedBodies:
     hertz: Array
 
     def own_law(self, side: int) -> tuple[float, float]:
-        """e [m/N] and h [m/N^(4/3)] of a side's approach e F + h F^(4/3) beside Hertz: a straight line in the contact's size.
+        """e [m/N] and h [m/N^(4/3)] of a side's approach e F + h F^(4/3) beside Hertz, a straight line in a contact's size.
 
         Fitted to the samples by least squares over their shares of the approach. Beyond linear elasticity of the bodies (e)
         the next term of a smooth contact is of the order of its area, F^(4/3); a logarithm of its size fits no better.
@@ -99,7 +99,7 @@ def load_condensed(path: Path) -> CondensedBodies:
     )  # fmt: skip
     k = found.sides.size
     square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (found.screw, found.nut, found.ball))
-    fits = found.ball.shape[0] == k and found.local.shape == found.force.shape and found.hertz.shape == (k,) == found.local.shape[:1]
-    if not square or not fits or not np.isfinite(found.screw).all():
+    fits = found.ball.shape[0] == k == len(found.local) and found.hertz.shape == (k,)
+    if not square or not fits or found.local.shape != found.force.shape or not np.isfinite(found.screw).all():
         raise ValueError("arrays of the wrong shape")
     return found

@@ -113,7 +113,7 @@ def series(n: Array, values: Array) -> float:
 
 
 def flank_normals(grid: Grid, line: int) -> Array:
-    """Unit normals ``(k, 2)`` (r, z) at the nodes of the grid's surface, their sense unspecified; mean of both elements'."""
+    """Unit normals ``(k, 2)`` (r, z) at the nodes of the grid's surface, of either sense; mean of both elements'."""
     r, z = grid.r[:, line], grid.z[:, line]
     slope = quadratic(np.array([-1.0, 0.0, 1.0]))[1]
     along = np.zeros((r.size, 2))
@@ -125,7 +125,7 @@ def flank_normals(grid: Grid, line: int) -> Array:
 
 
 def normal_load(flank: Flank, grid: Grid, width: float) -> Array:
-    """Unit forces ``(k, 2)`` (r, z) of a patch of ``width`` [m] on the nodes of the grid's surface, along its own normals."""
+    """Unit forces ``(k, 2)`` (r, z) of a patch of ``width`` [m] on the nodes of the grid's surface, along its normals."""
     line = grid.shape[1] - 1 if flank.screw else 0
     share, _ = flank_weights(grid, line, flank.contact()[1], width)
     m = flank.map
@@ -160,7 +160,7 @@ def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float
             K = factor_c(int(harmonic)) * (p0 + harmonic * p1 + harmonic**2 * p2)
             f = force.ravel()[free]
             values[k] = f @ spsolve(K, f, permc_spec="MMD_AT_PLUS_A")
-        values *= patch_shares(n, width, radius)
+        values *= patch_shares(n.astype(float), width, radius)
         total += 0.5 * series(n, values)
     return total
 
@@ -205,8 +205,8 @@ def half_space(width: float, material: Material) -> float:
 @dataclass(frozen=True)
 class RingCompliance:
     """Motion of both flanks of a grooved ring by loads on them, ``(harmonics, 4, 4)`` [m/N]: left r, z, right r, z; a ring
-    is a body of revolution with its groove, so nothing is left out. normals: what loads along the flank's normals in place of
-    the nominal one add to a contact's own motion [m/N]; width: of the patches [m]; radius: of the contacts."""
+    is a body of revolution with its groove, so nothing is left out. normals: what loads along the flank's normals in place
+    of the nominal one add to a contact's own motion [m/N]; width: of the patches [m]; radius: of the contacts."""
 
     S: Array
     normals: float
@@ -239,7 +239,7 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     for k, harmonic in enumerate(n):
         K = factor_c(int(harmonic)) * (p0 + harmonic * p1 + harmonic**2 * p2)
         found[k] = loads.T @ splu(K, permc_spec="MMD_AT_PLUS_A").solve(loads)
-    every = np.arange(n[-1] + 1)
+    every = np.arange(n[-1] + 1.0)
     S = np.asarray(CubicSpline(n, found)(every))
     nominal = np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)]) * flank.map.signs[flank.side]
     turned = S[:, 4, 4] - np.einsum("a,nab,b->n", nominal, S[:, 2:4, 2:4], nominal)
@@ -256,7 +256,7 @@ def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
     N = azimuth.size
     angle = azimuth[:, None] - azimuth[None, :]
     G = np.zeros((2, N, 2, 2, N, 2))
-    shares = patch_shares(np.arange(len(ring.S)), ring.width, ring.radius)
+    shares = patch_shares(np.arange(float(len(ring.S))), ring.width, ring.radius)
     for n, (share, S) in enumerate(zip(shares, ring.S, strict=True)):
         G += share * np.einsum("ij,satb->siatjb", np.cos(n * angle), S.reshape(2, 2, 2, 2))
     return np.asarray(G.reshape(4 * N, 4 * N))
@@ -285,10 +285,11 @@ def at_size(flank: Flank, semi_axes: tuple[float, float]) -> float:
     """What a contact of those semi-axes [m], across the groove and along it, adds to the correction for the narrow round
     patch [m/N], by curvature alone.
 
-    A pressure exp(i k x) presses a surface of curvatures kappa in by (A/|k| + (alpha tr kappa + beta k kappa k/k^2)/k^2)/2G,
-    A = 2 (1 - nu), alpha = A (1 - 2 nu), beta = -(1 - 2 nu)(3 - 2 nu): the only form that is linear in kappa, from the long
-    cylinder under pressure by turns along it and around it; a sphere's c_n gives the same. In space 1/k^2 is a logarithm,
-    and cos(2 phi)/k^2 is -cos(2 phi)/(4 pi), whose mean over an ellipse is (a - b)/(a + b).
+    A pressure exp(i k x) presses a surface of curvatures kappa in by
+    (A/|k| + (alpha tr kappa + beta k kappa k/k^2)/k^2)/2G, A = 2 (1 - nu), alpha = A (1 - 2 nu),
+    beta = -(1 - 2 nu)(3 - 2 nu): the only form that is linear in kappa, from the long cylinder under pressure that varies
+    along it and around it; a sphere's c_n gives the same. In space 1/k^2 is a logarithm, and cos(2 phi)/k^2 is
+    -cos(2 phi)/(4 pi), whose mean over an ellipse is -(a - b)/(a + b)/(4 pi).
     """
     a, b = semi_axes
     nu, G = flank.material.poissons_ratio, flank.material.shear_modulus
