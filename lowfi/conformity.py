@@ -12,11 +12,12 @@ for any bodies. Hertz's moments <x^2> = a^2/5, <y^2> = b^2/5 give P = N (1 + (a^
     delta_eq = e (1 + (a^2 + b^2)/(6 r^2)).                                                                            (1)
 
 That is the approach e with both relative curvatures less by e/r^2: Hertz's approach at a given force grows by a^2/6 per
-curvature (1/2 d/dN of N a^2/5), so that the larger ball, which conforms more, gains e (a^2 + b^2)/(6 r^2). A groove smaller
-by e closes the gap by more than an approach across it, where its arc shrinks, and like one along the track, where its
-normals do not turn with the ball's: only the curvature across changes, by e/rho^2. A profile's offset does it by its curvature; its third and fourth
-derivatives join by moments of order (a/rho)^3 and are left out. So Hertz's constants are taken at each contact's own radii,
-exactly. Limits: a flat contact (a << r) keeps delta_eq = e; without errors nothing changes.
+curvature (1/2 d/dN of N a^2/5), so that the larger ball, which conforms more, gains e (a^2 + b^2)/(6 r^2). A groove
+smaller by e closes the gap by more than an approach across it, where its arc shrinks, and like one along the track, where
+its normals do not turn with the ball's: only the curvature across changes, by e/rho^2. A profile's offset does it by its
+curvature; its third and fourth derivatives join by moments of order (a/rho)^3 and are left out. So Hertz's constants are
+taken at each contact's own radii, exactly. Limits: a flat contact (a << r) keeps delta_eq = e; without errors nothing
+changes.
 
 The approach itself does less than Hertz's: it closes the gap by its cosine, and only p cos(theta) carries N. To first
 order in theta^2 the complementary energy grows by delta integral p theta^2/2 = delta N (a^2 + b^2)/(10 r^2) ~ N^(7/3), and

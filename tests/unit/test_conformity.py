@@ -66,7 +66,7 @@ class Contact:
         return across + 0.5 * ALONG * self.y**2
 
     def upright(self, groove):
-        """The same along the contact's normal, at places fixed in space: a groove that grows moves the points of its arc."""
+        """The same along the contact's normal, at places fixed in space: a groove that grows moves its arc's points."""
         across = np.sqrt(groove**2 - self.x**2) - np.sqrt(RADIUS**2 - self.x**2) - (GROOVE - RADIUS)
         return across + 0.5 * ALONG * self.y**2
 

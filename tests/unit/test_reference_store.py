@@ -90,7 +90,7 @@ def bodies_of(scene: Scene, level: int, sides: tuple[int, ...] = (0, 3)) -> Cond
     eye = np.eye(scene.ball_count * k // 2)
     return CondensedBodies(
         geometry_digest(scene), level, np.array(sides, dtype=float), 0.3, eye, eye, np.eye(k), np.ones((k, 2)),
-        np.array([100.0, 200.0]),
+        np.tile([100.0, 200.0], (k, 1)), np.full(k, 1e-7),
     )  # fmt: skip
 
 
