@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.mechanism import free_motions
-from lowfi.problem import Problem, build, distances
+from lowfi.problem import Problem, build, distances, hertz_C
 from lowfi.selection import choose_sides
 from lowfi.shape import motion_matrix
 from lowfi.static import ACCEPTED, Engine, Prepared, pick_engine, pin, prepare, reference_scale, run, solve_static
@@ -171,6 +171,7 @@ class _RadiiEnsemble:
         radii = self.radii[members]
         geometry = np.repeat(prepared.problem.geometry[None], members.size, axis=0)
         geometry[..., 3] += (radii - prepared.problem.drawn.ball_radius)[..., None]
+        geometry[..., 4] = hertz_C(self.scene, self.mean, radii)
         return radii, np.ascontiguousarray(self.closures[members]), geometry
 
     def _solve_full(self, members: NDArray[np.int64]) -> None:

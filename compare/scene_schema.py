@@ -263,8 +263,8 @@ class LoadKeys(Table):
 class IngredientKeys(Table):
     """Which parts of the low-order model are used."""
 
-    hertz: Literal["nominal", "actual", "as printed"] = key(
-        "contact constants: nominal geometry, actual geometry of each contact, or as in Table B.1",
+    hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
+        "contact constants: own radii at the nominal angle, error-free parts, actual geometry, or as in Table B.1",
         "nominal",
         "actual",
     )

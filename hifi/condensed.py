@@ -1,8 +1,10 @@
 """What a prepared geometry tells a low-order model: compliance of its bodies along the contact normals.
 
-Every contact's force is spread like Hertz's pressure over its nodes. The fine patches alone (sockets held) give one term
-for all balls: the approach of groove and ball patch under a range of forces beyond Hertz's law, solved as contact, so that
-the grid's own error is averaged.
+Every contact's force is spread like Hertz's pressure over its nodes, and the matrices are for one force. What a contact's
+own approach has beside them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of
+groove and ball, sockets held, solved as contact, and how the rest of both bodies answers a smaller or larger ellipse.
+Pressures are hats on half cells and gaps their weighted means; every force is solved at four places a quarter of a cell
+beside the nodes, whose waves cancel: 0.1 % of the approach are left, where forces on nodes leave 1 to 2 %.
 """
 
 from __future__ import annotations
@@ -12,16 +14,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hifi.hertz import hertz
+from hifi.hertz import HertzSolution, hertz
 from meshes.condensed import CondensedBodies, geometry_digest
 
 if TYPE_CHECKING:
+    from hifi.patch import CondensedPatch
     from hifi.setup import Setup
 
 Array = NDArray[np.float64]
 
-#: Forces at which the patches' own term is sampled, as shares of the force that the mesh was made for.
-SHARES = np.geomspace(0.2, 1.2, 19)
+#: Number of forces at which a contact's own approach is sampled; part of its zone that the largest ellipse fills; least
+#: short semi-axis over the cell.
+SAMPLES, FILLED, COARSEST = 16, 0.85, 1.0
+#: Places of the contact beside the middle node, in half cells: odd quarters of a cell on either side.
+PLACES = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
 
 
 def relative_radii(setup: Setup, side: int) -> tuple[float, float]:
@@ -32,15 +38,49 @@ def relative_radii(setup: Setup, side: int) -> tuple[float, float]:
     return 1.0 / (1.0 / m.ball - 1.0 / float(m.radius[side])), 1.0 / (1.0 / m.ball - along)
 
 
+def unit_hertz(setup: Setup, side: int) -> HertzSolution:
+    """Hertz's contact of a side under 1 N; approach as F^(2/3), semi-axes across and along the groove as F^(1/3)."""
+    material = setup.scene.balls.material
+    return hertz(1.0, *relative_radii(setup, side), material.youngs_modulus, material.poissons_ratio)
+
+
+def contact_weights(patch: CondensedPatch) -> Array:
+    """W ``(c, c)`` [m2]: bilinear hats on half cells (rows) against the displacements' biquadratic functions (columns).
+
+    Nodal forces are W^T p and weighted gaps W g for pressures p at the nodes of the contact zone's grid.
+    """
+    assert patch.shape is not None
+    grid = np.arange(len(patch.points)).reshape(patch.shape)
+    first = [np.arange(0, n - 1, 2) for n in patch.shape]
+    local = np.stack(np.meshgrid(range(3), range(3), indexing="ij"), -1).reshape(9, 2)
+    cells = grid[first[0][:, None, None] + local[:, 0], first[1][None, :, None] + local[:, 1]].reshape(-1, 9)
+    points, node_weight = np.polynomial.legendre.leggauss(4)
+    x = np.concatenate([0.5 * (points - 1.0), 0.5 * (points + 1.0)])
+    hats = np.maximum(1.0 - np.abs(x[:, None] - np.array([-1.0, 0.0, 1.0])), 0.0)
+    shape = np.column_stack([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)])
+    slope = np.column_stack([x - 0.5, -2.0 * x, x + 0.5])
+    w = np.tile(0.5 * node_weight, 2)
+
+    def both(a: Array, b: Array) -> Array:
+        return np.asarray(np.einsum("pi,qj->pqij", a, b).reshape(x.size**2, 9))
+
+    at = patch.points[cells]
+    tangents = [np.einsum("qk,cka->cqa", both(a, b), at) for a, b in ((slope, shape), (shape, slope))]
+    area = np.linalg.norm(np.cross(*tangents), axis=-1) * np.outer(w, w).ravel()
+    own = np.einsum("cq,qk,ql->ckl", area, both(hats, hats), both(shape, shape))
+    W = np.zeros((grid.size, grid.size))
+    np.add.at(W, (cells[:, :, None], cells[:, None, :]), own)
+    return W
+
+
 def spread(setup: Setup, side: int, load: float) -> Array:
     """Forces on a side's contact nodes ``(c,)`` like Hertz's pressure under ``load`` [N], of unit resultant."""
     m, material = setup.map, setup.scene.balls.material
-    across, along = relative_radii(setup, side)
-    found = hertz(load, across, along, material.youngs_modulus, material.poissons_ratio)
+    found = hertz(load, *relative_radii(setup, side), material.youngs_modulus, material.poissons_ratio)
     normal, tangent, forward = frame(setup, side)
     groove = setup.patches[side].groove
     x = groove.points - np.array([m.R, 0.0, 0.0]) - m.ball * normal
-    force = found.pressure(x @ tangent, x @ forward) * groove.areas
+    force = found.pressure(x @ tangent, x @ forward) @ contact_weights(groove)
     return np.asarray(force / (force @ (groove.normals @ normal)))
 
 
@@ -55,41 +95,116 @@ def frame(setup: Setup, side: int) -> tuple[Array, Array, Array]:
     return normal, -sx * np.sin(m.beta) * radial + sz * np.cos(m.beta) * binormal, forward
 
 
-def patch_approach(setup: Setup, side: int, load: float) -> float:
-    """Approach [m] of ball and groove patch, their sockets held, pressed together along the nominal normal."""
-    pair = setup.patches[side]
-    C = pair.groove.A + pair.ball.A
-    centre = np.array([setup.map.R, 0.0, 0.0])
-    gap = np.linalg.norm(pair.groove.points - centre, axis=1) - setup.map.ball
-    along = pair.groove.normals @ frame(setup, side)[0]
-    active = gap <= np.quantile(gap, 0.3)
-    approach = 0.0
-    for _ in range(80):
-        i = np.flatnonzero(active)
-        K = np.zeros((i.size + 1, i.size + 1))
-        K[:-1, :-1], K[:-1, -1], K[-1, :-1] = C[np.ix_(i, i)], -along[i], along[i]
-        x = np.linalg.solve(K, np.append(-gap[i], load))
-        force = np.zeros(gap.size)
-        force[i], approach = x[:-1], float(x[-1])
-        after = (active & (force > 0.0)) | (~active & (C @ force + gap - along * approach < 0.0))
-        if (after == active).all():
-            break
-        active = after
-    return approach
+def forces_of(setup: Setup, side: int) -> Array:
+    """Forces ``(f,)`` [N] over which a side's patch resolves a contact: from a short semi-axis of one cell to its zone."""
+    m, unit = setup.map, unit_hertz(setup, side)
+    groove = setup.patches[side].groove
+    assert groove.shape is not None
+    _, tangent, forward = frame(setup, side)
+    x = (groove.points - np.array([m.R, 0.0, 0.0])).reshape(*groove.shape, 3)
+    half = np.abs(x[-1, 0] @ tangent - x[0, 0] @ tangent) / 2.0, np.abs(x[0, -1] @ forward - x[0, 0] @ forward) / 2.0
+    cell = 2.0 * half[1] / (groove.shape[1] // 2)
+    high = FILLED * min(half[0] / unit.semi_x, half[1] / unit.semi_y)
+    return np.asarray(np.geomspace(COARSEST * cell / unit.semi_y, high, SAMPLES) ** 3)
 
 
-def own_terms(setup: Setup) -> tuple[Array, Array]:
-    """What the patches' approach has beyond Hertz, over the force, ``(k, f)`` [m/N], at the forces ``(f,)`` [N]."""
-    material = setup.scene.balls.material
-    constants = (material.youngs_modulus, material.poissons_ratio)
-    units = [hertz(1.0, *relative_radii(setup, s), *constants) for s in setup.sides]
-    widest = max(max(u.semi_x, u.semi_y) for u in units)
-    loads = (setup.settings.semi[0] / widest) ** 3 * SHARES
-    extra = [
-        [patch_approach(setup, s, float(f)) / f - u.approach / np.cbrt(f) for f in loads]
-        for s, u in zip(setup.sides, units, strict=True)
-    ]
-    return np.array(extra), loads
+def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
+    """Approach [m] of ball and groove patch under ``loads`` [N], sockets held, pressed together along the nominal normal:
+    mean over the contact's `PLACES` on the grid."""
+    pair, m = setup.patches[side], setup.map
+    W = contact_weights(pair.groove)
+    C = W @ (pair.groove.A + pair.ball.A) @ W.T
+    normal, tangent, forward = frame(setup, side)
+    x = pair.groove.points - np.array([m.R, 0.0, 0.0])
+    close = W @ (pair.groove.normals @ normal)
+    assert pair.groove.shape is not None
+    n, k = pair.groove.shape
+    middle = x.reshape(n, k, 3)[n // 2 : n // 2 + 2, k // 2 : k // 2 + 2]
+    # the ball's centre moved by t: the gap is least t times (relative radius / r) beside the nominal contact
+    scale = m.ball / np.array(relative_radii(setup, side))
+    step = scale * np.array([(middle[1, 0] - middle[0, 0]) @ tangent, (middle[0, 1] - middle[0, 0]) @ forward])
+    out = np.zeros(loads.size)
+    for place in PLACES:
+        t = step * np.array(place)
+        gap = np.linalg.norm(x - t[0] * tangent - t[1] * forward, axis=1) - m.ball
+        nearest = -0.5 * float((t**2 / m.ball * (1.0 / scale - 1.0)).sum())
+        out += (approaches(C, W @ gap, close, loads) - nearest) / len(PLACES)
+    return out
+
+
+def approaches(C: Array, gap: Array, close: Array, loads: Array) -> Array:
+    """Approach [m] of a unilateral contact under ``loads`` [N]: pressures p >= 0, C p + gap - approach close >= 0, and
+    close p the load. Raises ValueError where the active set does not settle."""
+    active = gap / close <= np.quantile(gap / close, 0.3)
+    out = np.empty(loads.size)
+    for k, load in enumerate(loads):
+        for _ in range(200):
+            i = np.flatnonzero(active)
+            K = np.zeros((i.size + 1, i.size + 1))
+            K[:-1, :-1], K[:-1, -1], K[-1, :-1] = C[np.ix_(i, i)], -close[i], close[i]
+            found = np.linalg.solve(K, np.append(-gap[i], load))
+            pressure = np.zeros(gap.size)
+            pressure[i], out[k] = found[:-1], found[-1]
+            after = (active & (pressure > 0.0)) | (~active & (C @ pressure + gap - close * out[k] < 0.0))
+            if (after == active).all():
+                break
+            active = after
+        else:
+            raise ValueError(f"the contact of a patch under {load:.4g} N does not settle")
+    return out
+
+
+def body_motion(setup: Setup, side: int, force: Array) -> float:
+    """Motion [m/N] of a contact by its own ``force`` on its nodes through the body, mean over all balls."""
+    if side >= 2 and setup.nut is None:
+        return 0.0
+    G = setup.screw.stretch.F if side < 2 or setup.nut is None else setup.nut.G
+    body = setup.screw if side < 2 or setup.nut is None else setup.nut
+    sides = [s for s in setup.sides if s in body.modes]
+    counts = [body.modes[s].shape[1] for s in sides]
+    first, amplitude = sum(counts[: sides.index(side)]), body.modes[side].T @ force
+    starts = first + sum(counts) * np.arange(setup.layout.z.size)
+    return float(np.mean([amplitude @ G[a : a + amplitude.size, a : a + amplitude.size] @ amplitude for a in starts]))
+
+
+def ball_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
+    """Compliance ``(k, k)`` [m/N] of one ball between its contacts, without its patches' own part."""
+    ends = np.cumsum([0, *(spreads[s].size for s in setup.sides)])
+    out = np.empty((len(setup.sides), len(setup.sides)))
+    for a, s in enumerate(setup.sides):
+        for b, t in enumerate(setup.sides):
+            block = setup.ball[ends[a] : ends[a + 1], ends[b] : ends[b + 1]]
+            if a == b:
+                block = block - setup.patches[s].ball.A
+            out[a, b] = spreads[s] @ block @ spreads[t]
+    return out
+
+
+def rest_of(setup: Setup, spreads: dict[int, Array]) -> Array:
+    """Motion ``(k,)`` [m/N] of every contact by its own force beyond its patches: through its body and, pressed by the
+    opposite contact, the ball; what the two do to a ball is shared."""
+    D = ball_matrix(setup, spreads)
+    order = [setup.sides.index(3 - s) for s in setup.sides]
+    own = np.diag(D)
+    ball = 0.5 * (own + own[order]) + D[np.arange(len(own)), order]
+    return np.asarray(ball + [body_motion(setup, s, spreads[s]) for s in setup.sides])
+
+
+def own_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
+    """What every side's own approach has beside Hertz and the matrices with ``spreads``, over the force, ``(k, f)`` [m/N],
+    and the forces ``(k, f)`` [N]."""
+    loads = np.array([forces_of(setup, s) for s in setup.sides])
+    extra = np.array(
+        [
+            (patch_approaches(setup, s, f) - unit_hertz(setup, s).approach * np.cbrt(f) ** 2) / f
+            for s, f in zip(setup.sides, loads, strict=True)
+        ]
+    )
+    fixed = rest_of(setup, spreads)
+    for k in range(loads.shape[1]):
+        own = {s: spread(setup, s, float(f)) for s, f in zip(setup.sides, loads[:, k], strict=True)}
+        extra[:, k] += rest_of(setup, own) - fixed
+    return extra, loads
 
 
 def body_matrix(setup: Setup, G: Array, modes: dict[int, Array], spreads: dict[int, Array]) -> Array:
@@ -109,23 +224,14 @@ def body_matrix(setup: Setup, G: Array, modes: dict[int, Array], spreads: dict[i
 
 def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
     """Everything of a prepared geometry that a low-order model can use."""
-    local, forces = own_terms(setup)
-    spreads = {s: spread(setup, s, float(np.median(forces))) for s in setup.sides}
+    spreads = {s: spread(setup, s, float(np.median(forces_of(setup, s)))) for s in setup.sides}
+    local, forces = own_terms(setup, spreads)
     N = setup.layout.z.size
     screw = body_matrix(setup, setup.screw.stretch.F, setup.screw.modes, spreads)
     nut = np.zeros((N * sum(s >= 2 for s in setup.sides),) * 2)
     if setup.nut is not None:
         nut = body_matrix(setup, setup.nut.G, setup.nut.modes, spreads)
-    sizes = [spreads[s].size for s in setup.sides]
-    ends = np.cumsum([0, *sizes])
-    ball = np.empty((len(sizes), len(sizes)))
-    for a, s in enumerate(setup.sides):
-        for b, t in enumerate(setup.sides):
-            block = setup.ball[ends[a] : ends[a + 1], ends[b] : ends[b + 1]]
-            if a == b:
-                block = block - setup.patches[s].ball.A
-            ball[a, b] = spreads[s] @ block @ spreads[t]
     return CondensedBodies(
-        geometry_digest(setup.scene), level, np.array(setup.sides, dtype=float), setup.screw.stretch.base, screw, nut, ball,
-        local, forces,
+        geometry_digest(setup.scene), level, np.array(setup.sides, dtype=float), setup.screw.stretch.base, screw, nut,
+        ball_matrix(setup, spreads), local, forces, np.array([unit_hertz(setup, s).approach for s in setup.sides]),
     )  # fmt: skip

@@ -9,10 +9,18 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.compliance.bodies import Backend, ball_compliance, body_compliance, geometry_only, grooved_section
+from lowfi.compliance.bodies import (
+    Backend,
+    BallCompliance,
+    ball_compliance,
+    body_compliance,
+    geometry_only,
+    grooved_section,
+)
 from lowfi.compliance.imported import Condensed
 from lowfi.compliance.modes import soft_modes
 from lowfi.compliance.shaft import Shaft, flank_response, shaft_of
+from lowfi.conformity import oblique_term
 from lowfi.problem import Problem, build, nominal_hertz
 from lowfi.static import MAX_ITERATIONS, TOLERANCE, force_floor, reference_scale
 from meshes.errors import Specimen
@@ -33,9 +41,9 @@ class Flanks:
 
     first, second: compliance [m/N] of screw and nut ``(4 N, 4 N)``, or of both together ``(2 N, 2 N)`` and nothing;
     R ``(N, d, k)`` by the free motions, v0 ``(N, d)`` [m] by loads and prescribed displacements, work ``(k,)`` of the
-    loads; e ``(N, 4)`` [m/N] beside Hertz; clipped: largest negative compliance cut away over a contact's own. own: what
-    the flanks' motions are found from again: compliance of screw and of nut on the built sides, v0 ``(N, 2, 2)`` and R
-    ``(N, 2, 2, k)`` of the screw's flanks.
+    loads; e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz; clipped: largest negative compliance cut away over
+    a contact's own. own: what the flanks' motions are found from again: compliance of screw and of nut on the built sides,
+    v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks.
     """
 
     first: Array
@@ -44,6 +52,7 @@ class Flanks:
     v0: Array
     work: Array
     e: Array
+    h: Array
     clipped: float
     own: tuple[Array, Array, Array, Array]
 
@@ -108,22 +117,34 @@ def positive(G: Array) -> tuple[Array, float]:
     return G, 0.0
 
 
+def typical_axes(problem: Problem) -> tuple[float, float]:
+    """Semi-axes [m] of a typical contact, across the groove and along it."""
+    constants, grow = nominal_hertz(problem.scene), float(np.cbrt(typical_force(problem)))
+    return float(np.mean(constants.C_a)) * grow, float(np.mean(constants.C_b)) * grow
+
+
 def flanks_of(
-    problem: Problem, shaft: Shaft, backend: Backend, condensed: Condensed | None, layout: BallLayout
+    problem: Problem, shaft: Shaft, backend: Backend, condensed: Condensed | None, layout: BallLayout, ball: BallCompliance
 ) -> tuple[Flanks, tuple[str, ...]]:
-    """Motions of all flanks of a problem for a backend, and what is assumed for the bodies."""
+    """Motions of all flanks of a problem for a backend, with what balls add to the contacts' laws, and what is assumed for
+    the bodies."""
     scene, N = problem.scene, layout.z.size
-    constants = nominal_hertz(scene)
-    mean_axis = float(0.5 * np.mean(constants.C_a + constants.C_b)) * float(np.cbrt(typical_force(problem)))
+    size = float(np.cbrt(typical_force(problem)))
+    oblique = oblique_term(nominal_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
     pair = one_pair(problem)
-    e, assumed, G = np.zeros((N, 4)), [], []
+    e, h, assumed, G = np.zeros((N, 4)), np.zeros((N, 4)), [], []
     v0, R = np.zeros((N, 2, 2)), np.zeros((N, 2, 2, shaft.work.size))
     for screw in (True, False):
         sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.use[s]]
-        body = body_compliance(scene, layout, screw, backend, mean_axis)
+        body = body_compliance(scene, layout, screw, backend, typical_axes(problem))
         assumed += [x for x in body.assumed if x not in assumed]
         order = by_ball(N, sides)
-        e[:, sides] = body.e if condensed is None else condensed.own(sides, typical_force(problem), body.e)
+        slope = body.slope + ball.slope  # by the logarithm of F^(1/3), which its tangent at the typical force stands for
+        e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[sides] + slope / size
+        if condensed is not None:
+            for s in condensed.sides_of(sides):
+                e[:, s], h[:, s] = condensed.bodies.own_law(s)
+                e[:, s] += ball.e
         own = body.G[np.ix_(order, order)]
         if screw:
             beam, moved, rigid = flank_response(shaft, sides)
@@ -146,7 +167,7 @@ def flanks_of(
         start[:, :2], free[:, :2] = v0, R
     flanks = Flanks(
         np.ascontiguousarray(first), np.ascontiguousarray(second), np.ascontiguousarray(free.reshape(N, d, -1)),
-        np.ascontiguousarray(start.reshape(N, d)), shaft.work, e, clipped / contact_compliance(problem),
+        np.ascontiguousarray(start.reshape(N, d)), shaft.work, e, h, clipped / contact_compliance(problem),
         (G[0], G[1], v0, R),
     )  # fmt: skip
     return flanks, tuple(assumed)
@@ -160,14 +181,14 @@ def one_pair(problem: Problem) -> tuple[int, int] | None:
     return a, 3 - a
 
 
-def pair_data(problem: Problem, pair: tuple[int, int], e: Array) -> Array:
-    """Rows of `lowfi.kernel.elastic_balls.pair_balls`, ``(N, 6)``."""
+def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
+    """Rows of `lowfi.kernel.elastic_balls.pair_balls`, ``(N, 7)``."""
     a, b = pair
     geometry = problem.geometry
     D = geometry[:, b, :2] - geometry[:, a, :2]
     size = np.hypot(D[:, 0], D[:, 1])
     both = geometry[:, a, 4] + geometry[:, b, 4]
-    return np.column_stack([D, size, problem.closure[:, a], both, e[:, a] + e[:, b]])
+    return np.column_stack([D, size, problem.closure[:, a], both, e[:, a] + e[:, b], h[:, a] + h[:, b]])
 
 
 def ready(
@@ -181,19 +202,18 @@ def ready(
     if problem.drawn.profile.shape[1] and not np.all(problem.use):
         raise AssertionError("uneven flanks are solved with all four sides")
     shaft = shaft_of(problem)
-    flanks, assumed = flanks_of(problem, shaft, backend, condensed, layout)
-    constants = nominal_hertz(problem.scene)
-    grow = float(np.cbrt(typical_force(problem)))
-    axes = (float(constants.C_a[0]) * grow, float(constants.C_b[0]) * grow)
+    axes = typical_axes(problem)
     ball = ball_compliance(problem.scene, axes, backend) if condensed is None else condensed.ball(problem.scene, axes)
+    flanks, assumed = flanks_of(problem, shaft, backend, condensed, layout, ball)
     pair = one_pair(problem)
-    local = np.zeros((N, 4, 2))
-    local[..., 0] = flanks.e + ball.e
+    local = np.zeros((N, 4, 3))
+    local[..., 0] = flanks.e
     local[..., 1] = ball.g * np.array([1.0, ball.sign, ball.sign, 1.0])
-    rows = np.zeros((N, 6))
+    local[..., 2] = flanks.h
+    rows = np.zeros((N, 7))
     if pair is not None:  # one diagonal alone: nothing to couple with
         local[..., 0] += 2.0 * ball.g**2
-        rows = pair_data(problem, pair, local[..., 0])
+        rows = pair_data(problem, pair, local[..., 0], flanks.h)
     force, stiffness = reference_scale(problem)
     modes = [np.zeros((0, 0))] * 2
     if N >= MODES_FROM:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
-from lowfi.problem import SIGNS, Array, distances, hertz_C
+from lowfi.problem import SIGNS, Array, distances, error_free, hertz_C
 from lowfi.result import Equilibrium, SolverReport, StaticResult
 from meshes.errors import specimen
 from meshes.helix import BallLayout, ball_layout, lead_angle
@@ -57,7 +57,7 @@ def _bars(k: Array, order: NDArray[np.int64], stations: Array, stiffness: float)
 def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _Chain:
     drawn = specimen(scene, layout, member)
     _, closure = distances(scene, drawn)
-    constants = hertz_C(scene)
+    constants = hertz_C(error_free(scene), drawn)
     pair = np.stack([constants[:, 0] + constants[:, 3], constants[:, 1] + constants[:, 2]], axis=1)
     held = {s.at: v for s in scene.supports for name, v in s.fixed if name == "uz"}
     loads = {f.at: f.force[2] for f in scene.loads if f.force[2] != 0.0}
@@ -199,7 +199,8 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     return StaticResult(
         model="mei-nut" if elastic_nut else "mei", status=status, azimuth=layout.azimuth, z=layout.z, load=load,
         contact_angle=np.where(load > 0.0, beta, np.nan), contact_point=points, force_direction=-world,
-        centre_shift=np.zeros((layout.z.size, 2)), hertz_C=hertz_C(scene), centreline_z=stations, centreline=line,
-        equilibrium=balance, solver=report, assumed=(*scene.assumed, *ASSUMPTIONS, nut_text),
+        centre_shift=np.zeros((layout.z.size, 2)), hertz_C=hertz_C(error_free(scene), specimen(scene, layout, member)),
+        centreline_z=stations, centreline=line, equilibrium=balance, solver=report,
+        assumed=(*scene.assumed, *ASSUMPTIONS, nut_text),
         left_out=("lateral forces, moments, bending and torsion: the model is axial",),
     )  # fmt: skip

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lowfi.conformity import curvature_changes
 from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printed_hertz
 from lowfi.shape import motion_matrix, rigid_transport
 from meshes.errors import Specimen, specimen
@@ -71,35 +71,50 @@ class Problem:
 
 
 def nominal_hertz(scene: Scene) -> HertzConstants:
-    """Hertz constants of the nominal geometry for each side, shape ``(4,)``, at the nominal contact angle."""
+    """Hertz constants of the error-free parts for each side, shape ``(4,)``, at the nominal contact angle."""
+    return constants_of(scene, nominal_curvatures(scene))
+
+
+def nominal_curvatures(scene: Scene) -> Array:
+    """Relative principal curvatures of the error-free parts at the nominal contact angle, ``(4, 2)`` [1/m], that across the
+    groove first."""
     bare = replace(scene, errors=Errors(), balls=replace(scene.balls, azimuths=(scene.track.phase,)))
     layout = ball_layout(bare)
-    return actual_hertz(bare, specimen(bare, layout), np.full((layout.z.size, 4), scene.track.contact_angle), slice(1))
+    drawn = specimen(bare, layout)
+    return np.asarray(relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0])
 
 
-def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array, pick: Any = slice(None)) -> HertzConstants:
-    """Hertz constants per contact at contact angles gamma ``(N, 4)`` [rad], from the exact surfaces with errors.
+def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:
+    """Hertz constants ``(..., N, 4)`` of every contact at the nominal contact angle, with its own radii of ball and groove.
 
-    Returns arrays ``(N, 4)``; with ``pick = slice(1)`` those of the first ball only, ``(4,)``.
+    ball_radius: ``(..., N)`` [m] in place of the specimen's. What this does to an oversize: `lowfi.conformity`.
+    """
+    radius = drawn.ball_radius if ball_radius is None else ball_radius
+    return constants_of(scene, nominal_curvatures(scene) + curvature_changes(scene, drawn, radius))
+
+
+def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
+    """Hertz constants ``(N, 4)`` at contact angles gamma ``(N, 4)`` [rad], from the exact surfaces with all errors.
+
     Raises ValueError where ball and groove conform.
     """
-    inverse = 1.0 / drawn.ball_radius[:, None]
-    columns = []
-    for side in range(4):
-        body = scene.screw if side < 2 else scene.nut
-        modulus = contact_modulus(
-            scene.balls.material.youngs_modulus,
-            scene.balls.material.poissons_ratio,
-            body.material.youngs_modulus,
-            body.material.poissons_ratio,
-        )
-        groove = principal_curvatures(scene, drawn, side, gamma[:, side])[pick]
-        relative = inverse[pick] + groove
-        columns.append(hertz_constants(relative[:, 0], relative[:, 1], modulus))
-    stack = [np.stack([getattr(c, f) for c in columns], axis=-1) for f in ("C", "C_a", "C_b", "eccentricity")]
-    if isinstance(pick, slice) and pick == slice(1):
-        stack = [x[0] for x in stack]
-    return HertzConstants(*stack)
+    return constants_of(scene, relative_curvatures(scene, drawn, gamma))
+
+
+def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
+    """Relative principal curvatures ``(N, 4, 2)`` [1/m] at contact angles ``(N, 4)`` [rad], across the groove first."""
+    groove = [principal_curvatures(scene, drawn, side, gamma[:, side]) for side in range(4)]
+    return np.asarray(1.0 / drawn.ball_radius[:, None, None] + np.stack(groove, axis=1))
+
+
+def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
+    """Hertz constants ``(..., 4)`` of the sides' materials at relative principal curvatures ``(..., 4, 2)`` [1/m]."""
+    ball = scene.balls.material
+    bodies = [scene.screw.material] * 2 + [scene.nut.material] * 2
+    modulus = np.array(
+        [contact_modulus(ball.youngs_modulus, ball.poissons_ratio, x.youngs_modulus, x.poissons_ratio) for x in bodies]
+    )
+    return hertz_constants(curvatures[..., 0], curvatures[..., 1], modulus)
 
 
 def printed_constants(scene: Scene) -> Array:
@@ -120,10 +135,22 @@ def printed_constants(scene: Scene) -> Array:
     return np.array(values)
 
 
-def hertz_C(scene: Scene) -> Array:
-    """Constant C of each ball and side before any update to the actual geometry, shape ``(N, 4)``."""
-    row = printed_constants(scene) if scene.ingredients.hertz == "as printed" else nominal_hertz(scene).C
-    return np.repeat(row[None, :], scene.ball_count, axis=0)
+def error_free(scene: Scene) -> Scene:
+    """The scene with Hertz constants of error-free parts, as the sources' own models take them, or as printed."""
+    if scene.ingredients.hertz == "as printed":
+        return scene
+    return replace(scene, ingredients=replace(scene.ingredients, hertz="error-free"))
+
+
+def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> Array:
+    """Constant C of each ball and side before any update to the actual geometry, ``(..., N, 4)``; ball_radius: as for
+    `drawn_hertz`."""
+    own = drawn.ball_radius if ball_radius is None else ball_radius
+    kind = scene.ingredients.hertz
+    if kind in ("as printed", "error-free"):
+        row = printed_constants(scene) if kind == "as printed" else nominal_hertz(scene).C
+        return np.array(np.broadcast_to(row, (*own.shape, 4)))
+    return drawn_hertz(scene, drawn, own).C
 
 
 def pack_geometry(
@@ -204,7 +231,7 @@ def build(
     more: see ``_flank_rows``; section: of the screw, instead of the scene's (Lin C.8).
     """
     parts = (scene, drawn, layout, more)
-    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene), use)
+    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
     section = section or screw_section(scene)
     stations = contact_stations(scene, layout)
     used = [s for s in range(2) if use[s]]

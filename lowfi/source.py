@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from lowfi import jit
 from lowfi.mechanism import free_motions
-from lowfi.problem import SIGNS, Problem, build
+from lowfi.problem import SIGNS, Problem, build, error_free
 from lowfi.result import SolverReport, StaticResult
 from lowfi.shape import rigid_transport, shape_polynomials
 from lowfi.static import prepare
@@ -242,7 +242,8 @@ def solve_source(
     if scene.ingredients.screw == "rigid":
         raise ValueError("the source's formulation needs a beam screw")
     layout = ball_layout(scene)
-    problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
+    drawn, use = specimen(scene, layout, member), np.ones(4, dtype=bool)
+    problem = build(error_free(scene), drawn, layout, use, everything=everything)
     if hertz is not None:
         problem.C[:] = hertz
     axes = np.stack([layout.radial, layout.binormal], axis=1)
@@ -271,7 +272,7 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
     """``solve_source`` from the designer's guess, as the same result record as the other models."""
     layout = ball_layout(scene)
     use = np.ones(4, dtype=bool)
-    problem = build(scene, specimen(scene, layout, member), layout, use, everything=everything)
+    problem = build(error_free(scene), specimen(scene, layout, member), layout, use, everything=everything)
     mechanism = free_motions(problem)
     if mechanism.driven:
         return failed_result(problem, "source", f"not held: {mechanism.text}", 0.0)

@@ -20,7 +20,7 @@ from meshes.parts import Scene
 Array = NDArray[np.float64]
 
 #: Number of this format; files of another are refused.
-FORMAT = 1
+FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,9 @@ class CondensedBodies:
 
     geometry: digest of the parts (`geometry_digest`); level: mesh level; sides ``(k,)`` in order; screw, nut
     ``(N k', N k')``: contacts ball after ball, of each ball its sides on that body; the screw is held at ``base`` [m] by
-    its section; ball ``(k, k)``: one ball on its contacts. local ``(k, f)``: what the fine patches of groove and ball,
-    held at their sockets, add to each contact's own term beside Hertz's law, the same for every ball, at the forces
-    force ``(f,)`` [N]; it scatters with the contact grid.
+    its section; ball ``(k, k)``: one ball on its contacts. local ``(k, f)`` [m/N]: what each contact's own approach over
+    its force F has beside Hertz's C F^(-1/3) and those matrices, the same for every ball; force ``(k, f)`` [N]; hertz
+    ``(k,)``: C [m/N^(2/3)].
     """
 
     geometry: str
@@ -43,13 +43,27 @@ class CondensedBodies:
     ball: Array
     local: Array
     force: Array
+    hertz: Array
 
-    def own_term(self, side: int, force: float) -> float:
-        """Local term [m/N] of a side at a force [N]: a straight line in the contact's size, fitted to the samples."""
-        rows = np.column_stack([np.ones_like(self.force), np.cbrt(self.force)])
-        line = np.linalg.lstsq(rows, self.local[list(self.sides).index(side)], rcond=None)[0]
-        at = float(np.clip(force, self.force.min(), self.force.max()))
-        return float(line[0] + line[1] * np.cbrt(at))
+    def own_law(self, side: int) -> tuple[float, float]:
+        """e [m/N] and h [m/N^(4/3)] of a side's approach e F + h F^(4/3) beside Hertz, a straight line in a contact's size.
+
+        Fitted to the samples by least squares over their shares of the approach. Beyond linear elasticity of the bodies (e)
+        the next term of a smooth contact is of the order of its area, F^(4/3); a logarithm of its size fits no better.
+        """
+        e, h = self._fit(list(self.sides).index(side))[0]
+        return float(e), float(h)
+
+    def scatter(self, side: int) -> float:
+        """Root mean square distance of the samples from `own_law`, over the approach: what the contact grid leaves."""
+        return self._fit(list(self.sides).index(side))[1]
+
+    def _fit(self, k: int) -> tuple[Array, float]:
+        force = self.force[k]
+        share = np.cbrt(force) / self.hertz[k]
+        rows, wanted = np.column_stack([share, share * np.cbrt(force)]), share * self.local[k]
+        line = np.linalg.lstsq(rows, wanted, rcond=None)[0]
+        return line, float(np.sqrt(np.mean((rows @ line - wanted) ** 2)))
 
     def save(self, path: Path) -> None:
         """Write the file whole or not at all. Raises OSError."""
@@ -81,11 +95,11 @@ def load_condensed(path: Path) -> CondensedBodies:
         raise ValueError("no file of condensed bodies, or a damaged one") from error
     found = CondensedBodies(
         str(values["geometry"]), int(values["level"]), np.asarray(values["sides"], dtype=float), float(values["base"]),
-        *(np.asarray(values[name], dtype=float) for name in ("screw", "nut", "ball", "local", "force")),
+        *(np.asarray(values[name], dtype=float) for name in ("screw", "nut", "ball", "local", "force", "hertz")),
     )  # fmt: skip
     k = found.sides.size
     square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (found.screw, found.nut, found.ball))
-    fits = found.ball.shape[0] == k and found.local.shape == (k, found.force.size)
-    if not square or not fits or not np.isfinite(found.screw).all():
+    fits = found.ball.shape[0] == k == len(found.local) and found.hertz.shape == (k,)
+    if not square or not fits or found.local.shape != found.force.shape or not np.isfinite(found.screw).all():
         raise ValueError("arrays of the wrong shape")
     return found

@@ -174,7 +174,8 @@ class Load:
 class Ingredients:
     """Which parts of the low-order model a scene uses.
 
-    hertz: ``"nominal"`` constants, ``"actual"`` geometry of each contact, or ``"as printed"`` (Table B.1's faults).
+    hertz: constants at the ``"nominal"`` contact angle with each contact's own radii, of ``"error-free"`` parts there, at
+    the ``"actual"`` geometry of each contact, or ``"as printed"`` (Table B.1's faults).
     screw: ``"beam"`` (Timoshenko) or ``"rigid"``.
     partition: ``"nodal"`` (a node at every contact station, exact), ``"source"`` (15 mm in the nut, about the pitch
     diameter outside), or ``"uniform"`` with ``element_length`` inside the nut.
@@ -183,7 +184,7 @@ class Ingredients:
     ``"ball"`` (current contact point, but the force enters the beam at the ball's station).
     """
 
-    hertz: Literal["nominal", "actual", "as printed"] = "nominal"
+    hertz: Literal["nominal", "error-free", "actual", "as printed"] = "nominal"
     screw: Literal["beam", "rigid"] = "beam"
     partition: Literal["nodal", "source", "uniform"] = "nodal"
     element_length: float = 1.0e-3

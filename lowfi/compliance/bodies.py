@@ -23,9 +23,10 @@ from lowfi.compliance.groove import (
     half_space,
     ring_compliance,
     ring_contacts,
+    size_slope,
     smooth_radius,
 )
-from lowfi.compliance.sphere import own_compliance, sphere_compliance
+from lowfi.compliance.sphere import own_compliance, own_slope, sphere_compliance
 from lowfi.compliance.tube import (
     Tube,
     TubeCompliance,
@@ -104,19 +105,22 @@ MESH_ONLY = ("A hole of", "The screw is three-dimensional")
 @dataclass(frozen=True)
 class BodyCompliance:
     """Compliance of a body beyond the screw's beam: G ``(2 c, 2 c)`` [m/N] of both flanks' contacts (all left ones, then
-    all right ones; two axes each), e [m/N] of each contact beside Hertz."""
+    all right ones; two axes each), e [m/N] of each contact beside Hertz, and slope [m/N], what e gains by the logarithm of
+    the contact's size."""
 
     G: Array
     e: float
+    slope: float
     assumed: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class BallCompliance:
-    """Ball as an elastic sphere: e [m/N] of each contact beside Hertz, coupling g [(m/N)^(1/2)] of the pairs SL-NR and
-    SR-NL and its sign."""
+    """Ball as an elastic sphere: e [m/N] of each contact beside Hertz, slope [m/N], what e gains by the logarithm of the
+    contact's size, coupling g [(m/N)^(1/2)] of the pairs SL-NR and SR-NL and its sign."""
 
     e: float
+    slope: float
     g: float
     sign: float
 
@@ -209,7 +213,7 @@ def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
     """e [m/N] of a contact on the true flank, for a narrow patch (`flank_correction`)."""
     flank = flank_of(geometry, screw)
     if is_ring(geometry, screw):
-        return -half_space(NARROW * flank.map.ball, flank.material)
+        return whole_ring(geometry, screw).normals - half_space(NARROW * flank.map.ball, flank.material)
     tube = smooth_body(geometry, screw, backend)
     surface = tube.outer if screw else tube.bore
     if not backend.flank:  # the half space at the smooth body's own patch only
@@ -252,27 +256,31 @@ def nut_beam(scene: Scene, layout: BallLayout) -> Array:
     return clamped(motion_rows(x, axes), np.repeat(x[:, 2], 2), (position - half, position + half), held, section)
 
 
-def body_compliance(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, mean_axis: float) -> BodyCompliance:
+def body_compliance(
+    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, semi_axes: tuple[float, float]
+) -> BodyCompliance:
     """Compliance of screw (beyond its beam) or nut between the contacts of a scene, and what is assumed for it.
 
-    mean_axis: mean semi-axis [m] of the contacts, for the logarithm of their size. Raises ValueError for dimensions that
-    leave no groove, no wall or no land.
+    semi_axes: of a typical contact [m], across the groove and along it. Raises ValueError for dimensions that leave no
+    groove, no wall or no land.
     """
     kind = backend.screw if screw else backend.nut
     zero = np.zeros((4 * layout.z.size,) * 2)
     if kind == "rigid" or (screw and kind == "beam"):
-        return BodyCompliance(zero, 0.0, ())
+        return BodyCompliance(zero, 0.0, 0.0, ())
     geometry = geometry_only(scene)
     held = held_at(geometry, screw)
     if held == "rigid":
-        return BodyCompliance(zero, 0.0, ())
+        return BodyCompliance(zero, 0.0, 0.0, ())
     if kind == "beam":
-        return BodyCompliance(nut_beam(scene, layout), 0.0, ())
+        return BodyCompliance(nut_beam(scene, layout), 0.0, 0.0, ())
     e = own_flank(geometry, screw, backend)
+    slope = 0.0
     if backend.flank:
-        e += at_size(flank_of(geometry, screw), mean_axis)
+        e += at_size(flank_of(geometry, screw), semi_axes)
+        slope = size_slope(flank_of(geometry, screw))
     assumed = tuple(x for x in dimensions(geometry).assumed if not x.startswith(MESH_ONLY))
-    return BodyCompliance(whole_body(scene, layout, screw, backend), e, assumed)
+    return BodyCompliance(whole_body(scene, layout, screw, backend), e, slope, assumed)
 
 
 def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:
@@ -302,13 +310,14 @@ def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Array:
 def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backend) -> BallCompliance:
     """The ball's own body: opposite contacts share their force, so what they do to one another joins each one's own."""
     if backend.ball == "half space":
-        return BallCompliance(0.0, 0.0, 1.0)
+        return BallCompliance(0.0, 0.0, 0.0, 1.0)
     radius, material = scene.balls.radius, scene.balls.material
     own = own_compliance(semi_axes, radius, material)
     opposite = sphere_compliance(-1.0, radius, material)
     cosine = float(np.cos(2.0 * scene.track.contact_angle))
     across = 0.5 * (sphere_compliance(cosine, radius, material) + sphere_compliance(-cosine, radius, material))
-    return BallCompliance(own + opposite - 2.0 * abs(across), float(np.sqrt(abs(across))), float(np.sign(across)))
+    own += opposite - 2.0 * abs(across)
+    return BallCompliance(own, own_slope(radius, material), float(np.sqrt(abs(across))), float(np.sign(across)))
 
 
 def forget() -> None:

@@ -2,7 +2,9 @@
 
 A contact moves by its own load as the smooth body with a wide patch says, plus the difference of the true flank with a
 narrow patch and the smooth body with the wide one, both on half a lead and held alike, less a half space under the narrow
-patch, which Hertz's law holds already. Below the narrow patch only curvature counts, and that by a logarithm.
+patch, which Hertz's law holds already. Pressure acts and presses in along the flank's own normals, which turn over a patch:
+loads along one fixed direction would move it by (1 - 2 nu)/(8 pi G rho) more. Below the narrow patch only curvature counts,
+by the logarithm of the contact's size and by its shape (`at_size`).
 """
 
 from __future__ import annotations
@@ -110,6 +112,28 @@ def series(n: Array, values: Array) -> float:
     return float(CubicSpline(n, values)(every).sum())
 
 
+def flank_normals(grid: Grid, line: int) -> Array:
+    """Unit normals ``(k, 2)`` (r, z) at the nodes of the grid's surface, of either sense; mean of both elements'."""
+    r, z = grid.r[:, line], grid.z[:, line]
+    slope = quadratic(np.array([-1.0, 0.0, 1.0]))[1]
+    along = np.zeros((r.size, 2))
+    for a in range(0, r.size - 2, 2):
+        own = slope @ np.column_stack([r[a : a + 3], z[a : a + 3]])
+        along[a : a + 3] += own / np.linalg.norm(own, axis=1)[:, None]
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    return np.column_stack([-along[:, 1], along[:, 0]])
+
+
+def normal_load(flank: Flank, grid: Grid, width: float) -> Array:
+    """Unit forces ``(k, 2)`` (r, z) of a patch of ``width`` [m] on the nodes of the grid's surface, along its normals."""
+    line = grid.shape[1] - 1 if flank.screw else 0
+    share, _ = flank_weights(grid, line, flank.contact()[1], width)
+    m = flank.map
+    nominal = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    normals = flank_normals(grid, line)
+    return np.asarray(share[:, None] * normals * np.sign(normals @ nominal)[:, None])
+
+
 def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float, radius: float) -> float:
     """Motion [m/N] of one flank's patch along its load by that load, half a lead with the other flank unloaded.
 
@@ -135,23 +159,18 @@ def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float
             p0, p1, p2 = kept[key]
             K = factor_c(int(harmonic)) * (p0 + harmonic * p1 + harmonic**2 * p2)
             f = force.ravel()[free]
-            share = np.exp(-((harmonic * width / radius) ** 2)) if harmonic > 1 else 1.0
-            values[k] = f @ spsolve(K, f, permc_spec="MMD_AT_PLUS_A") * share
+            values[k] = f @ spsolve(K, f, permc_spec="MMD_AT_PLUS_A")
+        values *= patch_shares(n.astype(float), width, radius)
         total += 0.5 * series(n, values)
     return total
 
 
 def true_motion(flank: Flank, width: float) -> float:
-    """Own motion [m/N] of a patch of ``width`` [m] on the true flank."""
+    """Own motion [m/N] of a patch of ``width`` [m] on the true flank, loaded along the flank's normals."""
     grid = flank.grid()
-    radius, zeta = flank.contact()
-    line = grid.shape[1] - 1 if flank.screw else 0
-    share, _ = flank_weights(grid, line, zeta, width)
-    m = flank.map
     force = np.zeros((*grid.shape, 3))
-    force[:, line, 0] = share * m.signs[flank.side, 0] * np.cos(m.beta)
-    force[:, line, 2] = share * m.signs[flank.side, 1] * np.sin(m.beta)
-    return own_motion(flank, grid, (force, force), width, radius)
+    force[:, grid.shape[1] - 1 if flank.screw else 0, ::2] = normal_load(flank, grid, width)
+    return own_motion(flank, grid, (force, force), width, flank.contact()[0])
 
 
 def smooth_motion(flank: Flank, surface: float, width: float) -> float:
@@ -186,9 +205,11 @@ def half_space(width: float, material: Material) -> float:
 @dataclass(frozen=True)
 class RingCompliance:
     """Motion of both flanks of a grooved ring by loads on them, ``(harmonics, 4, 4)`` [m/N]: left r, z, right r, z; a ring
-    is a body of revolution with its groove, so nothing is left out. width: of the patches [m]; radius: of the contacts."""
+    is a body of revolution with its groove, so nothing is left out. normals: what loads along the flank's normals in place
+    of the nominal one add to a contact's own motion [m/N]; width: of the patches [m]; radius: of the contacts."""
 
     S: Array
+    normals: float
     width: float
     radius: float
 
@@ -205,20 +226,29 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     radius, zeta = flank.contact()
     line, width = (grid.shape[1] - 1 if flank.screw else 0), NARROW * flank.map.ball
     share, _ = flank_weights(half, line, zeta, width)
-    rows = np.zeros((4, *grid.shape, 3))
+    rows = np.zeros((5, *grid.shape, 3))
     count = half.shape[0]
     rows[0, :count, line, 0] = rows[1, :count, line, 2] = share[::-1]
     rows[2, count - 1 :, line, 0] = rows[3, count - 1 :, line, 2] = share
+    rows[4, count - 1 :, line, ::2] = normal_load(flank, half, width)
     n = harmonics_to(2.6 * radius / width)
     free = ~fixed.ravel()
     p0, p1, p2 = (part[free][:, free].tocsc() for part in body.parts)
-    loads = rows.reshape(4, -1)[:, free].T
-    found = np.empty((n.size, 4, 4))
+    loads = rows.reshape(5, -1)[:, free].T
+    found = np.empty((n.size, 5, 5))
     for k, harmonic in enumerate(n):
         K = factor_c(int(harmonic)) * (p0 + harmonic * p1 + harmonic**2 * p2)
         found[k] = loads.T @ splu(K, permc_spec="MMD_AT_PLUS_A").solve(loads)
-    every = np.arange(n[-1] + 1)
-    return RingCompliance(np.asarray(CubicSpline(n, found)(every)), width, radius)
+    every = np.arange(n[-1] + 1.0)
+    S = np.asarray(CubicSpline(n, found)(every))
+    nominal = np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)]) * flank.map.signs[flank.side]
+    turned = S[:, 4, 4] - np.einsum("a,nab,b->n", nominal, S[:, 2:4, 2:4], nominal)
+    return RingCompliance(S[:, :4, :4], float(patch_shares(every, width, radius) @ turned), width, radius)
+
+
+def patch_shares(n: Array, width: float, radius: float) -> Array:
+    """What a Gaussian patch of ``width`` [m] along the circumference takes of the motion in harmonics ``n``."""
+    return np.where(n > 1, np.exp(-((n * width / radius) ** 2)), 1.0)
 
 
 def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
@@ -226,8 +256,8 @@ def ring_contacts(ring: RingCompliance, azimuth: Array) -> Array:
     N = azimuth.size
     angle = azimuth[:, None] - azimuth[None, :]
     G = np.zeros((2, N, 2, 2, N, 2))
-    for n, S in enumerate(ring.S):
-        share = np.exp(-((n * ring.width / ring.radius) ** 2)) if n > 1 else 1.0
+    shares = patch_shares(np.arange(float(len(ring.S))), ring.width, ring.radius)
+    for n, (share, S) in enumerate(zip(shares, ring.S, strict=True)):
         G += share * np.einsum("ij,satb->siatjb", np.cos(n * angle), S.reshape(2, 2, 2, 2))
     return np.asarray(G.reshape(4 * N, 4 * N))
 
@@ -238,12 +268,31 @@ def flank_correction(flank: Flank, surface: float, wide: float) -> float:
     return true_motion(flank, narrow) - smooth_motion(flank, surface, wide) - half_space(narrow, flank.material)
 
 
-def at_size(flank: Flank, mean_semi_axis: float) -> float:
-    """What a contact of that mean semi-axis [m] adds to the correction for the narrow patch [m/N], by curvature alone."""
+def curvatures(flank: Flank) -> tuple[float, float]:
+    """Principal curvatures of the flank at the contact, across the groove and along it, convex positive [1/m]."""
     m = flank.map
-    radius, _ = flank.contact()
-    along = np.cos(m.beta) / radius * (1.0 if flank.screw else -1.0)
-    curvature = along - 1.0 / float(m.radius[flank.side])
+    along = np.cos(m.beta) / flank.contact()[0] * (1.0 if flank.screw else -1.0)
+    return -1.0 / float(m.radius[flank.side]), float(along)
+
+
+def size_slope(flank: Flank) -> float:
+    """What `at_size` changes by the logarithm of a contact's size [m/N]: by the flank's mean curvature."""
     a, b = expansion(flank.material.poissons_ratio)
-    slope = -(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * curvature
-    return float(slope * (np.log(mean_semi_axis / (NARROW * m.ball)) + GAUSSIAN))
+    return float(-(a + 2.0 * b) / (16.0 * np.pi * flank.material.shear_modulus) * sum(curvatures(flank)))
+
+
+def at_size(flank: Flank, semi_axes: tuple[float, float]) -> float:
+    """What a contact of those semi-axes [m], across the groove and along it, adds to the correction for the narrow round
+    patch [m/N], by curvature alone.
+
+    A pressure exp(i k x) presses a surface of curvatures kappa in by
+    (A/|k| + (alpha tr kappa + beta k kappa k/k^2)/k^2)/2G, A = 2 (1 - nu), alpha = A (1 - 2 nu),
+    beta = -(1 - 2 nu)(3 - 2 nu): the only form that is linear in kappa, from the long cylinder under pressure that varies
+    along it and around it; a sphere's c_n gives the same. In space 1/k^2 is a logarithm, and cos(2 phi)/k^2 is
+    -cos(2 phi)/(4 pi), whose mean over an ellipse is -(a - b)/(a + b)/(4 pi).
+    """
+    a, b = semi_axes
+    nu, G = flank.material.poissons_ratio, flank.material.shear_modulus
+    across, along = curvatures(flank)
+    shape = (1.0 - 2.0 * nu) * (3.0 - 2.0 * nu) / (16.0 * np.pi * G) * (across - along) * (a - b) / (a + b)
+    return float(size_slope(flank) * (np.log(0.5 * (a + b) / (NARROW * flank.map.ball)) + GAUSSIAN) + shape)

@@ -45,12 +45,9 @@ class Condensed:
             raise ValueError("made for other parts (track, screw, nut, balls or [solid] differ)")
         return Condensed(found)
 
-    def own(self, sides: list[int], force: float, otherwise: float) -> Array:
-        """Term [m/N] of every contact on these sides beside Hertz and the bodies, at a typical ``force`` [N]: the fine
-        patches of groove and ball; ``otherwise`` on sides that the file does not know.
-        """
-        known = [int(s) for s in self.bodies.sides]
-        return np.array([self.bodies.own_term(s, force) if s in known else otherwise for s in sides])
+    def sides_of(self, sides: list[int]) -> list[int]:
+        """Those of some sides that the file knows."""
+        return [s for s in sides if s in self.bodies.sides]
 
     def correct(self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend) -> Array:
         """Compliance of a body with its part along the normals from the file; ``total``: the low-order one on these sides,
@@ -95,7 +92,7 @@ class Condensed:
         if len(pairs) == 2:
             (a, b), (c, d) = pairs
             across = 0.25 * float(D[a, c] + D[a, d] + D[b, c] + D[b, d])
-        return BallCompliance(own - 2.0 * abs(across), float(np.sqrt(abs(across))), float(np.sign(across)))
+        return BallCompliance(own - 2.0 * abs(across), 0.0, float(np.sqrt(abs(across))), float(np.sign(across)))
 
     def describe(self) -> str:
         """What it is, for the record."""

@@ -56,10 +56,15 @@ def sphere_compliance(cosine: float, radius: float, material: Material) -> float
     return float(series / (8.0 * np.pi * material.shear_modulus * radius))
 
 
+def own_slope(radius: float, material: Material) -> float:
+    """What `own_compliance` changes by the logarithm of a contact's size [m/N]."""
+    a, b = expansion(material.poissons_ratio)
+    return float(-(a + 2.0 * b) / (8.0 * np.pi * material.shear_modulus * radius))
+
+
 def own_compliance(semi_axes: tuple[float, float], radius: float, material: Material) -> float:
     """Motion of a contact of ``semi_axes`` [m] by its own unit load beyond that of a half space [m/N] (mean over Hertz's
     pressure)."""
-    nu = material.poissons_ratio
-    a, b = expansion(nu)
     log = np.log(0.5 * (semi_axes[0] + semi_axes[1]) / (2.0 * radius)) + MEAN_LOG
-    return float((smooth_part(1.0, nu) - (a + 2.0 * b) * log) / (8.0 * np.pi * material.shear_modulus * radius))
+    smooth = smooth_part(1.0, material.poissons_ratio) / (8.0 * np.pi * material.shear_modulus * radius)
+    return smooth + own_slope(radius, material) * float(log)

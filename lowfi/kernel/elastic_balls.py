@@ -1,8 +1,8 @@
 """Balls between flanks of elastic bodies: forces on the flanks by their motions, and the square roots of the stiffness.
 
-A ball has its centre and one amplitude of its own body for unknowns, eliminated inside, and every contact a linear part
-e F beside Hertz's C F^(2/3). Where only two opposite flanks carry load, a ball knows their relative motion alone, and has a
-closed form.
+A ball has its centre and one amplitude of its own body for unknowns, eliminated inside, and every contact has parts e F and
+h F^(4/3) beside Hertz's C F^(2/3). Where only two opposite flanks carry load, a ball knows their relative motion alone, and
+has a closed form.
 """
 
 from math import sqrt
@@ -14,41 +14,64 @@ from lowfi.jit import kernel
 from .arrays import Array, Arrays, Contacts
 from .ball import FORCE, HERTZ, KN, KT, MX, MZ, USE, meet, start_centre
 
-LINEAR, BODY = range(2)
+LINEAR, BODY, HIGHER = range(3)
 
 
 @kernel
-def contact_law(delta: float, c: float, e: float) -> tuple[float, float, float]:
-    """Force [N], its slope [N/m] and energy [J] of delta = C F^(2/3) + e F [m], delta > 0.
+def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, float, float]:
+    """Force [N], its slope [N/m] and energy [J] of delta = C F^(2/3) + e F + h F^(4/3) [m], delta > 0.
 
-    A negative e (bodies stiffer than half spaces) would bend the law back at F = (2 C/3 e)^3; from an eighth of that force
+    Negative e or h would bend the law back where 2 C + 3 e x + 4 h x^2 = 0, x = F^(1/3); from where this is down to C
     on the law goes on as C F^(2/3)/2 plus a constant, so that force and slope stay continuous and the energy convex.
     """
     x = sqrt(delta / c)
-    if e < 0.0:
-        limit = -c / (3.0 * e)
-        edge = 2.0 / 3.0 * c * limit * limit
+    if e == 0.0 and h == 0.0:
+        return x * x * x, 1.5 * x / c, 0.4 * c * x * x * x * x * x
+    low, high = 0.0, 1e300
+    limit = turning(c, e, h)
+    if limit > 0.0:
+        edge = limit * limit * (c + limit * (e + limit * h))
         if delta > edge:
             x = sqrt(limit * limit + 2.0 * (delta - edge) / c)
-            below = c * limit**5 * (2.0 / 5.0 - 1.0 / 6.0)
-            return x * x * x, 3.0 * x / c, below + 0.2 * c * (x**5 - limit**5)
-    if e != 0.0:
-        for _ in range(50):
-            f = x * x * (c + e * x) - delta
-            step = f / (x * (2.0 * c + 3.0 * e * x))
-            x -= step
-            if abs(step) <= 1e-16 * x:
-                break
-    fifth = x * x * x * x * x
-    return x * x * x, 3.0 * x / (2.0 * c + 3.0 * e * x), fifth * (0.4 * c + 0.5 * e * x)
+            return x * x * x, 3.0 * x / c, stored(limit, c, e, h) + 0.2 * c * (x**5 - limit**5)
+        high = limit
+        x = min(x, limit)
+    for _ in range(60):
+        f = x * x * (c + x * (e + x * h)) - delta
+        if f > 0.0:
+            high = x
+        else:
+            low = x
+        new = x - f / (x * (2.0 * c + x * (3.0 * e + 4.0 * h * x)))
+        if abs(new - x) <= 1e-16 * x:
+            break
+        x = new if low < new < high else 0.5 * (low + high)
+    return x * x * x, 3.0 * x / (2.0 * c + x * (3.0 * e + 4.0 * h * x)), stored(x, c, e, h)
+
+
+@kernel
+def turning(c: float, e: float, h: float) -> float:
+    """Least x > 0 with 3 e x + 4 h x^2 = -C, 0 where there is none."""
+    root = 9.0 * e * e - 16.0 * h * c
+    if root < 0.0 or (e >= 0.0 and h >= 0.0):
+        return 0.0
+    if e > 0.0:  # either form for its sign of e: no difference of like numbers
+        return -(3.0 * e + sqrt(root)) / (8.0 * h)
+    return 2.0 * c / (sqrt(root) - 3.0 * e)
+
+
+@kernel
+def stored(x: float, c: float, e: float, h: float) -> float:
+    """Energy [J] of a contact at the force x^3: force times approach less the integral of the approach by the force."""
+    return x * x * x * x * x * (0.4 * c + x * (0.5 * e + 4.0 / 7.0 * h * x))
 
 
 @kernel
 def press(
     x: Array, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array,
 ) -> float:  # fmt: skip
-    """Contact forces and stiffnesses with centre and amplitude x (3,); returns the energy [J]. local (4, 2): e [m/N] of
-    each contact and what a unit amplitude takes from its approach [m]."""
+    """Contact forces and stiffnesses with centre and amplitude x (3,); returns the energy [J]. local (4, 3): e [m/N] of
+    each contact, what a unit amplitude takes from its approach [m], and h [m/N^(4/3)]."""
     energy: float = 0.5 * x[2] * x[2]
     for s in range(4):
         contact[s, FORCE] = 0.0
@@ -58,7 +81,7 @@ def press(
         contact[s, MX], contact[s, MZ] = mx, mz
         delta -= local[s, BODY] * x[2]
         if delta > 0.0:
-            force, slope, work = contact_law(delta, geometry[s, HERTZ], local[s, LINEAR])
+            force, slope, work = contact_law(delta, geometry[s, HERTZ], local[s, LINEAR], local[s, HIGHER])
             contact[s, FORCE] = force
             contact[s, KN] = slope
             contact[s, KT] = force * kt
@@ -271,8 +294,8 @@ def pair_balls(v: Array, contacts: Contacts, contact: Array, f: Array, tiny: flo
     """As ``full_balls`` for balls between two opposite arcs a and b, v (N, 2) the motion of a less that of b.
 
     The ball's centre lies on the line of the arcs' centres D + v, and the interference is its nominal value plus
-    |D + v| - |D|; the two contacts are one law in series. pair (N, 6): D, |D|, nominal interference, C and e of both
-    contacts together; contact (N, 5) as one contact on flank a.
+    |D + v| - |D|; the two contacts are one law in series. pair (N, 7): D, |D|, nominal interference, C, e and h of
+    both contacts together; contact (N, 5) as one contact on flank a.
     """
     pair = contacts[5]
     energy, scale = 0.0, 0.0
@@ -288,7 +311,7 @@ def pair_balls(v: Array, contacts: Contacts, contact: Array, f: Array, tiny: flo
         delta = pair[i, 3] + (vx * (dx + x) + vz * (dz + z)) / (size + size0)
         contact[i, MX], contact[i, MZ] = -x / size, -z / size
         if delta > 0.0:
-            force, slope, work = contact_law(delta, pair[i, 4], pair[i, 5])
+            force, slope, work = contact_law(delta, pair[i, 4], pair[i, 5], pair[i, 6])
             if force > tiny:
                 energy += work
                 scale = max(scale, force)

@@ -34,7 +34,7 @@ class Ball:
         scene = small_screw(count=2)
         self.scene = replace(scene, errors=replace(PROFILES[profile], balls=BallErrors(oversize=oversize)))
         self.drawn = specimen(self.scene, ball_layout(self.scene))
-        self.C = hertz_C(self.scene)
+        self.C = hertz_C(self.scene, self.drawn)
         rows, closure = pack_geometry(self.scene, self.drawn, self.C, np.ones(4, dtype=bool))
         self.geometry, self.closure, self.C = rows[0], closure[0], self.C[0]
         self.radius = self.scene.balls.radius + oversize
@@ -200,7 +200,7 @@ def test_nominal_approach_and_closure_of_the_pairs():
     scene = small_screw()
     scene = replace(scene, errors=replace(FLANK_ERRORS, balls=BallErrors(3e-6, ((2, 1e-6),)), **NO_PROFILES))
     drawn = specimen(scene, ball_layout(scene))
-    rows, closure = pack_geometry(scene, drawn, hertz_C(scene), np.ones(4, dtype=bool))
+    rows, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), np.ones(4, dtype=bool))
     radii, size = np.array([3.254e-3, 3.254e-3, 3.3e-3, 3.3e-3]), np.linalg.norm(drawn.centre, axis=-1)
     assert rows[..., 2] == pytest.approx(size, rel=1e-14)
     assert rows[..., 3] == pytest.approx(drawn.ball_radius[:, None] - radii + size, abs=2e-18)

@@ -170,46 +170,66 @@ def test_sides_left_out_that_touch_are_found():
     assert relative(found.load, every.load) < 1e-8
 
 
-LAWS = [(1e-8, 0.0), (1e-8, 3e-10), (1e-8, -2e-10), (1e-8, -2e-9)]
+#: C, e and h: both signs of each, with and without a place where the law goes on without them.
+LAWS = [
+    (1e-8, 0.0, 0.0), (1e-8, 3e-10, 0.0), (1e-8, -2e-10, 0.0), (1e-8, -2e-9, 0.0), (1e-8, 0.0, 2e-11), (1e-8, 0.0, -1e-10),
+    (1e-8, -2e-10, 1e-12), (1e-8, -2e-9, 1e-9), (1e-8, 2e-10, -3e-11), (1e-8, -3e-10, -3e-11), (1e-8, 1e-9, -1e-17),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize(("c", "e"), LAWS)
-def test_contact_law_inverts_its_formula(c, e):
-    most = -c / (3.0 * e) if e < 0.0 else np.inf
+def turn(c, e, h):
+    """Size F^(1/3) from which on a law goes on as half of Hertz's: least root of 4 h x^2 + 3 e x + C, or infinity."""
+    roots = np.roots([4.0 * h, 3.0 * e, c]) if h or e else np.zeros(0)
+    real = [float(r.real) for r in roots if abs(r.imag) < 1e-9 * abs(r) and r.real > 0.0]
+    return min(real, default=np.inf)
+
+
+@pytest.mark.parametrize(("c", "e", "h"), LAWS)
+def test_contact_law_inverts_its_formula(c, e, h):
+    most = turn(c, e, h)
     for force in np.geomspace(1e-6, 0.99 * min(most**3, 1e4), 12):
-        delta = c * force ** (2 / 3) + e * force
-        assert elastic_balls.contact_law(delta, c, e)[0] == pytest.approx(force, rel=1e-10)
-    if e < 0.0:
-        force, _, _ = elastic_balls.contact_law(3.0 * (c * most**2 + e * most**3), c, e)
-        rest = 2.0 / 3.0 * c * most**2 - 0.5 * c * most**2
-        assert 0.5 * c * force ** (2 / 3) + rest == pytest.approx(3.0 * (c * most**2 + e * most**3), rel=1e-10, abs=0.0)
+        delta = c * force ** (2 / 3) + e * force + h * force ** (4 / 3)
+        assert elastic_balls.contact_law(delta, c, e, h)[0] == pytest.approx(force, rel=1e-10)
+    if most < 1e3:
+        edge = c * most**2 + e * most**3 + h * most**4
+        force, _, _ = elastic_balls.contact_law(3.0 * edge, c, e, h)
+        assert 0.5 * c * force ** (2 / 3) + edge - 0.5 * c * most**2 == pytest.approx(3.0 * edge, rel=1e-10, abs=0.0)
 
 
-@pytest.mark.parametrize(("c", "e"), LAWS)
-def test_contact_law_is_one_energy(c, e):
+@pytest.mark.parametrize(("c", "e", "h"), LAWS)
+def test_contact_law_is_one_energy(c, e, h):
     """Slope, force and energy by finite differences and by the integral of the force, over the switch as well."""
-    edge = 2.0 / 3.0 * c * (c / (3.0 * e)) ** 2 if e < 0.0 else 4e-6
+    most = turn(c, e, h)
+    edge = c * most**2 + e * most**3 + h * most**4 if most < 1e3 else 4e-6
     for delta in edge * np.array([1e-3, 0.1, 0.5, 0.98, 1.02, 2.0, 10.0]):
-        force, slope, energy = elastic_balls.contact_law(delta, c, e)
-        h = 1e-5 * delta
-        (f0, _, w0), (f1, _, w1) = (elastic_balls.contact_law(delta + s * h, c, e) for s in (-1.0, 1.0))
-        assert (f1 - f0) / (2 * h) == pytest.approx(slope, rel=1e-7, abs=0.0)
-        assert (w1 - w0) / (2 * h) == pytest.approx(force, rel=1e-7, abs=0.0)
+        force, slope, energy = elastic_balls.contact_law(delta, c, e, h)
+        step = 1e-5 * delta
+        (f0, _, w0), (f1, _, w1) = (elastic_balls.contact_law(delta + s * step, c, e, h) for s in (-1.0, 1.0))
+        assert (f1 - f0) / (2 * step) == pytest.approx(slope, rel=1e-7, abs=0.0)
+        assert (w1 - w0) / (2 * step) == pytest.approx(force, rel=1e-7, abs=0.0)
         assert slope > 0.0
         node, weight = np.polynomial.legendre.leggauss(60)
         x = 0.5 * (node + 1.0)  # F grows as delta^(3/2): by x = sqrt(delta) the integrand is smooth
-        forces = np.array([elastic_balls.contact_law(delta * y * y, c, e)[0] for y in x])
+        forces = np.array([elastic_balls.contact_law(delta * y * y, c, e, h)[0] for y in x])
         assert delta * (weight * x) @ forces == pytest.approx(energy, rel=2e-5, abs=0.0)
 
 
-@pytest.mark.parametrize("e", [-2e-10, -2e-9])
-def test_contact_law_is_smooth_where_it_changes(e):
-    c = 1e-8
-    edge = 2.0 / 3.0 * c * (c / (3.0 * e)) ** 2
-    below, above = (elastic_balls.contact_law(edge * (1.0 + s * 1e-12), c, e) for s in (-1.0, 1.0))
+@pytest.mark.parametrize(("c", "e", "h"), [law for law in LAWS if turn(*law) < 1e3])
+def test_contact_law_is_smooth_where_it_changes(c, e, h):
+    most = turn(c, e, h)
+    edge = c * most**2 + e * most**3 + h * most**4
+    below, above = (elastic_balls.contact_law(edge * (1.0 + s * 1e-12), c, e, h) for s in (-1.0, 1.0))
     assert above == pytest.approx(below, rel=1e-9, abs=0.0)
-    slopes = [elastic_balls.contact_law(d, c, e)[1] for d in edge * np.geomspace(1e-4, 1e3, 200)]
-    assert np.all(np.diff(slopes) > 0.0)
+    slopes = [elastic_balls.contact_law(d, c, e, h)[1] for d in edge * np.geomspace(1e-4, 1e3, 200)]
+    assert np.all(np.array(slopes) > 0.0)
+    assert h > 0.0 or np.all(np.diff(slopes) > 0.0)
+
+
+def test_contact_law_is_the_same_in_both_engines():
+    for law in LAWS:
+        for delta in np.geomspace(1e-9, 1e-4, 15):
+            own = elastic_balls.contact_law(delta, *law)
+            assert jit.compiled().contact_law(delta, *law) == pytest.approx(own, rel=1e-13, abs=0.0)
 
 
 def energy_hessian(elastic, i, v, step=3e-9):

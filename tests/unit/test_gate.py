@@ -26,7 +26,7 @@ def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -
     import lowfi.problem
 
     right = lowfi.problem.hertz_C
-    monkeypatch.setattr(lowfi.problem, "hertz_C", lambda scene: 1.2 * right(scene))
+    monkeypatch.setattr(lowfi.problem, "hertz_C", lambda *parts: 1.2 * right(*parts))
     failed = [row.name for row in gate.closed_form_rows(Study(), 7.0) if not row.passed]
     assert any("oversize" in name for name in failed)
 
