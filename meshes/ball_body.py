@@ -98,7 +98,7 @@ def build_ball(m: GrooveMap, sockets: tuple[BallSocket, ...], fine: float, coars
         corners = []
         for socket, (box, raised) in zip(sockets, boxes, strict=True):
             corners.append(shell.socket(box, ball_points(m, socket, box.xi), ball_points(m, socket, raised)))
-        _sphere(m, shell, [c[rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
+        sphere(m, shell, [c[rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
         filled = fill(shell, volume)
         own = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
         points = untangle(filled.points, filled.cells, filled.on(shell.tris()))
@@ -113,7 +113,7 @@ def build_ball(m: GrooveMap, sockets: tuple[BallSocket, ...], fine: float, coars
     return best_of("ball", attempt)
 
 
-def _sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
+def sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
     """Triangulate the two halves of the sphere outside the sockets' rims."""
     axis, limit = parting(m), share * BEND[1] * m.ball
     along = directions(m, 0)[2]

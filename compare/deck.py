@@ -1,0 +1,360 @@
+"""A small scene as a whole contact problem for another program: bodies, contacts, supports and loads of its deck."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare import __version__
+from compare.errors import InputError
+from compare.models import Options, run_model
+from compare.reference import needed_sides
+from lowfi.hertz import contact_modulus, hertz_constants
+from lowfi.result import StaticResult
+from meshes.ball_body import directions, parting
+from meshes.deck import Contact, Deck, DeckBody, RigidSection, outer_faces
+from meshes.errors import Specimen, specimen
+from meshes.groove_map import GrooveMap
+from meshes.grooved_body import BodySpec
+from meshes.helix import BallLayout, ball_layout, groove_radii, lead_angle, nominal_groove_centres
+from meshes.parts import FREEDOMS, SIDES, Scene
+from meshes.sockets import SocketSize, socket_coordinates
+from meshes.solid import Dimensions, dimensions
+from meshes.whole_bodies import (
+    Refinement,
+    WholeBody,
+    grid,
+    groove_points,
+    place_ball,
+    sphere_points,
+    whole_ball,
+    whole_body,
+)
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Most balls of a deck, and most nodes: what one run of another program's direct solver does in minutes.
+MOST_BALLS = 4
+MOST_NODES = 120_000
+#: Element sizes far from all contacts, over growth times the ball's radius: of screw and nut, of a ball.
+FAR = (2.0, 0.6)
+#: Half axes of the refined zone, the slave's and the master's faces over those of the expected ellipse; the faces' zones
+#: are wider by some elements, too.
+FINE, SLAVE, MASTER = 1.1, (1.6, 2.0), (2.0, 4.0)
+#: Least load that a zone is sized for, over the mean load.
+LEAST = 0.1
+
+
+@dataclass(frozen=True)
+class DeckOptions:
+    """Choices of a deck's mesh and contact.
+
+    b_over_h: elements across the short half axis of a contact of mean load, the same element size at all contacts; growth:
+    of element sizes per distance from the contacts; stiffness: contact pressure per overclosure [Pa/m]; spring: weak
+    springs at every ball and free freedom of the screw [N/m]; nlgeom: large displacements.
+    """
+
+    b_over_h: float = 1.5
+    growth: float = 0.4
+    stiffness: float = 2e17
+    spring: float = 1e3
+    nlgeom: bool = False
+
+
+@dataclass(frozen=True)
+class Place:
+    """An expected contact: ball (from 0), side, place (azimuth [rad], z [m], side), half axes across and along [m]."""
+
+    ball: int
+    side: int
+    at: tuple[float, float, int]
+    half: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Made:
+    """A deck, the expected loads ``(n, 4)`` [N] of the low-order model, element size at the contacts [m], sides."""
+
+    deck: Deck
+    expected: Array
+    fine: float
+    sides: tuple[int, ...]
+
+
+def refuse_large(scene: Scene) -> None:
+    """Raise InputError where a scene has too many balls for a deck of whole bodies."""
+    if scene.ball_count > MOST_BALLS:
+        raise InputError(
+            scene.name, "balls", str(scene.ball_count), f"1 to {MOST_BALLS} balls in a deck of whole bodies",
+            "cut the screw to a few neighbouring balls: --balls 3:5 keeps balls 3 to 5",
+        )  # fmt: skip
+
+
+def exact_errors(scene: Scene) -> Specimen:
+    """The scene's errors, where real geometry can show them: radii of balls and of grooves. Raises InputError for others."""
+    drawn = specimen(scene, ball_layout(scene))
+    allowed = "errors of ball radii and, the same on both flanks, of groove radii"
+    advice = "leave this error out of the scene"
+    if drawn.profile.size:
+        raise InputError(scene.name, "errors.*.profile", "a profile of varying shape", allowed, advice)
+    if np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0:
+        raise InputError(scene.name, "errors.*.pitch, roundness", "a displaced groove", allowed, advice)
+    if drawn.radius[0] != drawn.radius[1] or drawn.radius[2] != drawn.radius[3]:
+        raise InputError(scene.name, "errors.*.profile", "grooves of two radii", allowed, advice)
+    return drawn
+
+
+def body_map(m: GrooveMap, drawn: Specimen, scene: Scene, screw: bool) -> GrooveMap:
+    """Map of the screw's or nut's real groove: the arcs' centres stay, radius and the ball that would fit change alike."""
+    change = drawn.radius - groove_radii(scene)
+    return replace(m, radius=drawn.radius, ball=m.ball + float(change[0 if screw else 2]))
+
+
+def expected(scene: Scene) -> StaticResult:
+    """Loads by the refined low-order model. Raises InputError where it does not converge or nothing is loaded."""
+    found = run_model(scene, "refined", Options(discretisation=False))
+    if not found.converged or not (found.load > 0.0).any():
+        raise InputError(
+            scene.name, "loads", found.status, "a scene with loaded contacts that the model refined solves",
+            "meshes are refined at the contacts it finds: load or preload the scene",
+        )  # fmt: skip
+    return found
+
+
+def half_axes(scene: Scene, side: int) -> tuple[float, float]:
+    """Half axes across and along the groove of the contact ellipse at 1 N [m/N^(1/3)]: Hertz on the nominal geometry.
+
+    The long one lies across the groove, where ball and groove conform.
+    """
+    track, balls = scene.track, scene.balls
+    part = scene.screw if side < 2 else scene.nut
+    sign = 1.0 if side < 2 else -1.0
+    along = np.cos(track.contact_angle) * np.cos(lead_angle(track)) ** 2
+    along /= track.pitch_radius - sign * balls.radius * np.cos(track.contact_angle)
+    one, two = balls.material, part.material
+    modulus = contact_modulus(one.youngs_modulus, one.poissons_ratio, two.youngs_modulus, two.poissons_ratio)
+    across = 1.0 / balls.radius - 1.0 / part.groove_radius
+    found = hertz_constants(np.array(across), np.array(1.0 / balls.radius + sign * along), modulus)
+    return float(found.C_a), float(found.C_b)
+
+
+def places_of(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[Place], float]:
+    """Expected contacts on ``sides``, and the short half axis [m] of a contact of mean load on the screw."""
+    layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
+    unit = {s: half_axes(scene, s) for s in sides}
+    places = []
+    for i in range(scene.ball_count):
+        for s in sides:
+            root = float(np.cbrt(max(load[i, s], LEAST * mean)))
+            at = (float(layout.azimuth[i]), float(layout.z[i]), s)
+            places.append(Place(i, s, at, (unit[s][0] * root, unit[s][1] * root)))
+    return places, unit[sides[0]][1] * float(np.cbrt(mean))
+
+
+def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
+    """Mesh a scene's whole bodies and put its deck together.
+
+    Raises InputError for a scene that is too large, that has what a deck cannot say, or that cannot be meshed.
+    """
+    options = options or DeckOptions()
+    refuse_large(scene)
+    if scene.solid.nut == "rigid":
+        raise InputError(scene.name, "solid.nut", '"rigid"', '"elastic"', "leave it out: a deck holds whole bodies")
+    drawn, found, sides = exact_errors(scene), expected(scene), needed_sides(scene)
+    m, layout = GrooveMap.of(scene), ball_layout(scene)
+    places, short = places_of(scene, found.load, sides)
+    fine = short / options.b_over_h
+    try:
+        dims = dimensions(scene)
+        bodies = _rings(scene, dims, drawn, m, places, fine, options)
+        bodies += _balls(scene, drawn, m, layout, places, fine, options)
+    except ValueError as error:
+        raise InputError(
+            scene.name, "deck", str(error), "a scene that can be meshed", "see solid.* and the nut's length in the scene"
+        ) from error
+    count = sum(len(b.points) for b in bodies)
+    if count > MOST_NODES:
+        raise InputError(
+            scene.name, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes",
+            "lower --b-over-h, raise --growth, or cut the screw: --balls",
+        )  # fmt: skip
+    contacts = tuple(
+        Contact(f"{p.ball + 1}{SIDES[p.side]}", ball_faces(p), groove_faces(p)) for p in places
+    )  # fmt: skip
+    deck = Deck(
+        tuple(bodies), _sections(scene, dims, found.load), ("NUT_HELD",), contacts, options.stiffness, options.spring,
+        _heading(scene, dims, found.load, fine, count, options), f"{scene.name}: {scene.title}", options.nlgeom,
+    )  # fmt: skip
+    return Made(deck, found.load, fine, sides)
+
+
+def ball_faces(place: Place) -> str:
+    """Name of the ball's faces at a contact."""
+    return f"BALL{place.ball + 1}_{SIDES[place.side]}"
+
+
+def groove_faces(place: Place) -> str:
+    """Name of the groove's faces at a contact."""
+    return f"{'SCREW' if place.side < 2 else 'NUT'}_{SIDES[place.side]}_{place.ball + 1}"
+
+
+def _zone(place: Place, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
+    """Half axes [m] of the faces of a contact."""
+    across, along = (wide[0] * x + wide[1] * fine for x in place.half)
+    return across, along
+
+
+def _refined(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
+    return Refinement(np.concatenate(points), fine, options.growth, max(coarse, fine))
+
+
+def _fine_zone(place: Place, fine: float) -> Array:
+    return grid((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
+
+
+def _rings(
+    scene: Scene, dims: Dimensions, drawn: Specimen, m: GrooveMap, places: list[Place], fine: float, options: DeckOptions
+) -> list[DeckBody]:
+    """Screw (its 3D stretch) and nut."""
+    low, high = dims.ends(scene)
+    half, z = scene.nut.length / 2.0, scene.nut.position
+    unused = SocketSize(1.0, m.ball, 1.0)
+    bodies = []
+    for name, part, ends, radii in (
+        ("SCREW", scene.screw, (low, high), (dims.hole, scene.screw.outer_diameter / 2.0)),
+        ("NUT", scene.nut, (z - half, z + half), (dims.land, scene.nut.outer_diameter / 2.0)),
+    ):
+        screw = name == "SCREW"
+        own = [p for p in places if (p.side < 2) == screw]
+        groove = body_map(m, drawn, scene, screw)
+        near = [groove_points(groove, p.at, _fine_zone(p, fine)) for p in own]
+        size = _refined(near, fine, FAR[0] * options.growth * m.ball, options)
+        made = whole_body(groove, BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse), size)
+        faces = {groove_faces(p): _flank_faces(groove, made, p, fine) for p in own}
+        if screw:
+            held = {"SCREW_BORE": made.named["behind"]} if dims.screw_held == "bore" else {
+                "SCREW_LOW": made.named["low"], "SCREW_HIGH": made.named["high"]
+            }  # fmt: skip
+        else:
+            names = {"left face": ("low",), "right face": ("high",), "outer surface": ("behind",)}
+            parts = names.get(dims.nut_held, ("low", "high"))
+            held = {"NUT_HELD": np.unique(np.concatenate([made.named[x] for x in parts]))}
+        bodies.append(DeckBody(name, made.points, made.cells, part.material, held, faces))
+    return bodies
+
+
+def _flank_faces(m: GrooveMap, made: WholeBody, place: Place, fine: float) -> Index:
+    """Faces of a flank within the master's zone of a contact."""
+    flank = made.named[f"flank {place.side}"]
+    x, radius = made.points[flank], float(m.radius[place.side])
+    xi = socket_coordinates(
+        m, SocketSize(1.0, radius, 1.0), place.at, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
+    )
+    half = _zone(place, fine, MASTER)
+    inside = (radius * xi[:, 0] / half[0]) ** 2 + (m.R * xi[:, 2] / half[1]) ** 2 <= 1.0
+    return _faces_within(made.cells, flank[inside])
+
+
+def _balls(
+    scene: Scene, drawn: Specimen, m: GrooveMap, layout: BallLayout, places: list[Place], fine: float, options: DeckOptions
+) -> list[DeckBody]:
+    """Every ball with its own radius, where the scene puts it."""
+    bodies = []
+    for i, radius in enumerate(drawn.ball_radius.tolist()):
+        own = [p for p in places if p.ball == i]
+        near = [sphere_points(m, p.side, radius, _fine_zone(p, fine)) for p in own]
+        made = whole_ball(m, radius, _refined(near, fine, FAR[1] * options.growth * m.ball, options))
+        faces = {}
+        for p in own:
+            n, t1, t2 = directions(m, p.side)
+            x, half = made.points[made.named["sphere"]], _zone(p, fine, SLAVE)
+            ahead = x @ n > 0.0
+            height = np.where(ahead, x @ n, np.inf)
+            flat = radius * np.stack([x @ t1, x @ t2], axis=1) / height[:, None]
+            inside = ahead & ((flat[:, 0] / half[0]) ** 2 + (flat[:, 1] / half[1]) ** 2 <= 1.0)
+            faces[ball_faces(p)] = _faces_within(made.cells, made.named["sphere"][inside])
+        name = f"BALL{i + 1}"
+        points = place_ball(m, (float(layout.azimuth[i]), float(layout.z[i])), made.points)
+        away = np.stack([sign * x for x in (parting(m), directions(m, 0)[2]) for sign in (1.0, -1.0)])
+        poles = np.argmax(made.points @ away.T, axis=0)
+        alike = without_turning(points, poles.reshape(2, 2))
+        weak = poles[:1]
+        bodies.append(DeckBody(name, points, made.cells, scene.balls.material, {f"{name}_WEAK": weak}, faces, weak, alike))
+    return bodies
+
+
+def without_turning(points: Array, pairs: Index) -> Index:
+    """Pairs' rows ``(3, 3)`` of two nodes and an axis along which they move alike, so that a body cannot turn.
+
+    A rotation theta moves the nodes of a pair, d apart, by theta x d relative to each other: along axis k by
+    theta . (d x e_k). Three such rows that are as independent as can be leave no rotation; their forces are couples, so
+    that the balance of forces is untouched. pairs: nodes ``(p, 2)``.
+    """
+    found = [(int(a), int(b), k) for a, b in pairs for k in range(3)]
+    arms = np.array([np.cross(points[a] - points[b], np.eye(3)[k]) for a, b, k in found])
+    best = max(combinations(range(len(found)), 3), key=lambda rows: abs(float(np.linalg.det(arms[list(rows)]))))
+    return np.array([found[k] for k in best], dtype=np.int64)
+
+
+def _faces_within(cells: Index, nodes: Index) -> Index:
+    """Corners of the outer faces all of whose corners are among ``nodes``."""
+    faces = outer_faces(cells)
+    return faces[np.isin(faces, nodes).all(axis=1)]
+
+
+def _sections(scene: Scene, dims: Dimensions, load: Array) -> tuple[RigidSection, ...]:
+    """Rigid sections of the screw with the scene's supports and loads. Raises InputError where they act elsewhere."""
+    stations = sorted({x.at for x in (*scene.supports, *scene.loads)})
+    if dims.screw_held == "bore":
+        ends = {"SCREW_BORE": stations[0] if stations else scene.nut.position}
+        allowed = "one station"
+    else:
+        low, high = dims.ends(scene)
+        ends = {"SCREW_LOW": low, "SCREW_HIGH": high}
+        allowed = f"the ends of the 3D stretch, {1e3 * low:.6g} mm and {1e3 * high:.6g} mm"
+    for z in stations:
+        if min(abs(z - end) for end in ends.values()) > 1e-9:
+            raise InputError(
+                scene.name, "supports, loads", f"a station at {1e3 * z:.6g} mm", allowed,
+                "a deck has no beams: cut the screw (--balls 3:5), or set solid.shaft and the stations to match",
+            )  # fmt: skip
+    free = [k for k, name in enumerate(FREEDOMS) if not any(name == n for s in scene.supports for n, _ in s.fixed)]
+    sections = []
+    for name, z in ends.items():
+        fixed = [(FREEDOMS.index(n), v) for s in scene.supports if abs(s.at - z) <= 1e-9 for n, v in s.fixed]
+        wrench = np.zeros(6)
+        for own in scene.loads:
+            if abs(own.at - z) <= 1e-9:
+                wrench += np.array([*own.force, *own.moment])
+        weak = tuple(free) if not sections else ()
+        sections.append(RigidSection(name, "SCREW", name, np.array([0.0, 0.0, z]), tuple(sorted(fixed)), wrench, weak))
+    return tuple(sections)
+
+
+def _heading(
+    scene: Scene, dims: Dimensions, load: Array, fine: float, count: int, options: DeckOptions
+) -> tuple[str, ...]:
+    """Lines of comment: what it is, its choices, and the loads to expect."""
+    mean = float(load[load > 0.0].mean())
+    return (
+        f"Scene {scene.name}, by rollbench {__version__}. Whole bodies, {count} nodes, C3D10; z is the screw's axis.",
+        f"Element size {1e3 * fine:.4g} mm at the contacts: {options.b_over_h:.4g} across the short half axis at mean load,",
+        f"growing by {options.growth:.4g} per length away from them.",
+        f"Contact without friction, pressure per overclosure {options.stiffness * 1e-9:.4g} N/mm3.",
+        "Balls cannot turn: two pairs of their nodes move alike along three axes (couples, no force on the ball).",
+        f"Weak springs of {1e-3 * options.spring:.4g} N/mm hold one node of every ball (set BALL..._WEAK) and freedoms of the",
+        "screw that no support holds (turning: N mm/rad); their force is that times the motion that is printed.",
+        "Oversize of balls and errors of groove radii are in the geometry; flanks are exact arcs.",
+        *dims.assumed,
+        "Expected contact loads / N: low-order model refined; its error against a 3D reference was up to 2.5 % of the mean",
+        f"load on screws with preload, more on scenes unlike the compared ones. Mean {mean:.1f} N.",
+        "ball " + " ".join(f"{s:>10}" for s in SIDES),
+        *(f"{i:>4} " + " ".join(f"{x:10.2f}" for x in row) for i, row in enumerate(load, start=1)),
+        "CalculiX: ccx -i FILE (without .inp); loads by *CONTACT PRINT in FILE.dat.",
+        "Abaqus: *CONTACT PRINT takes SLAVE and MASTER there too; *SURFACE INTERACTION wants a data line of thickness only",
+        "in two dimensions; nothing else differs.",
+    )
