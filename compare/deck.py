@@ -9,24 +9,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare import __version__
+from compare.deck_contacts import (
+    Place,
+    ball_faces,
+    fine_zone,
+    flank_faces,
+    groove_faces,
+    places_of,
+    sphere_faces,
+)
 from compare.errors import InputError
 from compare.models import Options, run_model
 from compare.reference import needed_sides
-from lowfi.hertz import contact_modulus, hertz_constants
 from lowfi.result import StaticResult
 from meshes.ball_body import directions, parting
-from meshes.deck import Contact, Deck, DeckBody, RigidSection, outer_faces
+from meshes.deck import Contact, Deck, DeckBody, RigidSection
 from meshes.errors import Specimen, specimen
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec
-from meshes.helix import BallLayout, ball_layout, groove_radii, lead_angle, nominal_groove_centres
+from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_groove_centres
 from meshes.parts import FREEDOMS, SIDES, Scene
-from meshes.sockets import SocketSize, socket_coordinates
+from meshes.sockets import SocketSize
 from meshes.solid import Dimensions, dimensions
 from meshes.whole_bodies import (
     Refinement,
-    WholeBody,
-    grid,
     groove_points,
     place_ball,
     sphere_points,
@@ -42,11 +48,6 @@ MOST_BALLS = 4
 MOST_NODES = 120_000
 #: Element sizes far from all contacts, over growth times the ball's radius: of screw and nut, of a ball.
 FAR = (2.0, 0.6)
-#: Half axes of the refined zone, the slave's and the master's faces over those of the expected ellipse; the faces' zones
-#: are wider by some elements, too.
-FINE, SLAVE, MASTER = 1.1, (1.6, 2.0), (2.0, 4.0)
-#: Least load that a zone is sized for, over the mean load.
-LEAST = 0.1
 
 
 @dataclass(frozen=True)
@@ -63,16 +64,6 @@ class DeckOptions:
     stiffness: float = 2e17
     spring: float = 1e3
     nlgeom: bool = False
-
-
-@dataclass(frozen=True)
-class Place:
-    """An expected contact: ball (from 0), side, place (azimuth [rad], z [m], side), half axes across and along [m]."""
-
-    ball: int
-    side: int
-    at: tuple[float, float, int]
-    half: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -95,7 +86,7 @@ def refuse_large(scene: Scene) -> None:
 
 
 def exact_errors(scene: Scene) -> Specimen:
-    """The scene's errors, where real geometry can show them: radii of balls and of grooves. Raises InputError for others."""
+    """The scene's errors if real geometry can show them: radii of balls and of grooves. Raises InputError for others."""
     drawn = specimen(scene, ball_layout(scene))
     allowed = "errors of ball radii and, the same on both flanks, of groove radii"
     advice = "leave this error out of the scene"
@@ -123,36 +114,6 @@ def expected(scene: Scene) -> StaticResult:
             "meshes are refined at the contacts it finds: load or preload the scene",
         )  # fmt: skip
     return found
-
-
-def half_axes(scene: Scene, side: int) -> tuple[float, float]:
-    """Half axes across and along the groove of the contact ellipse at 1 N [m/N^(1/3)]: Hertz on the nominal geometry.
-
-    The long one lies across the groove, where ball and groove conform.
-    """
-    track, balls = scene.track, scene.balls
-    part = scene.screw if side < 2 else scene.nut
-    sign = 1.0 if side < 2 else -1.0
-    along = np.cos(track.contact_angle) * np.cos(lead_angle(track)) ** 2
-    along /= track.pitch_radius - sign * balls.radius * np.cos(track.contact_angle)
-    one, two = balls.material, part.material
-    modulus = contact_modulus(one.youngs_modulus, one.poissons_ratio, two.youngs_modulus, two.poissons_ratio)
-    across = 1.0 / balls.radius - 1.0 / part.groove_radius
-    found = hertz_constants(np.array(across), np.array(1.0 / balls.radius + sign * along), modulus)
-    return float(found.C_a), float(found.C_b)
-
-
-def places_of(scene: Scene, load: Array, sides: tuple[int, ...]) -> tuple[list[Place], float]:
-    """Expected contacts on ``sides``, and the short half axis [m] of a contact of mean load on the screw."""
-    layout, mean = ball_layout(scene), float(load[load > 0.0].mean())
-    unit = {s: half_axes(scene, s) for s in sides}
-    places = []
-    for i in range(scene.ball_count):
-        for s in sides:
-            root = float(np.cbrt(max(load[i, s], LEAST * mean)))
-            at = (float(layout.azimuth[i]), float(layout.z[i]), s)
-            places.append(Place(i, s, at, (unit[s][0] * root, unit[s][1] * root)))
-    return places, unit[sides[0]][1] * float(np.cbrt(mean))
 
 
 def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
@@ -186,34 +147,14 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
         Contact(f"{p.ball + 1}{SIDES[p.side]}", ball_faces(p), groove_faces(p)) for p in places
     )  # fmt: skip
     deck = Deck(
-        tuple(bodies), _sections(scene, dims, found.load), ("NUT_HELD",), contacts, options.stiffness, options.spring,
+        tuple(bodies), _sections(scene, dims), ("NUT_HELD",), contacts, options.stiffness, options.spring,
         _heading(scene, dims, found.load, fine, count, options), f"{scene.name}: {scene.title}", options.nlgeom,
     )  # fmt: skip
     return Made(deck, found.load, fine, sides)
 
 
-def ball_faces(place: Place) -> str:
-    """Name of the ball's faces at a contact."""
-    return f"BALL{place.ball + 1}_{SIDES[place.side]}"
-
-
-def groove_faces(place: Place) -> str:
-    """Name of the groove's faces at a contact."""
-    return f"{'SCREW' if place.side < 2 else 'NUT'}_{SIDES[place.side]}_{place.ball + 1}"
-
-
-def _zone(place: Place, fine: float, wide: tuple[float, float]) -> tuple[float, float]:
-    """Half axes [m] of the faces of a contact."""
-    across, along = (wide[0] * x + wide[1] * fine for x in place.half)
-    return across, along
-
-
 def _refined(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
     return Refinement(np.concatenate(points), fine, options.growth, max(coarse, fine))
-
-
-def _fine_zone(place: Place, fine: float) -> Array:
-    return grid((FINE * place.half[0], FINE * place.half[1]), 0.7 * fine)
 
 
 def _rings(
@@ -231,10 +172,10 @@ def _rings(
         screw = name == "SCREW"
         own = [p for p in places if (p.side < 2) == screw]
         groove = body_map(m, drawn, scene, screw)
-        near = [groove_points(groove, p.at, _fine_zone(p, fine)) for p in own]
+        near = [groove_points(groove, p.at, fine_zone(p, fine)) for p in own]
         size = _refined(near, fine, FAR[0] * options.growth * m.ball, options)
         made = whole_body(groove, BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse), size)
-        faces = {groove_faces(p): _flank_faces(groove, made, p, fine) for p in own}
+        faces = {groove_faces(p): flank_faces(groove, made, p, fine) for p in own}
         if screw:
             held = {"SCREW_BORE": made.named["behind"]} if dims.screw_held == "bore" else {
                 "SCREW_LOW": made.named["low"], "SCREW_HIGH": made.named["high"]
@@ -247,18 +188,6 @@ def _rings(
     return bodies
 
 
-def _flank_faces(m: GrooveMap, made: WholeBody, place: Place, fine: float) -> Index:
-    """Faces of a flank within the master's zone of a contact."""
-    flank = made.named[f"flank {place.side}"]
-    x, radius = made.points[flank], float(m.radius[place.side])
-    xi = socket_coordinates(
-        m, SocketSize(1.0, radius, 1.0), place.at, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])
-    )
-    half = _zone(place, fine, MASTER)
-    inside = (radius * xi[:, 0] / half[0]) ** 2 + (m.R * xi[:, 2] / half[1]) ** 2 <= 1.0
-    return _faces_within(made.cells, flank[inside])
-
-
 def _balls(
     scene: Scene, drawn: Specimen, m: GrooveMap, layout: BallLayout, places: list[Place], fine: float, options: DeckOptions
 ) -> list[DeckBody]:
@@ -266,17 +195,9 @@ def _balls(
     bodies = []
     for i, radius in enumerate(drawn.ball_radius.tolist()):
         own = [p for p in places if p.ball == i]
-        near = [sphere_points(m, p.side, radius, _fine_zone(p, fine)) for p in own]
+        near = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in own]
         made = whole_ball(m, radius, _refined(near, fine, FAR[1] * options.growth * m.ball, options))
-        faces = {}
-        for p in own:
-            n, t1, t2 = directions(m, p.side)
-            x, half = made.points[made.named["sphere"]], _zone(p, fine, SLAVE)
-            ahead = x @ n > 0.0
-            height = np.where(ahead, x @ n, np.inf)
-            flat = radius * np.stack([x @ t1, x @ t2], axis=1) / height[:, None]
-            inside = ahead & ((flat[:, 0] / half[0]) ** 2 + (flat[:, 1] / half[1]) ** 2 <= 1.0)
-            faces[ball_faces(p)] = _faces_within(made.cells, made.named["sphere"][inside])
+        faces = {ball_faces(p): sphere_faces(m, made, p, radius, fine) for p in own}
         name = f"BALL{i + 1}"
         points = place_ball(m, (float(layout.azimuth[i]), float(layout.z[i])), made.points)
         away = np.stack([sign * x for x in (parting(m), directions(m, 0)[2]) for sign in (1.0, -1.0)])
@@ -300,15 +221,9 @@ def without_turning(points: Array, pairs: Index) -> Index:
     return np.array([found[k] for k in best], dtype=np.int64)
 
 
-def _faces_within(cells: Index, nodes: Index) -> Index:
-    """Corners of the outer faces all of whose corners are among ``nodes``."""
-    faces = outer_faces(cells)
-    return faces[np.isin(faces, nodes).all(axis=1)]
-
-
-def _sections(scene: Scene, dims: Dimensions, load: Array) -> tuple[RigidSection, ...]:
+def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     """Rigid sections of the screw with the scene's supports and loads. Raises InputError where they act elsewhere."""
-    stations = sorted({x.at for x in (*scene.supports, *scene.loads)})
+    stations = sorted({s.at for s in scene.supports} | {x.at for x in scene.loads})
     if dims.screw_held == "bore":
         ends = {"SCREW_BORE": stations[0] if stations else scene.nut.position}
         allowed = "one station"
@@ -323,7 +238,7 @@ def _sections(scene: Scene, dims: Dimensions, load: Array) -> tuple[RigidSection
                 "a deck has no beams: cut the screw (--balls 3:5), or set solid.shaft and the stations to match",
             )  # fmt: skip
     free = [k for k, name in enumerate(FREEDOMS) if not any(name == n for s in scene.supports for n, _ in s.fixed)]
-    sections = []
+    sections: list[RigidSection] = []
     for name, z in ends.items():
         fixed = [(FREEDOMS.index(n), v) for s in scene.supports if abs(s.at - z) <= 1e-9 for n, v in s.fixed]
         wrench = np.zeros(6)
@@ -342,12 +257,12 @@ def _heading(
     mean = float(load[load > 0.0].mean())
     return (
         f"Scene {scene.name}, by rollbench {__version__}. Whole bodies, {count} nodes, C3D10; z is the screw's axis.",
-        f"Element size {1e3 * fine:.4g} mm at the contacts: {options.b_over_h:.4g} across the short half axis at mean load,",
+        f"Elements of {1e3 * fine:.4g} mm at the contacts, {options.b_over_h:.4g} across the short half axis at mean load,",
         f"growing by {options.growth:.4g} per length away from them.",
         f"Contact without friction, pressure per overclosure {options.stiffness * 1e-9:.4g} N/mm3.",
         "Balls cannot turn: two pairs of their nodes move alike along three axes (couples, no force on the ball).",
-        f"Weak springs of {1e-3 * options.spring:.4g} N/mm hold one node of every ball (set BALL..._WEAK) and freedoms of the",
-        "screw that no support holds (turning: N mm/rad); their force is that times the motion that is printed.",
+        f"Weak springs of {1e-3 * options.spring:.4g} N/mm hold one node of every ball (sets BALL..._WEAK) and freedoms",
+        "of the screw that no support holds (turning: N mm/rad); their force is that times the motion that is printed.",
         "Oversize of balls and errors of groove radii are in the geometry; flanks are exact arcs.",
         *dims.assumed,
         "Expected contact loads / N: low-order model refined; its error against a 3D reference was up to 2.5 % of the mean",

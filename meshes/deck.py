@@ -24,6 +24,8 @@ FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))
 C3D10 = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)
 LONGEST_NAME = 80
 AXES = 3
+#: Arm [m] at which the springs of rotations act.
+WEAK_ARM = 1e-3
 
 
 @dataclass(frozen=True)
@@ -150,7 +152,7 @@ def outer_faces(cells: Index) -> Index:
     """Corners ``(k, 3)`` of the faces that belong to one cell alone."""
     faces = cells[:, np.array(FACES)].reshape(-1, 3)
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[np.sort(first[count == 1])]
+    return np.asarray(faces[np.sort(first[count == 1])])
 
 
 def write(deck: Deck, unit: str = "mm") -> str:
@@ -184,16 +186,12 @@ def _write(deck: Deck, units: Units) -> Iterator[str]:
         for one, two, axis in (body.alike + [1, 1, 1] + np.array([1, 1, 0]) * starts[body.name][0]).tolist():
             yield from ("*EQUATION", "2", f"{one}, {axis}, 1.0, {two}, {axis}, -1.0")
     springs = [(starts[b.name][0] + int(n), axis) for b in deck.bodies for n in b.weak for axis in range(AXES)]
-    springs += [(references[s.name] + f // AXES, f % AXES) for s in deck.sections for f in s.weak]
-    yield from _springs(springs, cells, deck.spring * units.length)
+    springs += [(references[s.name], f) for s in deck.sections for f in s.weak]
+    yield from _springs(springs, cells, deck.spring, units)
     yield from _contacts(deck, units)
     yield "*BOUNDARY"
     yield from (f"{name}, 1, 3" for name in deck.fixed)
-    for section in deck.sections:
-        place = references[section.name]
-        for freedom, value in section.held:
-            amount = number(value / units.length if freedom < AXES else value)
-            yield f"{place + freedom // AXES + 1}, {freedom % AXES + 1}, {freedom % AXES + 1}, {amount}"
+    yield from _held(deck, references, units, moved=False)
     yield from _step(deck, references, units)
 
 
@@ -233,14 +231,28 @@ def _section(
             yield ", ".join(f"{n}, {k + 1}, {number(value)}" for n, k, value in terms)
 
 
-def _springs(springs: Sequence[tuple[int, int]], cells: int, stiffness: float) -> Iterator[str]:
-    for axis in range(AXES):
-        own = [node for node, k in springs if k == axis]
+def _springs(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: Units) -> Iterator[str]:
+    """Weak springs at (node from 0, freedom): a section's rotations are the displacements of its second node."""
+    for freedom in range(2 * AXES):
+        own = [node + freedom // AXES + 1 for node, k in springs if k == freedom]
         if own:
-            yield f"*ELEMENT, TYPE=SPRING1, ELSET=WEAK_{'XYZ'[axis]}"
-            yield from (f"{cells + k}, {node + 1}" for k, node in enumerate(own, start=1))
-            yield from (f"*SPRING, ELSET=WEAK_{'XYZ'[axis]}", str(axis + 1), number(stiffness))
+            axis, turn = freedom % AXES, freedom >= AXES
+            name = f"WEAK_{'TURN_' if turn else ''}{'XYZ'[axis]}"
+            value = stiffness * WEAK_ARM**2 / units.length if turn else stiffness * units.length
+            yield f"*ELEMENT, TYPE=SPRING1, ELSET={name}"
+            yield from (f"{cells + k}, {node}" for k, node in enumerate(own, start=1))
+            yield from (f"*SPRING, ELSET={name}", str(axis + 1), number(value))
             cells += len(own)
+
+
+def _held(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
+    """Held freedoms of the sections: those at zero, or those ``moved``, which Abaqus takes inside a step only."""
+    for section in deck.sections:
+        for freedom, value in section.held:
+            if (value != 0.0) == moved:
+                node, axis = references[section.name] + freedom // AXES + 1, freedom % AXES + 1
+                tail = f", {number(value / units.length if freedom < AXES else value)}" if moved else ""
+                yield f"{node}, {axis}, {axis}{tail}"
 
 
 def _contacts(deck: Deck, units: Units) -> Iterator[str]:
@@ -253,6 +265,9 @@ def _contacts(deck: Deck, units: Units) -> Iterator[str]:
 
 def _step(deck: Deck, references: dict[str, int], units: Units) -> Iterator[str]:
     yield from (f"*STEP, INC=100{', NLGEOM' if deck.nlgeom else ''}", "*STATIC", "1.0, 1.0, 1.0e-6, 1.0")
+    moved = list(_held(deck, references, units, moved=True))
+    if moved:
+        yield from ("*BOUNDARY", *moved)
     for section in deck.sections:
         place = references[section.name]
         loads = [(k, v if k < AXES else v / units.length) for k, v in enumerate(section.load.tolist()) if v]
@@ -260,11 +275,10 @@ def _step(deck: Deck, references: dict[str, int], units: Units) -> Iterator[str]
             yield "*CLOAD"
             yield from (f"{place + k // AXES + 1}, {k % AXES + 1}, {number(v)}" for k, v in loads)
     for contact in deck.contacts:
-        yield f"*CONTACT PRINT, SLAVE={contact.slave}, MASTER={contact.master}"
-        yield "CFN"
+        yield from (f"*CONTACT PRINT, SLAVE={contact.slave}, MASTER={contact.master}", "CFN")
     for section in deck.sections:
-        yield from (f"*NODE PRINT, NSET={section.name}_MOVE", "U, RF")
-    weak = [b for b in deck.bodies if len(b.weak)]
-    for body in weak:
-        yield from (f"*NODE PRINT, NSET={body.name}_WEAK", "U")
-    yield "*END STEP"
+        yield from (f"*NODE PRINT, NSET={section.name}_{what}\nU" for what in ("MOVE", "TURN"))
+    for body in deck.bodies:
+        if len(body.weak):
+            yield from (f"*NODE PRINT, NSET={body.name}_WEAK", "U")
+    yield from ("*NODE FILE", "U", "*EL FILE", "S", "*END STEP")
