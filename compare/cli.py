@@ -343,6 +343,40 @@ def export(
 
 
 @app.command
+def crosscheck(
+    scene: str,
+    *,
+    run: Annotated[bool, Parameter(negative="")] = False,
+    data: Path | None = None,
+    work: Path = Path("rollbench-crosscheck"),
+    store: Path = Path("rollbench-reference"),
+    as_json: Json = False,
+) -> int:
+    """Compare the 3D reference with CalculiX, contact by contact: two-balls or lin-case1-cut.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene that was solved by CalculiX.
+    run
+        Solve its decks with CalculiX (ccx) now, about 15 min of one core, and rewrite the stored results.
+    data
+        Folder of the stored results; that of the package unless given.
+    work
+        Folder of the decks and their results; a deck whose result is there is not solved again.
+    store
+        Folder of the reference's runs, besides those shipped; computed where none is stored.
+    """
+    from compare.crosscheck_command import run_crosscheck
+    from compare.jobs import Engine
+
+    return run_crosscheck(
+        scene, run=run, data=data, work=work, store=store, engine=Engine(cache=_cache()),
+        json_out=as_json, show=_show, print_json=_print_json,
+    )  # fmt: skip
+
+
+@app.command
 def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     """Condense the 3D bodies of a scene to the contacts, for: rollbench solve SCENE --condensed FILE.
 

@@ -68,12 +68,13 @@ class DeckOptions:
 
 @dataclass(frozen=True)
 class Made:
-    """A deck, the expected loads ``(n, 4)`` [N] of the low-order model, element size at the contacts [m], sides."""
+    """A deck, the expected loads ``(n, 4)`` [N] of the low-order model, element size at the contacts [m], smallest scaled
+    Jacobian of every body's cells."""
 
     deck: Deck
     expected: Array
     fine: float
-    sides: tuple[int, ...]
+    quality: dict[str, float]
 
 
 def refuse_large(scene: Scene) -> None:
@@ -92,7 +93,7 @@ def exact_errors(scene: Scene) -> Specimen:
     advice = "leave this error out of the scene"
     if drawn.profile.size:
         raise InputError(scene.name, "errors.*.profile", "a profile of varying shape", allowed, advice)
-    if np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0:
+    if np.abs(drawn.centre - nominal_groove_centres(scene)).max() > 0.0 or drawn.centre_slopes.any():
         raise InputError(scene.name, "errors.*.pitch, roundness", "a displaced groove", allowed, advice)
     if drawn.radius[0] != drawn.radius[1] or drawn.radius[2] != drawn.radius[3]:
         raise InputError(scene.name, "errors.*.profile", "grooves of two radii", allowed, advice)
@@ -131,12 +132,14 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
     fine = short / options.b_over_h
     try:
         dims = dimensions(scene)
-        bodies = _rings(scene, dims, drawn, m, places, fine, options)
-        bodies += _balls(scene, drawn, m, layout, places, fine, options)
+        made = _rings(scene, dims, drawn, m, places, fine, options)
+        made += _balls(scene, drawn, m, layout, places, fine, options)
     except ValueError as error:
         raise InputError(
             scene.name, "deck", str(error), "a scene that can be meshed", "see solid.* and the nut's length in the scene"
         ) from error
+    bodies = tuple(body for body, _ in made)
+    quality = {body.name: smallest for body, smallest in made}
     count = sum(len(b.points) for b in bodies)
     if count > MOST_NODES:
         raise InputError(
@@ -147,10 +150,10 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
         Contact(f"{p.ball + 1}{SIDES[p.side]}", ball_faces(p), groove_faces(p)) for p in places
     )  # fmt: skip
     deck = Deck(
-        tuple(bodies), _sections(scene, dims), ("NUT_HELD",), contacts, options.stiffness, options.spring,
+        bodies, _sections(scene, dims), ("NUT_HELD",), contacts, options.stiffness, options.spring,
         _heading(scene, dims, found.load, fine, count, options), f"{scene.name}: {scene.title}", options.nlgeom,
     )  # fmt: skip
-    return Made(deck, found.load, fine, sides)
+    return Made(deck, found.load, fine, quality)
 
 
 def _refined(points: list[Array], fine: float, coarse: float, options: DeckOptions) -> Refinement:
@@ -159,8 +162,8 @@ def _refined(points: list[Array], fine: float, coarse: float, options: DeckOptio
 
 def _rings(
     scene: Scene, dims: Dimensions, drawn: Specimen, m: GrooveMap, places: list[Place], fine: float, options: DeckOptions
-) -> list[DeckBody]:
-    """Screw (its 3D stretch) and nut."""
+) -> list[tuple[DeckBody, float]]:
+    """Screw (its 3D stretch) and nut, each with its cells' smallest scaled Jacobian."""
     low, high = dims.ends(scene)
     half, z = scene.nut.length / 2.0, scene.nut.position
     unused = SocketSize(1.0, m.ball, 1.0)
@@ -184,13 +187,14 @@ def _rings(
             names = {"left face": ("low",), "right face": ("high",), "outer surface": ("behind",)}
             parts = names.get(dims.nut_held, ("low", "high"))
             held = {"NUT_HELD": np.unique(np.concatenate([made.named[x] for x in parts]))}
-        bodies.append(DeckBody(name, made.points, made.cells, part.material, held, faces))
+        body = DeckBody(name, made.points, made.cells, part.material, held, faces)
+        bodies.append((body, made.quality.smallest))
     return bodies
 
 
 def _balls(
     scene: Scene, drawn: Specimen, m: GrooveMap, layout: BallLayout, places: list[Place], fine: float, options: DeckOptions
-) -> list[DeckBody]:
+) -> list[tuple[DeckBody, float]]:
     """Every ball with its own radius, where the scene puts it."""
     bodies = []
     for i, radius in enumerate(drawn.ball_radius.tolist()):
@@ -204,7 +208,9 @@ def _balls(
         poles = np.argmax(made.points @ away.T, axis=0)
         alike = without_turning(points, poles.reshape(2, 2))
         weak = poles[:1]
-        bodies.append(DeckBody(name, points, made.cells, scene.balls.material, {f"{name}_WEAK": weak}, faces, weak, alike))
+        nodes = {f"{name}_WEAK": weak}
+        body = DeckBody(name, points, made.cells, scene.balls.material, nodes, faces, weak, alike)
+        bodies.append((body, made.quality.smallest))
     return bodies
 
 

@@ -110,6 +110,9 @@ def sphere_faces(m: GrooveMap, made: WholeBody, place: Place, radius: float, fin
 
 
 def _faces_within(cells: Index, nodes: Index) -> Index:
-    """Corners of the outer faces all of whose corners are among ``nodes``."""
+    """Corners of the outer faces all of whose corners are among ``nodes``. Raises ValueError where there is none."""
     faces = outer_faces(cells)
-    return faces[np.isin(faces, nodes).all(axis=1)]
+    own = faces[np.isin(faces, nodes).all(axis=1)]
+    if not len(own):
+        raise ValueError("no face of the mesh lies within an expected contact: raise --b-over-h or lower --growth")
+    return own
