@@ -151,7 +151,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
     )  # fmt: skip
     deck = Deck(
         bodies, _sections(scene, dims), ("NUT_HELD",), contacts, options.stiffness, options.spring,
-        _heading(scene, dims, found.load, fine, count, options), f"{scene.name}: {scene.title}", options.nlgeom,
+        _heading(scene, dims, found, fine, count, options), f"{scene.name}: {scene.title}", options.nlgeom,
     )  # fmt: skip
     return Made(deck, found.load, fine, quality)
 
@@ -257,9 +257,10 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
 
 
 def _heading(
-    scene: Scene, dims: Dimensions, load: Array, fine: float, count: int, options: DeckOptions
+    scene: Scene, dims: Dimensions, found: StaticResult, fine: float, count: int, options: DeckOptions
 ) -> tuple[str, ...]:
     """Lines of comment: what it is, its choices, and the loads to expect."""
+    load = found.load
     mean = float(load[load > 0.0].mean())
     return (
         f"Scene {scene.name}, by rollbench {__version__}. Whole bodies, {count} nodes, C3D10; z is the screw's axis.",
@@ -271,11 +272,17 @@ def _heading(
         "of the screw that no support holds (turning: N mm/rad); their force is that times the motion that is printed.",
         "Oversize of balls and errors of groove radii are in the geometry; flanks are exact arcs.",
         *dims.assumed,
-        "Expected contact loads / N: low-order model refined; its error against a 3D reference was up to 2.5 % of the mean",
-        f"load on screws with preload, more on scenes unlike the compared ones. Mean {mean:.1f} N.",
+        f"Expected contact loads / N: low-order model refined, {_worth(found)}; mean {mean:.1f} N.",
         "ball " + " ".join(f"{s:>10}" for s in SIDES),
         *(f"{i:>4} " + " ".join(f"{x:10.2f}" for x in row) for i, row in enumerate(load, start=1)),
         "CalculiX: ccx -i FILE (without .inp); loads by *CONTACT PRINT in FILE.dat.",
-        "Abaqus: *CONTACT PRINT takes SLAVE and MASTER there too; *SURFACE INTERACTION wants a data line of thickness only",
-        "in two dimensions; nothing else differs.",
+        "Abaqus documents every keyword used here (*CONTACT PRINT with SLAVE, MASTER and CFN too); it was not run there.",
     )
+
+
+def _worth(found: StaticResult) -> str:
+    """What the expected loads may be worth, in words."""
+    form = found.model_form
+    if form is None or form.percent is None:
+        return "nothing like the scene was compared with a 3D reference"
+    return f"error to expect {form.percent:.1f} % of the mean load on the worst contact (nearest compared: {form.nearest})"
