@@ -68,9 +68,14 @@ def ccx_version(program: str) -> str:
 
 
 def digest(text: str) -> str:
-    """What a deck says, without its comments, as 16 hexadecimal digits."""
-    said = "\n".join(line for line in text.splitlines() if not line.startswith("**"))
-    return hashlib.sha256(said.encode()).hexdigest()[:16]
+    """What a deck says, without comments and how the solver is to iterate, as 16 hexadecimal digits."""
+    said, control = [], False
+    for line in text.splitlines():
+        if line.startswith("*") and not line.startswith("**"):
+            control = line.startswith("*CONTROLS")
+        if not (control or line.startswith("**")):
+            said.append(line)
+    return hashlib.sha256("\n".join(said).encode()).hexdigest()[:16]
 
 
 def run(text: str, folder: Path) -> Outcome:

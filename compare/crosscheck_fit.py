@@ -22,55 +22,76 @@ Array = NDArray[np.float64]
 ORDERS = tuple(np.arange(1.0, 4.01, 0.25).tolist())
 #: Orders whose misfit is up to this many times the smallest are as credible as the best.
 CREDIBLE = 2.0
+#: Misfits of this share of the largest load are none.
+EXACT = 1e-9
 
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """Loads ``(n, 4)`` [N] extrapolated, what that is worth ``(n, 4)`` [N], orders of h and g, RMS misfit [N], and the
-    changes ``(n, 4)`` [N] from the limit by h, g and 1/k in the run nearest to it."""
+    """Loads ``(n, 4)`` [N] extrapolated, what that is worth ``(n, 4)`` [N], orders of h and g (None: not varied), RMS
+    misfit [N], and what h, g and 1/k add to the limit in the run nearest to it ``(n, 4)`` [N]; choices not varied."""
 
     load: Array
     uncertainty: Array
-    orders: tuple[float, float]
+    orders: tuple[float, float | None]
     misfit: float
     by_size: Array
     by_growth: Array
     by_stiffness: Array
+    fixed: tuple[str, ...]
 
 
 def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
-    """Limit of the runs with small displacements.
+    """Limit of the runs with small displacements in all choices that they vary.
 
-    The uncertainty of a contact is the largest change of its limit over all credible pairs of orders, and its own RMS
-    misfit. Raises ValueError with fewer than two sizes, growths and stiffnesses, or five runs.
+    The uncertainty of a contact is the largest change of its limit over all credible pairs of orders, joined by root of
+    squares with its own scatter about the fit. Where the runs are as many as the unknowns every order fits, and the
+    uncertainty is the whole range of limits. Raises ValueError with one element size only or fewer runs than unknowns.
     """
     own = [r for r in runs if not r.nlgeom]
-    for name in ("b_over_h", "growth", "stiffness"):
-        if len({getattr(r, name) for r in own}) < 2:
-            raise ValueError(f"one {name} only: two are needed to extrapolate")
-    if len(own) < 5:
-        raise ValueError(f"{len(own)} runs: five are needed to extrapolate")
     h = np.array([1.0 / r.b_over_h for r in own])
     g = np.array([r.growth for r in own])
     c = np.array([1.0 / r.stiffness for r in own])
+    varied = [bool(np.ptp(x) > 0.0) for x in (h, g, c)]
+    if not varied[0]:
+        raise ValueError("one element size at the contacts only: two are needed to extrapolate")
+    if len(own) < 1 + sum(varied):
+        raise ValueError(f"{len(own)} runs: {1 + sum(varied)} are needed to extrapolate what they vary")
     h, g, c = h / h.min(), g / g.min(), c / c.max()
     loads = np.stack([r.load.ravel() for r in own])
-    fits = []
-    for p, q in product(ORDERS, ORDERS):
-        design = np.stack([np.ones_like(h), h**p, g**q, c], axis=1)
-        found = np.linalg.lstsq(design, loads, rcond=None)[0]
-        misfit = loads - design @ found
-        fits.append((float(np.sqrt((misfit**2).mean())), (p, q), found, misfit))
-    best = min(fits, key=lambda x: x[0])
+    fits = [_fit(loads, [h**p, g**q, c], varied, (p, q)) for p, q in product(ORDERS, ORDERS if varied[1] else (1.0,))]
+    best = min(fits, key=lambda fit: fit.misfit)
+    credible = [f for f in fits if f.misfit <= CREDIBLE * best.misfit + EXACT * float(np.abs(loads).max())]
+    spread = np.abs(np.stack([f.limit for f in credible]) - best.limit).max(axis=0)
+    scatter = np.sqrt((best.residual**2).sum(axis=0) / max(1, len(own) - 1 - sum(varied)))
+    near = int(np.argmin(sum(x for x, on in zip(best.terms, varied, strict=True) if on)))
     shape = own[0].load.shape
-    credible = np.stack([f[2][0] for f in fits if f[0] <= CREDIBLE * best[0]])
-    spread = np.abs(credible - best[2][0]).max(axis=0)
-    uncertainty = np.hypot(spread, np.sqrt((best[3] ** 2).mean(axis=0)))
-    # the finest of all runs, in the fit's own measure
-    p, q = best[1]
-    near = int(np.argmin(h**p + g**q + c))
+    by = [(best.factors[k] * best.terms[k][near]).reshape(shape) for k in range(3)]
+    names = ("element size", "growth", "contact stiffness")
     return Extrapolation(
-        best[2][0].reshape(shape), uncertainty.reshape(shape), best[1], best[0],
-        (best[2][1] * h[near] ** p).reshape(shape), (best[2][2] * g[near] ** q).reshape(shape),
-        (best[2][3] * c[near]).reshape(shape),
+        best.limit.reshape(shape), np.hypot(spread, scatter).reshape(shape),
+        (best.orders[0], best.orders[1] if varied[1] else None), best.misfit, by[0], by[1],
+        by[2], tuple(n for n, on in zip(names, varied, strict=True) if not on),
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Least squares with one pair of orders: RMS misfit, orders, limit, factors ``(3, contacts)``, residuals, terms."""
+
+    misfit: float
+    orders: tuple[float, float]
+    limit: Array
+    factors: Array
+    residual: Array
+    terms: list[Array]
+
+
+def _fit(loads: Array, terms: list[Array], varied: list[bool], orders: tuple[float, float]) -> _Fit:
+    used = [k for k in range(3) if varied[k]]
+    design = np.stack([np.ones(len(loads)), *(terms[k] for k in used)], axis=1)
+    found = np.linalg.lstsq(design, loads, rcond=None)[0]
+    factors = np.zeros((3, loads.shape[1]))
+    factors[used] = found[1:]
+    residual = loads - design @ found
+    return _Fit(float(np.sqrt((residual**2).mean())), orders, found[0], factors, residual, terms)

@@ -69,12 +69,14 @@ def run_table(data: CrossData) -> Table:
 def contact_table(data: CrossData, ours: Reference, limit: Extrapolation) -> Table:
     """Every contact by both programs."""
     rows = contact_rows(data, ours, limit)
+    growth = "" if limit.orders[1] is None else f", of growth {limit.orders[1]:.2f}"
+    fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
-        f"{agreement(data.scene, rows)} Orders of h and growth {limit.orders[0]:.2f} and {limit.orders[1]:.2f}, RMS misfit "
+        f"{agreement(data.scene, rows)} Order of h {limit.orders[0]:.2f}{growth}; RMS misfit "
         f"{limit.misfit:.2f} N; from CalculiX's finest run to its limit the largest change by h is "
         f"{abs(limit.by_size).max():.2f} N, by growth {abs(limit.by_growth).max():.2f} N, by contact stiffness "
         f"{abs(limit.by_stiffness).max():.2f} N. CalculiX's columns by b/h are the runs that differ in h "
-        "alone."
+        f"alone.{fixed}"
     )
     table = columns(data, ours)
     return Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads", table, [r.cells() for r in rows], note)

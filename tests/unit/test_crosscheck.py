@@ -97,6 +97,7 @@ def test_what_calculix_prints_is_read():
 
 def test_a_deck_is_known_by_what_it_says():
     assert digest("*NODE\n1, 2\n") == digest("** remark\n*NODE\n1, 2")
+    assert digest("*NODE\n1, 2\n") == digest("*CONTROLS, X\n4, 8\n*NODE\n1, 2\n")
     assert digest("*NODE\n1, 2\n") != digest("*NODE\n1, 3\n")
 
 
@@ -119,10 +120,21 @@ def test_scatter_shows_in_the_uncertainty():
 
 
 def test_too_few_runs_are_refused():
-    for kept, why in ((RUNS[:4], "one stiffness only"), (RUNS[:3] + RUNS[5:6], "one growth only"),
-                      ((RUNS[0], RUNS[1], RUNS[3], RUNS[5]), "4 runs")):  # fmt: skip
+    for kept, why in ((RUNS[3:5], "one element size"), ((RUNS[0], RUNS[4], RUNS[5]), "3 runs: 4 are needed")):
         with pytest.raises(ValueError, match=why):
             extrapolate(kept)
+
+
+def test_what_is_not_varied_is_named_and_two_sizes_give_a_range():
+    found = extrapolate(RUNS[:2])
+    assert found.fixed == ("growth", "contact stiffness")
+    assert found.orders[1] is None
+    assert not found.by_growth.any()
+    two = [r.load for r in RUNS[:2]]
+    assert found.uncertainty[0, 0] > abs(two[1] - two[0])[0, 0]  # any order fits
+    three = extrapolate(RUNS[:3])
+    assert three.orders[0] == 2.0
+    assert three.uncertainty.max() < 1e-6
 
 
 def test_results_are_kept_with_all_that_identifies_them(tmp_path: Path):

@@ -195,7 +195,7 @@ def test_a_deck_keeps_to_its_lines(made):
     for line in text.splitlines():
         if not line.startswith("*"):
             entries = [x.strip() for x in line.removesuffix(",").split(",")]
-            assert len(entries) <= 16
+            assert len(entries) <= 16, line
             assert max(map(len, entries)) <= 20 or line == made.deck.title[:80]
     for said in ("Expected contact loads / N", "mm, N, MPa", "Abaqus"):
         assert said in text
