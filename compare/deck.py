@@ -146,9 +146,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
             scene.name, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes",
             "lower --b-over-h, raise --growth, or cut the screw: --balls",
         )  # fmt: skip
-    contacts = tuple(
-        Contact(f"{p.ball + 1}{SIDES[p.side]}", ball_faces(p), groove_faces(p)) for p in places
-    )  # fmt: skip
+    contacts = tuple(Contact(ball_faces(p), groove_faces(p)) for p in places)
     deck = Deck(
         bodies, _sections(scene, dims), ("NUT_HELD",), contacts, options.stiffness, options.spring,
         _heading(scene, dims, found, fine, count, options), f"{scene.name}: {scene.title}", options.nlgeom,

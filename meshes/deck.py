@@ -77,9 +77,8 @@ class RigidSection:
 
 @dataclass(frozen=True)
 class Contact:
-    """Faces that may touch: name, set of the slave's and of the master's faces."""
+    """Faces that may touch: sets of the slave's and of the master's faces."""
 
-    name: str
     slave: str
     master: str
 
@@ -158,8 +157,9 @@ def outer_faces(cells: Index) -> Index:
 
 
 def write(deck: Deck, unit: str = "mm") -> str:
-    """Text of the deck in the given unit of length. Raises ValueError for a bad or missing name."""
-    return "\n".join([*_write(deck, UNITS[unit])]) + "\n"
+    """Text of the deck in the given unit of length, in ASCII. Raises ValueError for a bad name or one that comes twice."""
+    text = "\n".join(_write(deck, UNITS[unit])) + "\n"
+    return text.encode("ascii", "replace").decode("ascii")
 
 
 def _write(deck: Deck, units: Units) -> Iterator[str]:

@@ -64,8 +64,8 @@ def stack(stiffness: float = 1e16) -> Deck:
         "PUSH", "HIGH", "HIGH_END", np.array([0.0, 0.0, 2e-3]), tuple((k, 0.0) for k in (0, 1, 3, 4, 5)),
         np.array([0.0, 0.0, -10.0, 0.0, 0.0, 0.0]), (2,),
     )  # fmt: skip
-    contact = Contact("touch", "HIGH_FACE", "LOW_FACE")
-    return Deck(tuple(bodies), (section,), ("LOW_END",), (contact,), stiffness, 1.0, ("a comment",), "two cubes")
+    contact = Contact("HIGH_FACE", "LOW_FACE")
+    return Deck(tuple(bodies), (section,), ("LOW_END",), (contact,), stiffness, 1.0, ("a comment",), "two cubes of 1 mm³")
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
