@@ -289,34 +289,100 @@ def compare(
 @app.command
 def export(
     scene: str,
-    part: str,
+    part: str = "",
     *,
     out: Path | None = None,
     format: Annotated[str, Parameter(name="--format")] = "",
     level: int = 1,
     ball: int | None = None,
+    deck: str = "",
+    unit: str = "mm",
+    balls: str = "",
+    b_over_h: float = 1.5,
+    growth: float = 0.4,
+    stiffness: float = 2e8,
 ) -> int:
-    """Write a mesh or a result field of the 3D reference for other programs: VTU, MSH, MED or INP, lengths in m.
+    """Write a mesh or a result field of the 3D reference for other programs (VTU, MSH, MED or INP, lengths in m), or a
+    small scene as one deck that CalculiX runs (--deck ccx).
 
     Parameters
     ----------
     scene
         Name of a shipped scene, or a scene file.
     part
-        screw, nut, ball, patch-SL (the groove's fine patch; SR, NL, NR), ball-patch-SL, or block-source.
+        screw, nut, ball, patch-SL (the groove's fine patch; SR, NL, NR), ball-patch-SL, or block-source; none with --deck.
     out
-        File to write, replaced if it exists; <scene>-<part>.vtu unless given.
+        File to write, replaced if it exists; <scene>-<part>.vtu unless given, <scene>.inp with --deck.
     format
         vtu, msh, med or inp; by the file's name unless given.
     level
         Mesh level, 1 (coarse) to 3; 0 is the source's mesh.
     ball
         Solve the scene and add displacement and stress: of this ball and its patches, or of the whole screw or nut.
+    deck
+        Program to write the whole contact problem for: ccx (CalculiX; Abaqus reads the same file).
+    unit
+        Unit of length in the deck: mm (with N and MPa) or m (with N and Pa).
+    balls
+        Cut the screw of the deck to some neighbouring balls: 3:5 keeps balls 3, 4 and 5.
+    b_over_h
+        Elements of the deck across the short half axis of a contact of mean load.
+    growth
+        Growth of the deck's element sizes per distance from the contacts.
+    stiffness
+        Contact pressure per overclosure of the deck, in N/mm3.
     """
     from compare import catalogue
     from compare.export_command import run_export
 
+    if deck:
+        from compare.deck_command import DeckChoices, run_deck
+
+        if part or format or level != 1 or ball is not None:
+            raise InputError(
+                "command line", "--deck", deck, "no part, --format, --level or --ball beside it", "leave them out"
+            )
+        choices = DeckChoices(deck, unit, balls, b_over_h, growth, stiffness)
+        return run_deck(catalogue.scene(scene), choices, out, _show)
+    if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
+        raise InputError(
+            "command line", "--unit, --balls, --b-over-h, --growth, --stiffness", "given", "with --deck", "add --deck ccx"
+        )
     return run_export(catalogue.scene(scene), part, format, out, level, cache=_cache(), show=_show, ball=ball)
+
+
+@app.command
+def crosscheck(
+    scene: str,
+    *,
+    run: Annotated[bool, Parameter(negative="")] = False,
+    data: Path | None = None,
+    work: Path = Path("rollbench-crosscheck"),
+    store: Path = Path("rollbench-reference"),
+    as_json: Json = False,
+) -> int:
+    """Compare the 3D reference with CalculiX, contact by contact: two-balls or lin-case1-cut.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene that was solved by CalculiX.
+    run
+        Solve its decks with CalculiX (ccx) now, about 15 min of one core, and rewrite the stored results.
+    data
+        Folder of the stored results; that of the package unless given.
+    work
+        Folder of the decks and their results; a deck whose result is there is not solved again.
+    store
+        Folder of the reference's runs, besides those shipped; computed where none is stored.
+    """
+    from compare.crosscheck_command import run_crosscheck
+    from compare.jobs import Engine
+
+    return run_crosscheck(
+        scene, run=run, data=data, work=work, store=store, engine=Engine(cache=_cache()),
+        json_out=as_json, show=_show, print_json=_print_json,
+    )  # fmt: skip
 
 
 @app.command

@@ -26,9 +26,11 @@ Step = Callable[[str], None]
 LONG = ("pictures", "stability", "timing")
 #: Sections by name, in order.
 SECTIONS = (
-    "overview", "ladder", "reference", "reference-mesh", "pictures", "hertz", "cases", "errors", "manufacturing",
-    "friction", "friction-screw", "formulations", "verification", "stability", "timing", "notes",
+    "overview", "ladder", "reference", "reference-mesh", "crosscheck", "pictures", "hertz", "cases", "errors",
+    "manufacturing", "friction", "friction-screw", "formulations", "verification", "stability", "timing", "notes",
 )  # fmt: skip
+#: Sections that show runs of the 3D reference.
+WITH_RUNS = ("overview", "ladder", "reference", "reference-mesh", "crosscheck", "notes")
 
 
 def provenance() -> dict[str, str]:
@@ -89,6 +91,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
 
     if not source.compute or source.stores is None:
         return
+    from compare.crosscheck_study import STUDIES
     from compare.ladder import UNSEEN
 
     scenes = [study.scene(name) for name in REFERENCED]
@@ -99,6 +102,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         for name in VARIED:
             tasks += plan([study.scene(name)], (), all_variants())
         tasks += plan([study.scene(name) for name in UNSEEN], (1, 2))
+        tasks += plan([study.scene(name) for name in STUDIES], tuple(LEVELS))
         tasks.sort(key=lambda task: -task.weight)
     ensure(tasks, source.stores[0], source.engine, step, fresh=source.fresh)
 
@@ -119,6 +123,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
     """Sections asked for (all if none), headline figures, and the study they were made from."""
     from compare.sections import (
         cases,
+        crosscheck,
         formulations,
         friction,
         friction_screw,
@@ -139,7 +144,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
     made: dict[str, Section] = {}
     headline: list[tuple[str, str]] = []
     found: list[Finding] = []
-    if any(name in wanted for name in ("overview", "ladder", "reference", "reference-mesh", "notes")):
+    if any(name in wanted for name in WITH_RUNS):
         progress.section("runs of the 3D reference")
         compute_references(study, source, progress.step)
     if any(name in wanted for name in ("overview", "errors", "manufacturing", "notes")):
@@ -152,6 +157,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
         "ladder": partial(ladder.section, stores=source.stores, keep=source.stores[0] if source.stores else None),
         "reference": partial(reference.section, stores=source.stores, quick=source.quick),
         "reference-mesh": partial(reference_mesh.section, stores=source.stores),
+        "crosscheck": partial(crosscheck.section, stores=source.stores),
         "pictures": partial(pictures.section, cache=source.engine.cache), "friction": friction.section,
         "friction-screw": friction_screw.section,
     }  # fmt: skip
@@ -198,12 +204,12 @@ def make_report(
         check_target(out)
     except (ValueError, OSError) as error:
         raise _bad_folder(out, error) from None
-    if any(not only or n in only for n in ("ladder", "reference", "pictures", "verification")):
+    if any(not only or n in only for n in ("ladder", "reference", "crosscheck", "pictures", "verification")):
         need_gmsh()
     made = [n for n in SECTIONS if (n in only if only else not (quick and n in LONG))]
     total = len([n for n in made if n not in ("overview", "errors", "manufacturing")])
     total += 1 + any(not only or n in only for n in ("overview", "errors", "manufacturing", "notes"))
-    total += any(not only or n in only for n in ("overview", "ladder", "reference", "reference-mesh", "notes"))
+    total += any(not only or n in only for n in WITH_RUNS)
     source = Source(None if stored else (store,), engine or Engine(), not stored, quick, fresh)
     progress = Progress(total)
     start = perf_counter()

@@ -137,7 +137,7 @@ def build_ball(
         for socket, (box, raised) in zip(sockets, boxes, strict=True):
             places = (ball_points(m, socket, xi) for xi in (box.xi, raised))
             corners.append(shell.socket(f"socket {SIDES[socket.side]}", box, *places))
-        _sphere(m, shell, [c[rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
+        sphere(m, shell, [c[rim(box)] for c, (box, _) in zip(corners, boxes, strict=True)], share)
         filled = fill(shell, volume)
         own = [filled.box_nodes(c, box) for c, (box, _) in zip(corners, boxes, strict=True)]
         mesh = untangle(filled.named(shell), filled.on(shell.tris()))
@@ -152,7 +152,7 @@ def build_ball(
     return best_of("ball", attempt)
 
 
-def _sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
+def sphere(m: GrooveMap, shell: Shell, rims: list[Index], share: float) -> None:
     """Triangulate the two halves of the sphere outside the sockets' rims."""
     axis, limit = parting(m), share * BEND[1] * m.ball
     along = directions(m, 0)[2]

@@ -320,13 +320,16 @@ def _as_med(plain: _Plain) -> Any:
 
 
 def _write_inp(path: Path, plain: _Plain) -> None:
-    """Abaqus' input; not by meshio, whose lines are longer than the 16 entries allowed and whose elements are hybrid."""
+    """Abaqus' input; not by meshio, whose lines are longer than the 16 entries allowed and whose elements are hybrid.
+
+    CalculiX reads numbers of at most 20 characters: thirteen digits are 1e-12 of the mesh's size.
+    """
     if plain.point_data or plain.cell_data:
         raise ValueError("an .inp file takes no fields: write a .vtu, .msh or .med file")
     with path.open("w", encoding="ascii") as file:
         file.write("*HEADING\nrollbench; lengths in m\n*NODE, NSET=NALL\n")
         for k, (x, y, z) in enumerate(plain.points.tolist(), start=1):
-            file.write(f"{k}, {x!r}, {y!r}, {z!r}\n")
+            file.write(f"{k}, {x:.12e}, {y:.12e}, {z:.12e}\n")
         number = 0
         for kind, cells in plain.blocks:
             file.write(f"*ELEMENT, ELSET=EALL, TYPE={_ABAQUS[kind]}\n")

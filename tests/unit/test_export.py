@@ -1,6 +1,8 @@
 """Meshes as files for other programs: places, order, groups and fields survive, files appear whole or not at all."""
 
 import os
+import shutil
+import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -8,6 +10,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from scipy.sparse.linalg import spsolve
 
 from compare import catalogue, export_command
 from compare.errors import InputError
@@ -170,6 +173,56 @@ def test_abaqus_keeps_to_its_lines_and_sets(name, tmp_path: Path):
     with pytest.raises(ValueError, match="takes no fields"):
         write_mesh(tmp_path / "d.inp", data, {"u": data.points})
     assert os.listdir(tmp_path) == ["c.inp"]
+
+
+@pytest.mark.parametrize("name", VOLUMES)
+def test_abaqus_files_have_numbers_that_calculix_reads(name, tmp_path: Path):
+    data = example(name)
+    write_mesh(tmp_path / "c.inp", MeshData(-data.points / 3e7, data.cells))
+    lines = [line for line in (tmp_path / "c.inp").read_text().splitlines()[2:] if not line.startswith("*")]
+    assert max(len(entry.strip()) for line in lines for entry in line.split(",")) <= 20
+    again = meshio.read(tmp_path / "c.inp")
+    used = np.unique(volume_cells(again).data)
+    np.testing.assert_allclose(again.points[used].min(axis=0), (-data.points / 3e7).min(axis=0), rtol=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+def test_calculix_finds_the_compliance_of_an_exported_nut(tmp_path: Path):
+    """Unit forces on two sockets of the nut, held outside: every node of the sockets moves as in our own elements."""
+    scene = catalogue.scene("two-balls")
+    run_export(scene, "nut", "inp", tmp_path / "nut.inp", 1, show=lambda _: None)
+    mesh = meshio.read(tmp_path / "nut.inp")
+    (block,) = [b for b in mesh.cells if b.type == "tetra10"]
+    points, cells = mesh.points, block.data[:, np.argsort(bridge._VTK["P2"][1])]
+    sockets = mesh.point_sets["sockets"]
+    held = np.flatnonzero(np.abs(np.hypot(*points[:, :2].T) - scene.nut.outer_diameter / 2.0) < 1e-7)
+    forces = np.zeros((len(points), 3))
+    pushed = [sockets[(points[sockets, 0] > 0.0) & (points[sockets, 2] > 7e-3)], sockets[points[sockets, 0] < 0.0]]
+    forces[pushed[0], 0], forces[pushed[1], 2] = 1.0 / len(pushed[0]), 1.0 / len(pushed[1])
+    K = stiffness(points, cells, "P2", 210e9, 0.28)
+    free = np.setdiff1d(np.arange(3 * len(points)), (3 * held[:, None] + np.arange(3)).ravel())
+    ours = np.zeros(3 * len(points))
+    ours[free] = spsolve(K[free][:, free], forces.ravel()[free])
+    ours = ours.reshape(-1, 3)
+
+    # metres make the forces of the deck's step newtons
+    with (tmp_path / "nut.inp").open("a") as deck:
+        deck.write("*MATERIAL, NAME=STEEL\n*ELASTIC\n210e9, 0.28\n*SOLID SECTION, ELSET=EALL, MATERIAL=STEEL\n*BOUNDARY\n")
+        deck.writelines(f"{n + 1}, 1, 3\n" for n in held)
+        deck.write("*STEP\n*STATIC\n*CLOAD\n")
+        deck.writelines(f"{n + 1}, {k + 1}, {forces[n, k]:.12e}\n" for n, k in np.argwhere(forces))
+        deck.write("*NODE PRINT, NSET=sockets\nU\n*END STEP\n")
+    subprocess.run([shutil.which("ccx"), "-i", "nut"], cwd=tmp_path, check=True, capture_output=True)
+    rows = [line.split() for line in (tmp_path / "nut.dat").read_text().splitlines()]
+    theirs = np.zeros_like(ours)
+    for node, *u in (row for row in rows if len(row) == 4 and row[0].isdigit()):
+        theirs[int(node) - 1] = [float(x) for x in u]
+    assert len(np.flatnonzero(theirs.any(axis=1))) == len(sockets)
+    largest = np.abs(ours[sockets]).max()
+    for own in pushed:
+        np.testing.assert_allclose(theirs[own].mean(axis=0), ours[own].mean(axis=0), atol=2e-4 * largest)
+    np.testing.assert_allclose(theirs[sockets], ours[sockets], atol=1e-3 * largest)
 
 
 def test_med_keeps_groups_of_nodes(tmp_path: Path):

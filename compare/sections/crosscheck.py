@@ -1,0 +1,102 @@
+"""The 3D reference checked by another program: contact loads of two small scenes by CalculiX, on whole bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from compare.crosscheck_data import CrossData, load, shipped
+from compare.crosscheck_fit import Extrapolation, extrapolate
+from compare.crosscheck_rows import agreement, columns, contact_rows
+from compare.crosscheck_study import STUDIES, scene_key
+from compare.measure import error_percent, load_error
+from compare.reference import Reference, reference
+from compare.study import Study
+from reports.records import Cell, Column, Section, Table, Text
+
+ABOUT = (
+    "CalculiX solves two small scenes on whole bodies, without sockets, patches, condensation or beams: ten-node "
+    "tetrahedra, surface-to-surface contact by a linear pressure-overclosure law, balls free, oversize in the geometry. "
+    "A deck is what "
+    "rollbench export SCENE --deck ccx writes; rollbench crosscheck SCENE --run solves them all anew. Shared with the "
+    "reference are the exact surfaces and gmsh; elements, integration, contact and solver are not."
+)
+EXTRAPOLATED = (
+    "One mesh of another program proves nothing: element size at the contacts, growth of the elements away from them and "
+    "contact stiffness are varied, and all contacts of all runs fitted at once by F0 + A h^p + B g^q + C / k. The "
+    "uncertainty of a contact is the change of its limit over all orders that fit up to twice as well as the best, and its "
+    "own misfit."
+)
+
+
+def run_table(data: CrossData) -> Table:
+    """Every run: choices, meshes, effort, and what the weak springs and the last correction are worth."""
+    rows: list[dict[str, Cell]] = []
+    base = {(r.b_over_h, r.growth, r.stiffness): r for r in data.runs if not r.nlgeom}
+    for run in data.runs:
+        mean = float(run.load[run.load > 0.0].mean())
+        twin = base.get((run.b_over_h, run.growth, run.stiffness))
+        rows.append(
+            {
+                "across": run.b_over_h, "fine": 1e3 * run.fine, "growth": run.growth, "stiffness": 1e-9 * run.stiffness,
+                "large": "large" if run.nlgeom else "small", "nodes": run.nodes,
+                "cells": sum(m.cells for m in run.meshes), "jacobian": min(m.smallest for m in run.meshes),
+                "iterations": run.iterations, "seconds": run.seconds, "sum": float(run.load.sum()),
+                "weak": float(error_percent(run.weak, 0.0, mean)),
+                "loose": float(error_percent(run.unbalanced, 0.0, mean)),
+                "large_change": load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None,
+            }
+        )  # fmt: skip
+    heads = (
+        Column("across", "b/h at mean load", "", ".1f"), Column("fine", "h", "mm", ".3f"),
+        Column("growth", "growth", "", ".2f"), Column("stiffness", "contact stiffness", "N/mm3", "g2"),
+        Column("large", "displacements", "", "s"),
+        Column("nodes", "nodes", "", "s"), Column("cells", "tetrahedra", "", "s"),
+        Column("jacobian", "smallest scaled Jacobian", "", ".2f"), Column("iterations", "iterations", "", "s"),
+        Column("seconds", "processor time", "s", ".0f"), Column("sum", "sum of loads", "N", ".1f"),
+        Column("weak", "weak spring of a ball", "% of mean", "g2"),
+        Column("loose", "unbalanced force of a ball", "% of mean", "g2"),
+        Column("large_change", "change by large displacements", "% of mean", ".3f"),
+    )  # fmt: skip
+    first = data.runs[0]
+    note = (
+        f"{first.program}, {first.date}; meshes by gmsh {data.gmsh} and rollbench {data.rollbench}. Processor time of one "
+        "thread. The weak spring keeps a ball from sliding along its track; it stands for no support."
+    )
+    return Table(f"crosscheck-runs-{data.scene}", f"{data.scene}: runs of CalculiX", heads, rows, note)
+
+
+def contact_table(data: CrossData, ours: Reference, limit: Extrapolation) -> Table:
+    """Every contact by both programs."""
+    rows = contact_rows(data, ours, limit)
+    growth = "" if limit.orders[1] is None else f", of growth {limit.orders[1]:.2f}"
+    fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
+    note = (
+        f"{agreement(data.scene, rows)} Order of h {limit.orders[0]:.2f}{growth}; RMS misfit "
+        f"{limit.misfit:.2f} N; from CalculiX's finest run to its limit the largest change by h is "
+        f"{abs(limit.by_size).max():.2f} N, by growth {abs(limit.by_growth).max():.2f} N, by contact stiffness "
+        f"{abs(limit.by_stiffness).max():.2f} N. CalculiX's columns by b/h are the runs that differ in h "
+        f"alone.{fixed}"
+    )
+    table = columns(data, ours)
+    return Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads", table, [r.cells() for r in rows], note)
+
+
+def section(
+    study: Study, step: Callable[[str], None], stores: Sequence[Path] | None = None, folder: Path | None = None
+) -> Section:
+    """Section of the report; folder: of CalculiX's results (None: those of the package)."""
+    items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
+    for name in STUDIES:
+        step(f"{name}: the 3D reference beside CalculiX")
+        scene = study.scene(name)
+        data, ours = load(folder or shipped(), name), reference(scene, stores)
+        if data is None or data.key != scene_key(name):
+            items.append(Text((f"{name}: no results of CalculiX are stored for the scene as it is.",)))
+            continue
+        if ours is None:
+            items.append(Text((f"{name}: no run of the 3D reference was found.",)))
+        else:
+            items.append(contact_table(data, ours, extrapolate(data.runs)))
+        items.append(run_table(data))
+    return Section("crosscheck", "The 3D reference checked by another program", tuple(items))

@@ -1,0 +1,287 @@
+"""A whole contact problem as one input deck that CalculiX runs as it is and Abaqus reads.
+
+Only keywords that both programs know, one step, static, small strains. Bodies of ten-node tetrahedra, named sets and
+faces, surface-to-surface contact without friction and with a linear pressure-overclosure law, rigid sections by linear
+equations, weak springs to the ground. Lines have at most 16 entries, entries at most 20 characters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.parts import Material
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Corners of the faces S1 to S4 of a ten-node tetrahedron.
+FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))
+#: gmsh's node at every place of a C3D10.
+C3D10 = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)
+LONGEST_NAME = 80
+AXES = 3
+#: Iterations before a step is cut, instead of the usual 4, 8, 9, 16: contact under preload takes about 25.
+PATIENCE = "30, 40, 9, 60"
+#: Arm [m] at which the springs of rotations act.
+WEAK_ARM = 1e-3
+
+
+@dataclass(frozen=True)
+class Units:
+    """Units of a deck: of length in m, of stress in Pa, their names; the force is in N."""
+
+    length: float
+    stress: float
+    words: str
+
+
+UNITS = {"mm": Units(1e-3, 1e6, "mm, N, MPa"), "m": Units(1.0, 1.0, "m, N, Pa")}
+
+
+@dataclass(frozen=True)
+class DeckBody:
+    """A body: name, points ``(n, 3)`` [m], second-order tetrahedra ``(m, 10)`` in gmsh's order, material, sets of nodes and
+    of corners of faces ``(k, 3)`` by name; nodes that weak springs hold; ``alike``: rows ``(k, 3)`` of two nodes and an
+    axis along which they move alike, which keeps a body from turning without holding it elsewhere."""
+
+    name: str
+    points: Array
+    cells: Index
+    material: Material
+    nodes: dict[str, Index] = field(default_factory=dict)
+    faces: dict[str, Index] = field(default_factory=dict)
+    weak: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    alike: Index = field(default_factory=lambda: np.zeros((0, 3), dtype=np.int64))
+
+
+@dataclass(frozen=True)
+class RigidSection:
+    """A set of nodes of a body that moves as a rigid section about a point ``(3,)`` [m] on the axis.
+
+    held: pairs (freedom 0 to 5, displacement [m] or small rotation [rad]); load: force [N] and moment [N m] ``(6,)``;
+    weak: freedoms that weak springs hold.
+    """
+
+    name: str
+    body: str
+    nodes: str
+    point: Array
+    held: tuple[tuple[int, float], ...]
+    load: Array
+    weak: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Faces that may touch: sets of the slave's and of the master's faces."""
+
+    slave: str
+    master: str
+
+
+@dataclass(frozen=True)
+class Deck:
+    """All that a deck says. stiffness: contact pressure per overclosure [Pa/m]; spring: of every weak spring [N/m];
+    fixed: sets of nodes held in all directions; heading: lines of comment; nlgeom: large displacements."""
+
+    bodies: tuple[DeckBody, ...]
+    sections: tuple[RigidSection, ...]
+    fixed: tuple[str, ...]
+    contacts: tuple[Contact, ...]
+    stiffness: float
+    spring: float
+    heading: tuple[str, ...]
+    title: str
+    nlgeom: bool = False
+
+    @property
+    def node_count(self) -> int:
+        """Nodes of all bodies."""
+        return sum(len(b.points) for b in self.bodies)
+
+
+def number(value: float) -> str:
+    """A number in at most 20 characters, the most that CalculiX reads.
+
+    >>> number(-1.2345678901234567e-105), len(number(-1.2345678901234567e-105))
+    ('-1.234567890123e-105', 20)
+    """
+    return f"{value:.12e}"
+
+
+def lines(entries: Iterable[int | str]) -> Iterator[str]:
+    """Entries with commas, at most 16 on a line; a line that goes on ends with a comma."""
+    words = [str(x) for x in entries]
+    for k in range(0, len(words), 16):
+        yield ", ".join(words[k : k + 16]) + ("," if k + 16 < len(words) else "")
+
+
+def rows(entries: Iterable[int]) -> Iterator[str]:
+    """The same for lists that go on without a comma: sets."""
+    return (line.removesuffix(",") for line in lines(entries))
+
+
+def checked_names(names: Sequence[str]) -> None:
+    """Raise ValueError for a name that is too long, has blanks or commas, or comes twice but for its case."""
+    seen = set[str]()
+    for name in names:
+        if not name or len(name) > LONGEST_NAME or not name.isascii() or any(c in " ,=*" for c in name):
+            raise ValueError(f"set {name!r}: a name in a deck has 1 to {LONGEST_NAME} letters, digits or underscores")
+        if name.upper() in seen:
+            raise ValueError(f"set {name!r} comes twice: names in a deck do not distinguish capitals")
+        seen.add(name.upper())
+
+
+def element_faces(cells: Index, corners: Index) -> Index:
+    """Cell and face (from 1) ``(k, 2)`` of faces given by their corners ``(k, 3)``. Raises ValueError for a strange one."""
+    table = np.sort(cells[:, np.array(FACES)].reshape(-1, 3), axis=1)
+    count = int(cells.max(initial=0)) + 1
+    base = np.array([count * count, count, 1])
+    keys, wanted = table @ base, np.sort(corners, axis=1) @ base
+    order = np.argsort(keys, kind="stable")
+    place = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
+    if not np.array_equal(keys[place], wanted):
+        raise ValueError("a face of a deck's surface belongs to no cell")
+    return np.stack([place // 4, place % 4 + 1], axis=1)
+
+
+def outer_faces(cells: Index) -> Index:
+    """Corners ``(k, 3)`` of the faces that belong to one cell alone."""
+    faces = cells[:, np.array(FACES)].reshape(-1, 3)
+    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    return np.asarray(faces[np.sort(first[count == 1])])
+
+
+def write(deck: Deck, unit: str = "mm") -> str:
+    """Text of the deck in the given unit of length, in ASCII. Raises ValueError for a bad name or one that comes twice."""
+    text = "\n".join(_write(deck, UNITS[unit])) + "\n"
+    return text.encode("ascii", "replace").decode("ascii")
+
+
+def _write(deck: Deck, units: Units) -> Iterator[str]:
+    names = [n for b in deck.bodies for n in (f"{b.name}_ALL", *b.nodes, *b.faces)]
+    ends = [f"{s.name}_{what}" for s in deck.sections for what in ("MOVE", "TURN")]
+    checked_names([*(b.name for b in deck.bodies), *names, *ends])
+    yield "*HEADING"
+    yield deck.title[:80]
+    yield from (f"** {line}" for line in (*deck.heading, f"Units: {units.words}"))
+    starts: dict[str, tuple[int, int]] = {}
+    nodes = cells = 0
+    for body in deck.bodies:
+        starts[body.name] = nodes, cells
+        yield from _body(body, nodes, cells, units)
+        nodes, cells = nodes + len(body.points), cells + len(body.cells)
+    for body in deck.bodies:
+        yield from (f"*MATERIAL, NAME=MAT_{body.name}", "*ELASTIC")
+        yield f"{number(body.material.youngs_modulus / units.stress)}, {number(body.material.poissons_ratio)}"
+        yield f"*SOLID SECTION, ELSET={body.name}, MATERIAL=MAT_{body.name}"
+    references: dict[str, int] = {}
+    for section in deck.sections:
+        references[section.name] = nodes
+        yield from _section(section, deck, starts, nodes, units)
+        nodes += 2
+    for body in deck.bodies:
+        for one, two, axis in (body.alike + [1, 1, 1] + np.array([1, 1, 0]) * starts[body.name][0]).tolist():
+            yield from ("*EQUATION", "2", f"{one}, {axis}, 1.0, {two}, {axis}, -1.0")
+    springs = [(starts[b.name][0] + int(n), axis) for b in deck.bodies for n in b.weak for axis in range(AXES)]
+    springs += [(references[s.name], f) for s in deck.sections for f in s.weak]
+    yield from _springs(springs, cells, deck.spring, units)
+    yield from _contacts(deck, units)
+    yield "*BOUNDARY"
+    yield from (f"{name}, 1, 3" for name in deck.fixed)
+    yield from _held(deck, references, units, moved=False)
+    yield from _step(deck, references, units)
+
+
+def _body(body: DeckBody, nodes: int, cells: int, units: Units) -> Iterator[str]:
+    yield f"*NODE, NSET={body.name}_ALL"
+    for k, x in enumerate((body.points / units.length).tolist(), start=nodes + 1):
+        yield f"{k}, {number(x[0])}, {number(x[1])}, {number(x[2])}"
+    yield f"*ELEMENT, TYPE=C3D10, ELSET={body.name}"
+    for k, row in enumerate((body.cells[:, C3D10] + nodes + 1).tolist(), start=cells + 1):
+        yield from lines([k, *row])
+    for name, own in body.nodes.items():
+        yield f"*NSET, NSET={name}"
+        yield from rows((own + nodes + 1).tolist())
+    for name, corners in body.faces.items():
+        yield f"*SURFACE, NAME={name}, TYPE=ELEMENT"
+        yield from (f"{cell + cells + 1}, S{face}" for cell, face in element_faces(body.cells, corners).tolist())
+
+
+def _section(
+    section: RigidSection, deck: Deck, starts: dict[str, tuple[int, int]], reference: int, units: Units
+) -> Iterator[str]:
+    """Two nodes, whose displacements are the section's translation and rotation, and u = t + theta x r of all others."""
+    body = next(b for b in deck.bodies if b.name == section.body)
+    place = ", ".join(number(x) for x in (section.point / units.length).tolist())
+    for k, what in enumerate(("MOVE", "TURN"), start=1):
+        yield f"*NODE, NSET={section.name}_{what}"
+        yield f"{reference + k}, {place}"
+    first = starts[section.body][0]
+    for node in body.nodes[section.nodes].tolist():
+        r = (body.points[node] - section.point) / units.length
+        for axis in range(AXES):
+            b, c = (axis + 1) % AXES, (axis + 2) % AXES
+            terms = [(first + node + 1, axis, 1.0), (reference + 1, axis, -1.0)]
+            terms += [(reference + 2, b, -r[c]), (reference + 2, c, r[b])]
+            yield "*EQUATION"
+            yield str(len(terms))
+            yield ", ".join(f"{n}, {k + 1}, {number(value)}" for n, k, value in terms)
+
+
+def _springs(springs: Sequence[tuple[int, int]], cells: int, stiffness: float, units: Units) -> Iterator[str]:
+    """Weak springs at (node from 0, freedom): a section's rotations are the displacements of its second node."""
+    for freedom in range(2 * AXES):
+        own = [node + freedom // AXES + 1 for node, k in springs if k == freedom]
+        if own:
+            axis, turn = freedom % AXES, freedom >= AXES
+            name = f"WEAK_{'TURN_' if turn else ''}{'XYZ'[axis]}"
+            value = stiffness * WEAK_ARM**2 / units.length if turn else stiffness * units.length
+            yield f"*ELEMENT, TYPE=SPRING1, ELSET={name}"
+            yield from (f"{cells + k}, {node}" for k, node in enumerate(own, start=1))
+            yield from (f"*SPRING, ELSET={name}", str(axis + 1), number(value))
+            cells += len(own)
+
+
+def _held(deck: Deck, references: dict[str, int], units: Units, *, moved: bool) -> Iterator[str]:
+    """Held freedoms of the sections: those at zero, or those ``moved``, which Abaqus takes inside a step only."""
+    for section in deck.sections:
+        for freedom, value in section.held:
+            if (value != 0.0) == moved:
+                node, axis = references[section.name] + freedom // AXES + 1, freedom % AXES + 1
+                tail = f", {number(value / units.length if freedom < AXES else value)}" if moved else ""
+                yield f"{node}, {axis}, {axis}{tail}"
+
+
+def _contacts(deck: Deck, units: Units) -> Iterator[str]:
+    yield from ("*SURFACE INTERACTION, NAME=FRICTIONLESS", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR")
+    yield number(deck.stiffness / units.stress * units.length)
+    for contact in deck.contacts:
+        yield "*CONTACT PAIR, INTERACTION=FRICTIONLESS, TYPE=SURFACE TO SURFACE"
+        yield f"{contact.slave}, {contact.master}"
+
+
+def _step(deck: Deck, references: dict[str, int], units: Units) -> Iterator[str]:
+    yield from (f"*STEP, INC=100{', NLGEOM' if deck.nlgeom else ''}", "*STATIC", "1.0, 1.0, 1.0e-6, 1.0")
+    yield from ("*CONTROLS, PARAMETERS=TIME INCREMENTATION", PATIENCE)
+    moved = list(_held(deck, references, units, moved=True))
+    if moved:
+        yield from ("*BOUNDARY", *moved)
+    for section in deck.sections:
+        place = references[section.name]
+        loads = [(k, v if k < AXES else v / units.length) for k, v in enumerate(section.load.tolist()) if v]
+        if loads:
+            yield "*CLOAD"
+            yield from (f"{place + k // AXES + 1}, {k % AXES + 1}, {number(v)}" for k, v in loads)
+    for contact in deck.contacts:
+        yield from (f"*CONTACT PRINT, SLAVE={contact.slave}, MASTER={contact.master}", "CFN")
+    for section in deck.sections:
+        yield from (f"*NODE PRINT, NSET={section.name}_{what}\nU" for what in ("MOVE", "TURN"))
+    for body in deck.bodies:
+        if len(body.weak):
+            yield from (f"*NODE PRINT, NSET={body.name}_WEAK", "U")
+    yield from ("*NODE FILE", "U", "*EL FILE", "S", "*END STEP")
