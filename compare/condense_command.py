@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from compare.errors import InputError, Refusal
-from compare.reference import LEVELS, settings_of
+from compare.levels import LEVELS
+from compare.reference import settings_of
 from compare.system import need_gmsh
 from meshes.parts import Scene
 

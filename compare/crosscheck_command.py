@@ -11,7 +11,8 @@ from compare.crosscheck_rows import ContactRow, agreement, columns, contact_rows
 from compare.crosscheck_study import STUDIES, checked_scene, run_study, scene_key
 from compare.errors import InputError
 from compare.jobs import Engine, ensure, plan
-from compare.reference import LEVELS, Reference, reference, shipped_store
+from compare.levels import LEVELS
+from compare.reference import Reference, reference, shipped_store
 from compare.study_command import on_terminal
 from compare.system import need_gmsh
 from meshes.parts import Scene

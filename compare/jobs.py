@@ -9,20 +9,9 @@ from pathlib import Path
 from time import perf_counter
 
 from compare.errors import InputError
+from compare.levels import LEVELS, SOURCE_LEVEL
 from compare.memory import reset_peak
-from compare.reference import (
-    LEVELS,
-    SOURCE_LEVEL,
-    Run,
-    Task,
-    bodies_path,
-    compute_with_bodies,
-    groups,
-    load,
-    path_in,
-    save,
-    with_bodies,
-)
+from compare.reference import Run, Task, bodies_path, compute_with_bodies, groups, load, path_in, save, with_bodies
 from compare.variants import VARIANTS
 from meshes.condensed import CondensedBodies
 from meshes.parts import Scene

@@ -16,9 +16,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.levels import LEVELS
 from compare.measure import LoadError, error_percent, load_error
 from compare.models import DEFAULT, Options, run_model
-from compare.reference import LEVELS, Run, load
+from compare.reference import Run, load
 from compare.variants import TWIST, VARIANTS, Kind, twisted
 from meshes.parts import Scene
 

@@ -18,12 +18,14 @@ from numpy.typing import NDArray
 from compare import __version__
 from compare.convergence import Convergence, Pooled, pool, representative_size
 from compare.errors import InputError, Refusal
+from compare.levels import LEVELS, SOURCE_LEVEL, scaled
 from compare.memory import peak_MB
 from compare.system import need_gmsh
 from compare.variants import VARIANTS
 from compare.writing import replace_file
 from meshes.condensed import CondensedBodies, geometry_digest
 from meshes.parts import Scene
+from meshes.solid import dimensions
 
 if TYPE_CHECKING:
     from hifi.fit import Settings
@@ -32,22 +34,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Step = Callable[[str], None]
 
-#: Mesh levels, coarse to fine; each refines patches, coarse bodies and balls by about 1.35. b_over_h counts second-order
-#: cells, so there are twice as many nodes. Lengths in m for the ball of ``BALL`` radius, other scenes in proportion.
-#: Level 0 is the source's mesh: first-order tetrahedra, 0.08 mm around every contact, 5 mm elsewhere (second-order ones
-#: of twice the size, split); it is no part of a convergence study.
-LEVELS: dict[int, dict[str, Any]] = {
-    1: {"b_over_h": 1.6, "fine": 1.6e-3, "coarse": 8.0e-3, "ball_fine": 0.55e-3, "ball_coarse": 1.2e-3, "cell": 5.0e-3},
-    2: {"b_over_h": 2.2, "fine": 1.2e-3, "coarse": 6.0e-3, "ball_fine": 0.42e-3, "ball_coarse": 0.95e-3, "cell": 4.2e-3},
-    3: {"b_over_h": 3.0, "fine": 0.92e-3, "coarse": 4.6e-3, "ball_fine": 0.32e-3, "ball_coarse": 0.72e-3, "cell": 3.6e-3},
-}
-SOURCE_LEVEL = 0
-SOURCE_MESH: dict[str, Any] = {
-    "b_over_h": 0.8, "fine": 1.6e-3, "coarse": 10.0e-3, "ball_fine": 0.55e-3, "ball_coarse": 1.3e-3, "cell": 5.0e-3,
-    "tet": 0.08e-3,
-}  # fmt: skip
-BALL = 2.778e-3
-PRODUCTION = max(LEVELS)
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
 SCHEMA = 3
 #: How often patches are enlarged where a contact reaches their rim, and by what at least.
@@ -85,7 +71,6 @@ class Run:
     balance: float
     along_groove: float
     screw_balance: float
-    left_out: float
     quality: dict[str, float]
     settings: dict[str, Any]
     assumed: tuple[str, ...]
@@ -174,9 +159,7 @@ def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Setti
 
     if level not in (SOURCE_LEVEL, *LEVELS):
         raise InputError("command line", "--levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
-    mesh = SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]
-    ratio = scenes[0].balls.radius / BALL
-    sizes: dict[str, Any] = {k: v * ratio if isinstance(v, float) and k != "b_over_h" else v for k, v in mesh.items()}
+    sizes = scaled(level, scenes[0].balls.radius)
     axes, reach = [], []
     for scene in scenes:
         try:
@@ -338,7 +321,7 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         centreline=np.column_stack([result.stations, result.centreline[:, :3]]), without=without, without_seconds=seconds,
         sides=setup.sides, unknowns=result.unknowns, stages=setup.seconds, solve_seconds=result.seconds["contact"],
         peak_MB=peak_MB(), balance=result.balance,
-        along_groove=result.along_groove, screw_balance=result.screw_balance, left_out=setup.left_out,
+        along_groove=result.along_groove, screw_balance=result.screw_balance,
         quality=setup.quality, settings=asdict(setup.settings), assumed=setup.dims.assumed,
         versions={"rollbench": __version__, **versions()},
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),

@@ -86,8 +86,8 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     """Compute the runs that the report needs and ``source`` does not hold yet."""
     from compare.comparison import REFERENCED
     from compare.jobs import all_variants, ensure, plan
+    from compare.levels import LEVELS
     from compare.modelling import VARIED
-    from compare.reference import LEVELS
 
     if not source.compute or source.stores is None:
         return

@@ -17,9 +17,10 @@ from compare.comparison import CONTENDERS, contenders, from_model, reference_ans
 from compare.convergence import observe
 from compare.errors import InputError, Refusal
 from compare.jobs import Engine, all_variants, ensure, plan
+from compare.levels import LEVELS, SOURCE_LEVEL
 from compare.measure import error_percent
 from compare.modelling import base_run
-from compare.reference import LEVELS, SOURCE_LEVEL, Run, load, reference, reference_of, shipped_store
+from compare.reference import Run, load, reference, reference_of, shipped_store
 from compare.variants import VARIANTS
 from compare.writing import replace_file
 from meshes.parts import SIDES, Scene

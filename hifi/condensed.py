@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from hifi.hertz import HertzSolution, hertz
+from hifi.pressures import mean_weights
 from meshes.condensed import CondensedBodies, geometry_digest
 
 if TYPE_CHECKING:
-    from hifi.patch import CondensedPatch
     from hifi.setup import Setup
 
 Array = NDArray[np.float64]
@@ -44,35 +45,6 @@ def unit_hertz(setup: Setup, side: int) -> HertzSolution:
     return hertz(1.0, *relative_radii(setup, side), material.youngs_modulus, material.poissons_ratio)
 
 
-def contact_weights(patch: CondensedPatch) -> Array:
-    """W ``(c, c)`` [m2]: bilinear hats on half cells (rows) against the displacements' biquadratic functions (columns).
-
-    Nodal forces are W^T p and weighted gaps W g for pressures p at the nodes of the contact zone's grid.
-    """
-    assert patch.shape is not None
-    grid = np.arange(len(patch.points)).reshape(patch.shape)
-    first = [np.arange(0, n - 1, 2) for n in patch.shape]
-    local = np.stack(np.meshgrid(range(3), range(3), indexing="ij"), -1).reshape(9, 2)
-    cells = grid[first[0][:, None, None] + local[:, 0], first[1][None, :, None] + local[:, 1]].reshape(-1, 9)
-    points, node_weight = np.polynomial.legendre.leggauss(4)
-    x = np.concatenate([0.5 * (points - 1.0), 0.5 * (points + 1.0)])
-    hats = np.maximum(1.0 - np.abs(x[:, None] - np.array([-1.0, 0.0, 1.0])), 0.0)
-    shape = np.column_stack([0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)])
-    slope = np.column_stack([x - 0.5, -2.0 * x, x + 0.5])
-    w = np.tile(0.5 * node_weight, 2)
-
-    def both(a: Array, b: Array) -> Array:
-        return np.asarray(np.einsum("pi,qj->pqij", a, b).reshape(x.size**2, 9))
-
-    at = patch.points[cells]
-    tangents = [np.einsum("qk,cka->cqa", both(a, b), at) for a, b in ((slope, shape), (shape, slope))]
-    area = np.linalg.norm(np.cross(*tangents), axis=-1) * np.outer(w, w).ravel()
-    own = np.einsum("cq,qk,ql->ckl", area, both(hats, hats), both(shape, shape))
-    W = np.zeros((grid.size, grid.size))
-    np.add.at(W, (cells[:, :, None], cells[:, None, :]), own)
-    return W
-
-
 def spread(setup: Setup, side: int, load: float) -> Array:
     """Forces on a side's contact nodes ``(c,)`` like Hertz's pressure under ``load`` [N], of unit resultant."""
     m, material = setup.map, setup.scene.balls.material
@@ -80,8 +52,8 @@ def spread(setup: Setup, side: int, load: float) -> Array:
     normal, tangent, forward = frame(setup, side)
     groove = setup.patches[side].groove
     x = groove.points - np.array([m.R, 0.0, 0.0]) - m.ball * normal
-    force = found.pressure(x @ tangent, x @ forward) @ contact_weights(groove)
-    return np.asarray(force / (force @ (groove.normals @ normal)))
+    force = found.pressure(x @ tangent, x @ forward) * groove.areas
+    return np.asarray(force / (force @ (mean_weights(groove.weights) @ (groove.normals @ normal))))
 
 
 def frame(setup: Setup, side: int) -> tuple[Array, Array, Array]:
@@ -112,8 +84,7 @@ def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
     """Approach [m] of ball and groove patch under ``loads`` [N], sockets held, pressed together along the nominal normal:
     mean over the contact's `PLACES` on the grid."""
     pair, m = setup.patches[side], setup.map
-    W = contact_weights(pair.groove)
-    C = W @ (pair.groove.A + pair.ball.A) @ W.T
+    W, C = mean_weights(pair.groove.weights), pair.own
     normal, tangent, forward = frame(setup, side)
     x = pair.groove.points - np.array([m.R, 0.0, 0.0])
     close = W @ (pair.groove.normals @ normal)
@@ -169,15 +140,8 @@ def body_motion(setup: Setup, side: int, force: Array) -> float:
 
 def ball_matrix(setup: Setup, spreads: dict[int, Array]) -> Array:
     """Compliance ``(k, k)`` [m/N] of one ball between its contacts, without its patches' own part."""
-    ends = np.cumsum([0, *(spreads[s].size for s in setup.sides)])
-    out = np.empty((len(setup.sides), len(setup.sides)))
-    for a, s in enumerate(setup.sides):
-        for b, t in enumerate(setup.sides):
-            block = setup.ball[ends[a] : ends[a + 1], ends[b] : ends[b + 1]]
-            if a == b:
-                block = block - setup.patches[s].ball.A
-            out[a, b] = spreads[s] @ block @ spreads[t]
-    return out
+    amplitudes = block_diag(*[spreads[s] @ setup.ball.modes[s] for s in setup.sides])
+    return np.asarray(amplitudes @ setup.ball.G @ amplitudes.T)
 
 
 def rest_of(setup: Setup, spreads: dict[int, Array]) -> Array:

@@ -19,12 +19,13 @@ from skfem import Mesh, condense
 from hifi import assembly
 from hifi.balls import solve_balls
 from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, of_order, patch_modes
-from hifi.compliance import uncoupled
+from hifi.compliance import BallBlock, uncoupled
 from hifi.fit import Settings, ball_place
 from hifi.forms import hooke
 from hifi.hertz import HertzSolution, hertz
 from hifi.part_meshes import Meshes, body_kind, mesh_parts, patch_mesh, patch_normals, placed, rotation, sockets_of
 from hifi.patch import CondensedPatch, PatchMesh, field
+from hifi.pressures import mean_weights
 from hifi.reference import ReferenceResult
 from hifi.setup import Setup, ball_compliance, nut_transform, screw_transform
 from hifi.sides import condense_side
@@ -278,22 +279,23 @@ def pressed_ball(scene: Scene, settings: Settings, ball: int, loads: Array, angl
     own = slice(ball, ball + 1)
     layout = BallLayout(*(getattr(whole, x.name)[own] for x in fields(BallLayout)))
     meshes = mesh_parts(scene, m, layout, dims, sides, settings)
-    patches = {s: condense_side(scene, m, meshes, s, settings) for s in sides}
-    C = ball_compliance(scene, meshes.ball, patches, settings).D
+    patches = {s: condense_side(scene, m, dims, meshes, s, settings) for s in sides}
+    whole_ball = ball_compliance(scene, meshes.ball, patches, settings)
+    block = BallBlock(tuple(patches[s].own for s in sides), tuple(whole_ball.modes[s] for s in sides), whole_ball.G)
     x3, z3 = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
-    gaps, N, f, start = [], np.zeros((len(C), 3 * len(sides))), np.zeros(3 * len(sides)), 0
+    gaps, N, f, start = [], np.zeros((len(block), 3 * len(sides))), np.zeros(3 * len(sides)), 0
     for k, s in enumerate(sides):
         groove = patches[s].groove
+        mean = mean_weights(groove.weights)
         arms = groove.points - np.array([m.R, 0.0, 0.0])
         length = np.linalg.norm(arms, axis=1)
         part, columns = slice(start, start + length.size), slice(3 * k, 3 * k + 3)
-        C[part, part] += groove.A
-        N[part, columns] = arms / length[:, None]
+        N[part, columns] = mean @ (arms / length[:, None])
         sx, sz = m.signs[s]
         f[columns] = loads[s] * (sx * np.cos(angles[s]) * x3 + sz * np.sin(angles[s]) * z3)
-        gaps.append(length - m.ball)
+        gaps.append(mean @ (length - m.ball))
         start = part.stop
-    found, _ = solve_balls(uncoupled(C), np.concatenate(gaps), sp.csr_matrix(N), f)
+    found, _ = solve_balls(uncoupled(block), np.concatenate(gaps), sp.csr_matrix(N), f)
     if not found.converged:
         raise ValueError(f"ball {ball + 1}: {found.status}")
     ends = np.cumsum([0] + [len(patches[s].groove.A) for s in sides])

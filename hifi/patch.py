@@ -47,8 +47,8 @@ class Lines:
 
 @dataclass(frozen=True)
 class PatchMesh:
-    """Mesh, boundaries "surface", "contact" (the zone on it) and "interface"; local coordinates of its nodes ``(n, 3)``; nodes
-    of the contact zone ``(c,)``, the shape
+    """Mesh, boundaries "surface", "contact" (the zone on it) and "interface"; local coordinates of its nodes ``(n, 3)``;
+    nodes of the contact zone ``(c,)``, the shape
     of their grid (None: no grid) and which are its outermost ``(c,)``; nodes of the interface, their tie to the socket's
     nodes ``(interface nodes, socket nodes)``; weights W ``(c, c)`` [m2] of pressures' hats (rows) at displacements
     (columns), see `hifi.pressures.contact_weights`."""
@@ -200,7 +200,7 @@ def hat_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) 
 
 
 def _at(mesh: PatchMesh, xi: Array) -> sp.csr_matrix:
-    """Displacements at points of the surface in local coordinates ``(p, 3)`` from those of the nodes of a grid, ``(p, n)``."""
+    """Displacements at points of the surface, local coordinates ``(p, 3)``, from those of the nodes of a grid, ``(p, n)``."""
     if mesh.contact_shape is None:
         raise ValueError("only a patch of hexahedra has a grid")
     top = np.flatnonzero(np.abs(mesh.xi[:, 1]) < 1e-12)
@@ -314,8 +314,8 @@ def condense_patch(
 ) -> CondensedPatch:
     """Condensation of a patch; ``normals`` ``(c, 3)``: directions of the contact forces and displacements.
 
-    Exact, or with the coarser patch ``carrier`` of the same socket in its stead: H and S, smooth as they are, hardly change,
-    A does. Raises ValueError where the contact zone reaches the patch's rim.
+    Exact, or with the coarser patch ``carrier`` of the same socket in its stead: H and S, smooth as they are, hardly
+    change, A does. Raises ValueError where the contact zone reaches the patch's rim.
     """
     begin = perf_counter()
     part = _partition(mesh, normals, young, poisson, carrier)

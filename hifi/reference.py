@@ -138,7 +138,7 @@ def _modal_rows(setup: Setup, sides: tuple[int, ...]) -> Index:
 
 
 def ball_block(setup: Setup, sides: tuple[int, ...], *, rigid: bool) -> BallBlock:
-    """Compliance of a ball and its grooves' patches between the pairs of ``sides``; rigid: ball rigid beyond its patches."""
+    """Compliance of a ball and its grooves' patches between pairs of ``sides``; rigid: ball rigid beyond its patches."""
     own = tuple(setup.patches[s].own for s in sides)
     ball = setup.ball
     if rigid:

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from skfem import Mesh
+from skfem import Basis, ElementVector, Mesh
 
 from hifi import assembly
 from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows
@@ -106,7 +106,9 @@ def _supports(piece: Piece) -> tuple[Index, sp.csr_matrix]:
     if piece.held:
         return np.setdiff1d(np.arange(size), freedoms_on(piece.mesh, *piece.held)), sp.csr_matrix((0, size))
     held = isostatic(points_of(piece.mesh), piece.socket)
-    V = assembly.space(piece.mesh)
+    V = Basis(
+        piece.mesh, ElementVector(piece.mesh.elem()), assembly.CurvedMap(piece.mesh), quadrature=assembly.rule(piece.mesh)
+    )
     fields = []
     for k in range(6):
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from meshes.ball_body import directions, sphere
+from meshes.fem import cells_of, nodes_on, points_of
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec, Surface
 from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
@@ -111,11 +112,12 @@ def _meshed(name: str, surface: Callable[[Shell, float], object], refinement: Re
         shell = Shell(gmsh, refinement.size(share), share * refinement.fine, plane)
         surface(shell, share)
         filled = fill(shell, volume)
-        named = {name: filled.on(shell.tris(name)) for name in sorted({f.name for f in shell.faces})}
-        points = untangle(filled.points, filled.cells, filled.on(shell.tris()))
-        points, moved = straighten(points, filled.cells, np.zeros(0, dtype=np.int64), STRAIGHTENED)
-        quality = measure(points, filled.cells, "P2")
+        mesh = untangle(filled.named(shell), filled.on(shell.tris()))
+        mesh, moved = straighten(mesh, np.zeros(0, dtype=np.int64), STRAIGHTENED)
+        quality = measure(mesh)
         refuse_bad(quality, name)
-        return WholeBody(points, filled.cells, named, quality), moved + max(0.0, POOREST - quality.smallest)
+        surface_nodes = {part: nodes_on(mesh, part) for part in sorted(mesh.boundaries or {})}
+        body = WholeBody(points_of(mesh), cells_of(mesh), surface_nodes, quality)
+        return body, moved + max(0.0, POOREST - quality.smallest)
 
     return best_of(name, attempt)

@@ -23,9 +23,10 @@ from compare.comparison import (
 from compare.findings import Finding, entry
 from compare.grid_summary import uncertainty_percent
 from compare.ladder import UNSEEN
+from compare.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from compare.measure import LoadError, error_percent, load_error
 from compare.modelling import VARIED, Modelling, combined, modelling_percent, varied
-from compare.reference import LEVELS, PRODUCTION, SOURCE_LEVEL, Reference, Run, load, reference
+from compare.reference import Reference, Run, load, reference
 from compare.sections.reference_time import time_items
 from compare.study import Study
 from meshes.parts import SIDES, Scene

@@ -13,9 +13,10 @@ import numpy as np
 from compare.cold import measure
 from compare.comparison import CONTENDERS, REFERENCED, Contender, suited
 from compare.ladder import UNSEEN, finest_bodies
+from compare.levels import SOURCE_LEVEL
 from compare.measure import error_percent, load_error
 from compare.models import Options, run_model
-from compare.reference import SOURCE_LEVEL, Array, Reference, load
+from compare.reference import Array, Reference, load
 from compare.study import Study
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Series, Table

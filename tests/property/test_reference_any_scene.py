@@ -8,9 +8,10 @@ import pytest
 
 from compare import catalogue
 from compare.errors import Refusal
+from compare.levels import BALL
 from compare.measure import load_error
 from compare.models import Options, run_model
-from compare.reference import BALL, Task, compute, needed_sides, settings_of
+from compare.reference import Task, compute, needed_sides, settings_of
 from compare.study import with_groove
 from hifi.fit import (
     Settings,

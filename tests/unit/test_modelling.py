@@ -31,7 +31,7 @@ def run_of(load: np.ndarray, variant: str, status: str = "converged") -> Run:
     return Run(
         scene="lin-case1", level=1, variant=variant, status=status, load=load, angle=np.full(load.shape, np.nan),
         frozen=load, centreline=np.zeros((3, 4)), without={}, without_seconds={}, sides=(0, 3), unknowns=10, stages={},
-        solve_seconds=0.5, peak_MB=None, balance=0.0, along_groove=0.0, screw_balance=0.0, left_out=0.0, quality={},
+        solve_seconds=0.5, peak_MB=None, balance=0.0, along_groove=0.0, screw_balance=0.0, quality={},
         settings={"b_over_h": 1.6}, assumed=(), versions={}, date="2026-01-01",
     )  # fmt: skip
 

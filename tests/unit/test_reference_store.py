@@ -11,8 +11,8 @@ from compare.comparison import CONTENDERS, from_model, gate_points, reference_an
 from compare.errors import InputError
 from compare.grid_summary import summarise
 from compare.ladder import UNSEEN
+from compare.levels import LEVELS
 from compare.reference import (
-    LEVELS,
     Run,
     Task,
     bodies_path,
@@ -41,7 +41,7 @@ def run_of(scene_name: str, level: int, load_: np.ndarray, variant: str = "", gr
         scene=scene_name, level=level, variant=variant, status="converged", load=load_, angle=np.full(load_.shape, np.nan),
         frozen=load_, centreline=np.zeros((3, 4)), without={"elastic nut": load_}, without_seconds={"elastic nut": 1.0},
         sides=(0, 3), unknowns=10, stages={"meshes": 1.0, "nut": 2.0}, solve_seconds=0.5, peak_MB=5.0, balance=0.0,
-        along_groove=0.0, screw_balance=0.0, left_out=0.0, quality={"elements across 2b": 6.0},
+        along_groove=0.0, screw_balance=0.0, quality={"elements across 2b": 6.0},
         settings=settings, assumed=("nothing",), versions={}, date="2026-01-01",
     )  # fmt: skip
 

@@ -8,7 +8,8 @@ import pytest
 from compare.comparison import REFERENCED
 from compare.convergence import LABELS
 from compare.ladder import UNSEEN
-from compare.reference import LEVELS, reference_of
+from compare.levels import LEVELS
+from compare.reference import reference_of
 from compare.sections import reference_mesh, reference_time
 from compare.sections.reference import LABELS as NAMES
 from compare.sections.reference import references
