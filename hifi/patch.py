@@ -200,7 +200,7 @@ def hat_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) 
 
 
 def _at(mesh: PatchMesh, xi: Array) -> sp.csr_matrix:
-    """Displacements at points of the surface, local coordinates ``(p, 3)``, from those of the nodes of a grid, ``(p, n)``."""
+    """Displacements at surface points, local coordinates ``(p, 3)``, from those of the nodes of a grid, ``(p, n)``."""
     if mesh.contact_shape is None:
         raise ValueError("only a patch of hexahedra has a grid")
     top = np.flatnonzero(np.abs(mesh.xi[:, 1]) < 1e-12)

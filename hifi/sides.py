@@ -90,7 +90,7 @@ def condense_side(
     ):
         piece, socket = piece_of(1.0, coarse=False)
         C = fine_compliance(piece, patch_mesh(meshes, socket, where, settings), along, *_constants(material))
-        V, rows, _ = patch_modes(condensed, modes)
+        V, rows = patch_modes(condensed, modes)
 
         def response(scale: float, piece_of=piece_of, condensed=condensed, rows=rows, material=material) -> Array:  # type: ignore[no-untyped-def]
             return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_constants(material))

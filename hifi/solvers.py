@@ -14,6 +14,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from hifi.factor_view import trailing
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
@@ -116,7 +118,7 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> FloatArray:
     i, j = np.tril_indices(m)
     rows = np.concatenate([lower.row, n + border.col, n + i]).astype(np.int64)
     cols = np.concatenate([lower.col, border.row, n + j]).astype(np.int64)
-    for enlarged in 1e2, 1e4, 1e6:
+    for enlarged in 1e4, 1e7:
         data = np.concatenate([lower.data, border.data, np.where(i == j, enlarged, 0.0)])
         sparse = cvxopt.spmatrix(data, rows, cols, (n + m, n + m), "d")
         try:
@@ -131,11 +133,13 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> FloatArray:
         probe = np.random.default_rng(2).standard_normal(m)
         dense = cvxopt.matrix(np.concatenate([np.zeros(n), probe]), tc="d")
         cholmod.solve(symbolic, dense)  # before getfactor, which takes the numbers out of the factor
-        pointers, indices, values = (np.array(part).ravel() for part in cholmod.getfactor(symbolic).CCS)
-        first = pointers[n]
-        trailing = sp.csc_matrix((values[first:], indices[first:] - n, pointers[n:] - first), shape=(m, m)).toarray()
+        found = trailing(symbolic, n + m, m)
+        if found is None:
+            pointers, indices, values = (np.array(part).ravel() for part in cholmod.getfactor(symbolic).CCS)
+            first = pointers[n]
+            found = sp.csc_matrix((values[first:], indices[first:] - n, pointers[n:] - first), shape=(m, m)).toarray()
         left = np.empty((m, m))
-        left[np.ix_(last, last)] = trailing @ trailing.T
+        left[np.ix_(last, last)] = found @ found.T
         if not np.linalg.norm(left @ np.array(dense).ravel()[n:] - probe) <= 1e-9 * np.linalg.norm(probe):
             break
         return np.asarray((enlarged * np.eye(m) - left) * np.outer(root, root))
