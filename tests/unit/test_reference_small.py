@@ -17,6 +17,7 @@ from hifi.fit import Settings, ball_place
 from hifi.forms import elasticity
 from hifi.response import compliance
 from hifi.setup import placed
+from meshes.cache import Cache
 from meshes.parts import Load, Support
 from meshes.sockets import local_points
 
@@ -211,3 +212,14 @@ def test_ball_errors_and_lost_contact(small):
     assert lost.load[0, 0] == 0.0
     assert lost.load[1, 0] > 400.0
     assert np.isnan(lost.contact_angle[0, 0])
+
+
+def test_a_prepared_geometry_comes_whole_from_the_cache(small, tmp_path):
+    """Also what depends on records that came from the cache themselves."""
+    first, again = Cache(tmp_path), Cache(tmp_path)
+    setup.prepare(two_balls(), (0, 3), SMALL, cache=first)
+    found = setup.prepare(two_balls(), (0, 3), SMALL, cache=again)
+    assert first.hits == again.misses == 0
+    assert first.misses == again.hits > 5
+    np.testing.assert_array_equal(found.ball, small.ball)
+    np.testing.assert_array_equal(found.screw.stretch.F, small.screw.stretch.F)

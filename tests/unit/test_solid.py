@@ -66,15 +66,12 @@ def test_homogenised_shaft_lies_between_root_and_lands():
     assert 1.02 * steel.youngs_modulus * area > found.section.EA
 
 
-@pytest.mark.parametrize("cvxopt", [True, False])
-def test_compliance_of_many_rows(monkeypatch, cvxopt):
+def test_compliance_of_many_rows():
     rng = np.random.default_rng(3)
     n = 60
     A = sp.random(n, n, 0.1, random_state=rng) + sp.identity(n) * 4.0
     K = (A @ A.T).tocsc()
     rows = sp.random(12, n, 0.3, random_state=rng).tocsr()
-    if not cvxopt:
-        monkeypatch.setattr(response, "find_spec", lambda _: None)
     wanted = rows @ np.linalg.solve(K.toarray(), rows.toarray().T)
     np.testing.assert_allclose(response.compliance(K, rows), wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
     assert response.compliance(K, rows[:0]).shape == (0, 0)
