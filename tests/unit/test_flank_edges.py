@@ -1,4 +1,4 @@
-"""Edges on a groove's flanks: no longer than the curvature allows, shorter on finer meshes, longer than cells need not be."""
+"""Edges on the flanks of a groove: as long as the coarse element size asks for, no longer than the curvature allows."""
 
 from dataclasses import replace
 
