@@ -36,8 +36,8 @@ Step = Callable[[str], None]
 
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
 SCHEMA = 3
-#: How often patches are enlarged where a contact reaches their rim, and by what at least.
-ENLARGE, BEYOND = 2, 1.2
+#: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
+ENLARGE, BEYOND, LARGER = 2, 1.2, 4
 #: The same for the condensed bodies.
 BODIES = 1
 
@@ -279,16 +279,17 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run]) -> tupl
         across, along = (size * np.array([getattr(unit, name) for unit in units]) for name in ("semi_x", "semi_y"))
         needs = np.maximum(needs, [float((across + shift).max()), float(along.max())])
     has, reach = zone(setup.settings), np.array(setup.settings.reach)
-    a, b = np.maximum(BEYOND * reach, needs).tolist()
-    larger, need = replace(setup.settings, reach=(a, b)), (float(needs[0]), float(needs[1]))
-    words = f"by the loads found it needs {mm(need)}, the patch has {mm(has)}"
-    try:
-        after = zone(larger)
-    except ValueError as error:
-        return None, f"{words}; a larger one is refused: {error}"
-    if max(after[0] / has[0], after[1] / has[1]) < 1.0 + 1e-6:
-        return None, f"{words}, as much as there is room for; lower the load, or make more room beside the contact"
-    return larger, words
+    words = f"by the loads found it needs {mm((float(needs[0]), float(needs[1])))}, the patch has {mm(has)}"
+    for power in range(1, LARGER + 1):  # a small step may be less than a cell
+        a, b = np.maximum(BEYOND**power * reach, needs).tolist()
+        larger = replace(setup.settings, reach=(a, b))
+        try:
+            after = zone(larger)
+        except ValueError as error:
+            return None, f"{words}; a larger one is refused: {error}"
+        if max(after[0] / has[0], after[1] / has[1]) > 1.0 + 1e-6:
+            return larger, words
+    return None, f"{words}, as much as there is room for; lower the load, or make more room beside the contact"
 
 
 def with_bodies(task: Task) -> bool:

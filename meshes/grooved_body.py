@@ -56,6 +56,9 @@ from meshes.sockets import (
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+#: Longest edges on flanks over the coarse element size: a long groove of a small section makes most of a body's cells.
+FLANK = 0.48
+
 
 @dataclass(frozen=True)
 class BodySpec:
@@ -210,7 +213,7 @@ class Surface:
             box, raised = kinds[socket[2]]
             places = (socket_points(m, spec.size, socket, x) for x in (box.xi, raised))
             self.corners.append(shell.socket("sockets", box, *places))
-        self.flank_limit = share * BEND[0] * float(m.radius[self.groove.sides[0]])
+        self.flank_limit = share * min(BEND[0] * float(m.radius[self.groove.sides[0]]), FLANK * spec.coarse)
         self.bend = share * BEND[1]
         self.start = widest_gap(spec)
         self._ends(self._helix() if m.rg else self._ring())

@@ -29,7 +29,7 @@ MM = 1e3
 #: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.
 GROWTH = (0.18, 2.9)
 #: Longest edges on curved faces over their radius: flanks; lands, bores and outsides.
-BEND = (0.8, 1.1)
+BEND = (1.2, 1.1)
 #: Longest edges of the smooth surface behind a groove over the wall's thickness.
 WALL = 1.6
 #: How fast edges grow away from the surface.
