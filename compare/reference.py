@@ -54,7 +54,7 @@ SCHEMA = 2
 #: How often patches are enlarged where a contact reaches their rim.
 ENLARGE = 2
 #: The same for the condensed bodies.
-BODIES = 1
+BODIES = 2
 Change = Callable[[Scene], Scene]
 
 
