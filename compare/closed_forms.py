@@ -9,9 +9,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from lowfi.hertz import contact_modulus, hertz_constants
-from lowfi.problem import nominal_hertz
+from lowfi.problem import drawn_hertz, nominal_hertz
 from lowfi.static import solve_static
-from meshes.helix import lead_angle
+from meshes.errors import specimen
+from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Errors, Ingredients, Load, Scene, Support
 from meshes.section import screw_section
 
@@ -105,7 +106,7 @@ def preload(scene: Scene, oversize: float) -> tuple[float, float]:
         scene, errors=replace(Errors(), balls=replace(Errors().balls, oversize=oversize)), loads=(),
         ingredients=Ingredients(screw="rigid"),
     )  # fmt: skip
-    constants = nominal_hertz(squeezed).C
+    constants = drawn_hertz(squeezed, specimen(squeezed, ball_layout(squeezed))).C[0]
     beta = scene.track.contact_angle
     screw, nut = (body.groove_radius - scene.balls.radius for body in (scene.screw, scene.nut))
 

@@ -35,11 +35,11 @@ Array = NDArray[np.float64]
 Step = Callable[[str], None]
 
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
-SCHEMA = 3
+SCHEMA = 4
 #: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
 ENLARGE, BEYOND, LARGER = 2, 1.2, 4
 #: The same for the condensed bodies.
-BODIES = 1
+BODIES = 2
 
 
 @dataclass(frozen=True)

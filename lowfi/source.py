@@ -242,8 +242,7 @@ def solve_source(
     if scene.ingredients.screw == "rigid":
         raise ValueError("the source's formulation needs a beam screw")
     layout = ball_layout(scene)
-    drawn, use = specimen(scene, layout, member), np.ones(4, dtype=bool)
-    problem = build(error_free(scene), drawn, layout, use, everything=everything)
+    problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
     if hertz is not None:
         problem.C[:] = hertz
     axes = np.stack([layout.radial, layout.binormal], axis=1)
@@ -269,10 +268,14 @@ def solve_source(
 
 
 def solve_source_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
-    """``solve_source`` from the designer's guess, as the same result record as the other models."""
+    """``solve_source`` from the designer's guess, as the same result record as the other models.
+
+    With Hertz constants of error-free parts, as the source has them, where the scene asks for each contact's own radii.
+    """
+    scene = error_free(scene)
     layout = ball_layout(scene)
     use = np.ones(4, dtype=bool)
-    problem = build(error_free(scene), specimen(scene, layout, member), layout, use, everything=everything)
+    problem = build(scene, specimen(scene, layout, member), layout, use, everything=everything)
     mechanism = free_motions(problem)
     if mechanism.driven:
         return failed_result(problem, "source", f"not held: {mechanism.text}", 0.0)

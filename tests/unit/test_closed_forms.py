@@ -11,9 +11,10 @@ import pytest
 from scipy.optimize import brentq
 
 from compare import catalogue
-from lowfi.problem import nominal_hertz
+from lowfi.problem import drawn_hertz
 from lowfi.static import solve_static
-from meshes.helix import lead_angle
+from meshes.errors import specimen
+from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Balls, Load, Support
 from meshes.section import screw_section
 from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
@@ -21,8 +22,13 @@ from tests.helpers import ALL_BUT_AXIAL, relative, small_screw, solved
 BETAS = [0.3, np.pi / 4, 1.1]
 
 
+def constants(scene):
+    """Hertz constants of the four sides with the scene's balls, all of one size."""
+    return drawn_hertz(scene, specimen(scene, ball_layout(scene))).C[0]
+
+
 def pair_constant(scene):
-    C = nominal_hertz(scene).C
+    C = constants(scene)
     return C[0] + C[3]
 
 
@@ -157,7 +163,7 @@ def four_contacts(scene, v):
 
     By symmetry SL = SR and NL = NR: one unknown, the ball's radial shift.
     """
-    beta, C = scene.track.contact_angle, nominal_hertz(scene).C
+    beta, C = scene.track.contact_angle, constants(scene)
     radii = scene.screw.groove_radius, scene.nut.groove_radius
 
     def contact(p, body):
