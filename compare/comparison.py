@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.convergence import observe, pool
+from compare.convergence import pool
 from compare.errors import InputError
 from compare.findings import entry
 from compare.grid_summary import uncertainty_percent
@@ -151,14 +151,6 @@ def rows(scene: Scene, answer: Loads, found: Reference) -> list[Row]:
     return [*_contact_rows(scene, answer, found), *_line_rows(scene, answer, found), *_summary_rows(scene, answer, found)]
 
 
-def uncertainty_of(found: Reference, take: Callable[[Run], float]) -> float | None:
-    """Grid uncertainty of one quantity of a reference; None with one level, or where the quantity is missing."""
-    values = [take(run) for run in found.runs]
-    if not np.isfinite(values).all():
-        return None
-    return observe(values, found.sizes).uncertainty
-
-
 def uncertainties_of(found: Reference, take: Callable[[Run], Array]) -> Array:
     """Grid uncertainties of like quantities (any shape) with one order for all; nan with one level, or where one is
     missing on a level."""
@@ -225,7 +217,7 @@ def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
     ratio, own = load_ratio(answer.load), load_ratio(found.load)
     yield Row(
         scene.name, "largest over smallest load, SL", None, None, "", printed(keys[2]), answer.model, ratio, own,
-        uncertainty_of(found, lambda run: load_ratio(run.load)), float(error_percent(ratio, own)), answer.seconds,
+        ratio_uncertainty(found), float(error_percent(ratio, own)), answer.seconds,
     )  # fmt: skip
 
 
@@ -233,6 +225,17 @@ def load_ratio(load: Array) -> float:
     """Largest over smallest load on the screw's left flanks; infinite where one has lost contact."""
     smallest = float(load[:, 0].min())
     return float(load[:, 0].max()) / smallest if smallest > 0.0 else float("inf")
+
+
+def ratio_uncertainty(found: Reference) -> float | None:
+    """Grid uncertainty of `load_ratio`: the relative ones of its two contacts, which may err in opposite senses; None with
+    one level or without a finite ratio."""
+    ratio = load_ratio(found.load)
+    if found.uncertainty is None or not np.isfinite(ratio):
+        return None
+    own = found.load[:, 0]
+    ends = [int(own.argmax()), int(own.argmin())]
+    return ratio * float(sum(found.uncertainty[k, 0] / own[k] for k in ends))
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,8 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
     """Per quantity: value on each level, its own order, extrapolated value, grid uncertainty and why it has an order or
     none; modelling uncertainty (root of squares over the choices that were varied) and the effect of the scene's own ones.
 
-    Loads of single contacts have the uncertainty of the fit with one order for all contacts, the others that of their own.
+    Loads of single contacts, extremes that every level finds at the same ball among them, have the uncertainty of the fit
+    with one order for all contacts, the others that of their own.
     """
     runs = tuple(r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None)
     if not runs:
@@ -77,8 +78,9 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(runs) >= 2:
-            of_contact = found.convergence is not None and take.func is _single
-            c = found.convergence[take.args[0]][take.args[1]] if of_contact else observe(values, found.sizes)  # type: ignore[index]
+            contact = _contact(take, runs)
+            pooled = found.convergence is not None and contact is not None
+            c = found.convergence[contact[0]][contact[1]] if pooled else observe(values, found.sizes)  # type: ignore[index]
             row |= {
                 "order": c.order, "extrapolated": c.extrapolated, "uncertainty": c.uncertainty,
                 "uncertainty_percent": _percent(c.uncertainty, values[-1]), "kind": c.text,
@@ -89,6 +91,17 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
             row["scene_choices"] = max((m for v, m in moves.items() if VARIANTS[v].kind == "scene"), default=None)
         table.append(row)
     return table
+
+
+def _contact(take: Take, runs: Sequence[Run]) -> tuple[int, int] | None:
+    """Ball and side of the contact whose load a quantity is on every level, if it is that of one contact."""
+    if take.func is _single:
+        return take.args[0], take.args[1]
+    if take.func is not _extreme:
+        return None
+    side, sign = take.args
+    balls = {int((sign * run.load[:, side]).argmax()) for run in runs}
+    return (balls.pop(), side) if len(balls) == 1 else None
 
 
 def _percent(value: float | None, of: float) -> float | None:

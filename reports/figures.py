@@ -97,8 +97,9 @@ def draw(figure: Figure) -> str:
             handles, labels = canvas.axes[0].get_legend_handles_labels()
             if labels:
                 place = "outside lower center"
-                canvas.legend(handles, labels, loc=place, ncols=min(4, len(labels)), handlelength=3.2)
-                legends = 1
+                count = min(2 if max(map(len, labels)) > 34 else 4, len(labels))
+                canvas.legend(handles, labels, loc=place, ncols=count, handlelength=3.2)
+                legends = max(1, math.ceil(len(labels) / count) - 2)
         canvas.set_size_inches(_WIDTH[columns], rows * (_HEIGHT[columns] + 0.2 * legends))
         stream = io.StringIO()
         canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Title": figure.title})

@@ -185,7 +185,7 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
 
 
 def time_panel(scene: str, own: Sequence[TimePoint]) -> Panel:
-    """Error over cold run time of one scene, each point with its error bar."""
+    """Error over cold run time of one scene, each point with its error bar; the levels cost more from one to the next."""
 
     def series(label: str, points: Sequence[TimePoint], style: str, *, emphasis: bool = False) -> Series:
         low = [max(p.low, FLOOR) for p in points if p.low is not None]
@@ -199,7 +199,7 @@ def time_panel(scene: str, own: Sequence[TimePoint]) -> Panel:
     drawn += [series(p.label, [p], "markers") for p in good if p.kind == "source mesh"]
     levels = [p for p in good if p.kind == "level"]
     if levels:
-        drawn.append(series("3D reference, its levels", levels, "line+markers", emphasis=True))
+        drawn.append(series("3D reference, its levels", levels, "markers", emphasis=True))
     return Panel(scene, "run time, cold / s", "largest error / % of the mean load", tuple(drawn), log="xy")
 
 

@@ -327,6 +327,11 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
         "scene", "quantity", "ball", "side", "unit", "printed", "model", "value", "reference", "reference_error",
         "error_percent", "seconds",
     }  # fmt: skip
+    assert found.uncertainty is not None
+    ends = [int(pick(found.load[:, 0])) for pick in (np.argmax, np.argmin)]
+    share = sum(found.uncertainty[k, 0] / found.load[k, 0] for k in ends)
+    ratio = next(r for r in own if r.quantity.startswith("largest over smallest"))
+    assert ratio.reference_error == pytest.approx(comparison.load_ratio(found.load) * share)
     finest = next(a for a in reference_answers(found, None) if a.model == f"3D level {max(LEVELS)}")
     assert all(r.error_percent == 0.0 for r in rows(scene, finest, found) if r.quantity == "load")
 
@@ -349,6 +354,9 @@ def test_mesh_study_says_why_there_is_an_order_or_none() -> None:
     assert found.convergence is not None
     ball = next(row for row in table if row["quantity"] == "load of ball 5, NR")
     assert ball["uncertainty"] == found.convergence[4][3].uncertainty
+    balls = {int(run.load[:, 0].argmax()) for run in found.runs}
+    assert len(balls) == 1, "the largest load stays at one ball, whose uncertainty it has"
+    assert largest["uncertainty"] == found.convergence[balls.pop()][0].uncertainty
 
 
 def test_two_levels_give_a_band_and_one_none(tmp_path: Path) -> None:
