@@ -68,6 +68,11 @@ class PatchMesh:
         return kind_of(self.mesh)
 
     @property
+    def areas(self) -> Array:
+        """Areas of the pressure hats ``(c,)`` [m2]."""
+        return np.asarray(self.weights.sum(axis=1)).ravel()
+
+    @property
     def points(self) -> Array:
         """Nodes ``(n, 3)`` [m]."""
         return points_of(self.mesh)
@@ -325,7 +330,7 @@ def condense_patch(
     A, H, S = F[:c, :c], -F[:c, c:], boundary - F[c:, c:]
     return CondensedPatch(
         A=0.5 * (A + A.T), H=H, S=0.5 * (S + S.T), points=mesh.points[mesh.contact], normals=normals,
-        areas=np.asarray(mesh.weights.sum(axis=1)).ravel(), rim=mesh.rim, shape=mesh.contact_shape, weights=mesh.weights,
+        areas=mesh.areas, rim=mesh.rim, shape=mesh.contact_shape, weights=mesh.weights,
         unknowns=3 * (mesh.mesh.doflocs.shape[1] - mesh.interface.size), seconds=perf_counter() - begin,
     )  # fmt: skip
 

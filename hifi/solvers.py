@@ -118,7 +118,7 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> FloatArray:
     i, j = np.tril_indices(m)
     rows = np.concatenate([lower.row, n + border.col, n + i]).astype(np.int64)
     cols = np.concatenate([lower.col, border.row, n + j]).astype(np.int64)
-    for enlarged in 1e4, 1e7:
+    for enlarged in 1e3, 1e5, 1e7:
         data = np.concatenate([lower.data, border.data, np.where(i == j, enlarged, 0.0)])
         sparse = cvxopt.spmatrix(data, rows, cols, (n + m, n + m), "d")
         try:
