@@ -38,6 +38,8 @@ Step = Callable[[str], None]
 SCHEMA = 4
 #: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
 ENLARGE, BEYOND, LARGER = 2, 1.2, 4
+#: Share by which a patch must grow to be built again.
+GROWN = 5e-3
 #: The same for the condensed bodies.
 BODIES = 2
 
@@ -280,16 +282,19 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run]) -> tupl
         needs = np.maximum(needs, [float((across + shift).max()), float(along.max())])
     has, reach = zone(setup.settings), np.array(setup.settings.reach)
     words = f"by the loads found it needs {mm((float(needs[0]), float(needs[1])))}, the patch has {mm(has)}"
-    for power in range(1, LARGER + 1):  # a small step may be less than a cell
-        a, b = np.maximum(BEYOND**power * reach, needs).tolist()
+    refused = ""
+    # a small step may be less than a cell, a large one more than there is room for: then the largest that fits
+    for factor in (*(BEYOND**power for power in range(1, LARGER + 1)), *np.linspace(BEYOND, 1.0, 41)[1:-1]):
+        a, b = np.maximum(factor * reach, 0.0 if refused else needs).tolist()
         larger = replace(setup.settings, reach=(a, b))
         try:
             after = zone(larger)
         except ValueError as error:
-            return None, f"{words}; a larger one is refused: {error}"
-        if max(after[0] / has[0], after[1] / has[1]) > 1.0 + 1e-6:
+            refused = refused or f"; a larger one is refused: {error}"
+            continue
+        if max(after[0] / has[0], after[1] / has[1]) > 1.0 + GROWN:
             return larger, words
-    return None, f"{words}, as much as there is room for; lower the load, or make more room beside the contact"
+    return None, words + (refused or ", as much as there is room for; lower the load, or make more room beside the contact")
 
 
 def with_bodies(task: Task) -> bool:

@@ -21,7 +21,7 @@ from hifi.fields import (
     screw_displacement,
     von_mises,
 )
-from hifi.fit import Settings, expected_semi_axes
+from hifi.fit import Settings, expected_reach, expected_semi_axes
 from hifi.hertz import hertz
 from hifi.reference import solve_reference
 from hifi.setup import ball_compliance, mesh_parts, prepare
@@ -41,7 +41,8 @@ def case(tmp_path_factory):
     scene = replace(scene, nut=replace(scene.nut, length=16e-3), solid=Solid(shaft=6e-3, shaft_diameter=30e-3))
     semi = expected_semi_axes(scene)
     settings = Settings(
-        b_over_h=1.7, semi=semi, reach=semi, fine=2.4e-3, coarse=10e-3, ball_fine=0.8e-3, ball_coarse=1.6e-3, modes=20
+        b_over_h=1.7, semi=semi, reach=expected_reach(scene), fine=2.4e-3, coarse=10e-3, ball_fine=0.8e-3,
+        ball_coarse=1.6e-3, modes=20,
     )
     cache = Cache(tmp_path_factory.mktemp("cache"))
     setup = prepare(scene, SIDES, settings, cache=cache)
