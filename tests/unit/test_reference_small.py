@@ -231,7 +231,7 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
         # Hertz's 2/3, less what the held sockets take away
         assert 0.59 < np.log(approach[-1] / approach[0]) / np.log(loads[-1] / loads[0]) < 2 / 3
         mirrored = tuple((-x, -y) for x, y in condensed.PLACES)
-        for places, tolerance in ((mirrored, 5e-3), (((0.0, 0.0),), 0.1)):
+        for places, tolerance in ((mirrored, 5e-3), (((0.0, 0.0),), 0.15)):
             with monkeypatch.context() as patch:
                 patch.setattr(condensed, "PLACES", places)
                 assert condensed.patch_approaches(small, s, loads) == pytest.approx(approach, rel=tolerance)
