@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: Number of forces at which a contact's own approach is sampled; part of its zone that the largest ellipse fills; least
-#: short semi-axis over the cell.
-SAMPLES, FILLED, COARSEST = 16, 0.85, 1.0
+#: short semi-axis over the cell, and over the largest one where that asks for more.
+SAMPLES, FILLED, COARSEST, LEAST = 16, 0.85, 1.0, 0.6
 #: Places of the contact beside the middle node, in half cells: odd quarters of a cell on either side.
 PLACES = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
 
@@ -68,7 +68,10 @@ def frame(setup: Setup, side: int) -> tuple[Array, Array, Array]:
 
 
 def forces_of(setup: Setup, side: int) -> Array:
-    """Forces ``(f,)`` [N] over which a side's patch resolves a contact: from a short semi-axis of one cell to its zone."""
+    """Forces ``(f,)`` [N] over which a side's patch resolves a contact: from a short semi-axis of one cell to its zone.
+
+    On a grid too coarse for that, from a part of the largest ellipse.
+    """
     m, unit = setup.map, unit_hertz(setup, side)
     groove = setup.patches[side].groove
     assert groove.shape is not None
@@ -77,7 +80,7 @@ def forces_of(setup: Setup, side: int) -> Array:
     half = np.abs(x[-1, 0] @ tangent - x[0, 0] @ tangent) / 2.0, np.abs(x[0, -1] @ forward - x[0, 0] @ forward) / 2.0
     cell = 2.0 * half[1] / (groove.shape[1] // 2)
     high = FILLED * min(half[0] / unit.semi_x, half[1] / unit.semi_y)
-    return np.asarray(np.geomspace(COARSEST * cell / unit.semi_y, high, SAMPLES) ** 3)
+    return np.asarray(np.geomspace(min(COARSEST * cell / unit.semi_y, LEAST * high), high, SAMPLES) ** 3)
 
 
 def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:

@@ -161,7 +161,7 @@ def test_elastic_rings(name):
     found = solve_elastic(scene, backend=REFINED)
     assert found.status == lin.status == "converged"
     assert found.equilibrium.force_residual < 1e-9
-    assert 2e-3 < relative(found.load, lin.load) < 0.05
+    assert 1e-3 < relative(found.load, lin.load) < 0.05  # stiffer flanks and softer, oblique contacts nearly cancel
     assert np.abs(found.load.sum(axis=0) / lin.load.sum(axis=0) - 1.0).max() < 0.2
 
 

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from scipy.linalg import block_diag
 
 from compare import catalogue
-from hifi import reference, setup
+from hifi import condensed, reference, setup
 from hifi.assembly import assemble
 from hifi.balls import solve_balls
 from hifi.bodies import freedoms, isostatic
@@ -223,3 +223,28 @@ def test_a_prepared_geometry_comes_whole_from_the_cache(small, tmp_path):
     assert first.misses == again.hits > 5
     np.testing.assert_array_equal(found.ball, small.ball)
     np.testing.assert_array_equal(found.screw.stretch.F, small.screw.stretch.F)
+
+
+def test_own_approaches_of_condensed_bodies(small, monkeypatch):
+    """Spread forces have unit resultants, the matrices' own force adds nothing, the place on the grid does not matter."""
+    forces = {s: condensed.forces_of(small, s) for s in small.sides}
+    spreads = {s: condensed.spread(small, s, float(np.median(f))) for s, f in forces.items()}
+    for s, f in spreads.items():
+        assert f @ (small.patches[s].groove.normals @ condensed.frame(small, s)[0]) == pytest.approx(1.0, rel=1e-12)
+    found = condensed.condensed_bodies(small, 1)
+    middle = np.array([float(np.median(f)) for f in forces.values()])
+    own = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
+    np.testing.assert_allclose(condensed.rest_of(small, own), condensed.rest_of(small, spreads), rtol=1e-12)
+    for k, s in enumerate(small.sides):
+        loads = forces[s]
+        assert found.force[k] == pytest.approx(loads, rel=1e-12)
+        assert found.scatter(s) < 0.02  # cells are wider than the ellipse is thick: 1 % here, 0.1 % on level 1
+        approach = condensed.patch_approaches(small, s, loads)
+        assert np.all(np.diff(approach) > 0.0)
+        # Hertz's 2/3, less what the held sockets take away
+        assert 0.59 < np.log(approach[-1] / approach[0]) / np.log(loads[-1] / loads[0]) < 2 / 3
+        mirrored = tuple((-x, -y) for x, y in condensed.PLACES)
+        for places, tolerance in ((mirrored, 5e-3), (((0.0, 0.0),), 0.15)):
+            with monkeypatch.context() as patch:
+                patch.setattr(condensed, "PLACES", places)
+                assert condensed.patch_approaches(small, s, loads) == pytest.approx(approach, rel=tolerance)
