@@ -46,16 +46,16 @@ class ContactRow:
 
 
 def series(data: CrossData) -> list[CrossRun]:
-    """The runs that differ in the element size at the contacts alone, coarse to fine: the longest such series."""
+    """The runs with small displacements and the contact stiffness of most, fewest nodes first."""
     own = [r for r in data.runs if not r.nlgeom]
-    alike = [[r for r in own if (r.growth, r.stiffness) == (one.growth, one.stiffness)] for one in own]
-    longest = max(len(runs) for runs in alike)
-    return sorted(next(runs for runs in alike if len(runs) == longest), key=lambda r: r.b_over_h)
+    alike = [sum(r.stiffness == one.stiffness for r in own) for one in own]
+    most = own[int(np.argmax(alike))].stiffness
+    return sorted((r for r in own if r.stiffness == most), key=lambda r: r.nodes)
 
 
 def deck_label(run: CrossRun) -> str:
-    """Short name of a deck in a series."""
-    return f"b/h {run.b_over_h:g}"
+    """Short name of a deck in a series: elements across the short half axis, growth."""
+    return f"b/h {run.b_over_h:g}, g {run.growth:g}"
 
 
 def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
