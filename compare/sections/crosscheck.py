@@ -25,9 +25,9 @@ EXTRAPOLATED = (
     "One mesh of another program proves nothing: element size h at the contacts, growth g of the elements away from them "
     "and contact stiffness k are varied, and all contacts of all runs fitted at once by F0 + A e + B / k. With the size of "
     "elements over the distance in which a contact's field changes there, (h + g d) / (c + d), and the field's energy "
-    "spread evenly over x = c / (c + d), e is the mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and the length c "
-    "over the short half axis are common to all contacts. The uncertainty of a contact is the change of its limit over all "
-    "orders and lengths that fit nearly as well as the best, joined with its own scatter."
+    "spread evenly over x = c / (c + d), e is the mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and the length "
+    "c over the short half axis are common to all contacts. The uncertainty of a contact is the change of its limit over "
+    "all orders and lengths that fit nearly as well as the best, joined with its own scatter."
 )
 
 
