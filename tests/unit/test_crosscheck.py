@@ -182,6 +182,8 @@ def test_rows_compare_limits_in_per_cent_of_the_mean_load():
     said = agreement("two-balls", rows)
     assert "NOT within 0.5 %" in said
     assert "ball 2 SR" in said
+    assert "1 of 6 contacts differ by more" in said  # by 5 N; 2 N are the reference's own uncertainty
+    assert "0 of 6 contacts differ by more" in agreement("two-balls", [replace(r, ours_percent=2.0) for r in rows])
     assert contact_rows(DATA, ours([LIMIT]))[0].ours_percent is None
 
 
