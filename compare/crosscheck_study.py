@@ -73,12 +73,12 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None]) -> CrossDat
         made = build_deck(scene, options)
         text = write(made.deck, UNIT)
         try:
-            outcome = run(text, work / label(options))
+            outcome = run(text, work / scene.name / label(options))
+            runs.append(record(made, options, digest(text), outcome))
         except ValueError as error:
             raise InputError(
                 scene.name, label(options), str(error), "a deck that CalculiX solves", "see its folder"
             ) from None
-        runs.append(record(made, options, digest(text), outcome))
         step(f"{label(options)}: {made.deck.node_count} nodes, {outcome.iterations} iterations, {outcome.seconds:.0f} s")
     return CrossData(scene.name, scene_key(scene.name), __version__, metadata.version("gmsh"), tuple(runs))
 
