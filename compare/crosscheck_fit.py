@@ -1,8 +1,17 @@
 """Another program's loads extrapolated to elements of no size and to rigid contact, with what that is worth.
 
-Element size at the contacts h, growth of the elements away from them g and contact compliance 1/k change every load
-smoothly, F = F0 + A h^p + B g^q + C / k: the compliance enters to first order (an overclosure in series with the
-contact's own approach), the orders p and q are those that fit all contacts of all runs best.
+Elements of a deck are h at the contacts and grow by g per distance d from them. With c the length over which the field of
+a contact changes, their size over the distance in which the field changes there is (h + g d) / (c + d), and the energy
+of the field, F^2 / (c + d)^2 per distance, is spread evenly over x = c / (c + d). An error of order p of the elements'
+relative size thus changes a load in proportion to
+
+    e = int_0^1 (x h / c + (1 - x) g)^p dx,
+
+and the compliance 1 / k of the contact law to first order (an overclosure in series with the contact's own approach):
+
+    F = F0 + A e + B / k,  c = lambda b,  b the short half axis of the contact's own load.
+
+A and B are each contact's own; lambda and p are common to all contacts of a scene and fitted to all runs.
 """
 
 from __future__ import annotations
@@ -18,80 +27,97 @@ from compare.crosscheck_data import CrossRun
 
 Array = NDArray[np.float64]
 
-#: Orders tried.
-ORDERS = tuple(np.arange(1.0, 4.01, 0.25).tolist())
-#: Orders whose misfit is up to this many times the smallest are as credible as the best.
-CREDIBLE = 2.0
+#: Orders tried: second-order elements have 4 where the field is smooth and 3 at the rim of a contact, whose pressure falls
+#: like a root; coarse ones may show as little as first-order elements have, 2.
+ORDERS = tuple(np.arange(2.0, 4.01, 0.25).tolist())
+#: Lengths tried, over the short half axis: up to the long one of a slender ellipse.
+LENGTHS = tuple(np.geomspace(0.5, 6.0, 26).tolist())
+#: Pairs whose misfit is up to this many times the smallest are as credible as the best.
+CREDIBLE = 1.5
 #: Misfits of this share of the largest load are none.
 EXACT = 1e-9
 
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """Loads ``(n, 4)`` [N] extrapolated, what that is worth ``(n, 4)`` [N], orders of h and g (None: not varied), RMS
-    misfit [N], and what h, g and 1/k add to the limit in the run nearest to it ``(n, 4)`` [N]; choices not varied."""
+    """Loads ``(n, 4)`` [N] extrapolated, what that is worth ``(n, 4)`` [N], order p and length lambda, RMS misfit [N], and
+    what elements and contact law add to the limit in the run nearest to it ``(n, 4)`` [N]; choices that no run varies."""
 
     load: Array
     uncertainty: Array
-    orders: tuple[float, float | None]
+    order: float
+    length: float
     misfit: float
-    by_size: Array
-    by_growth: Array
+    by_elements: Array
     by_stiffness: Array
     fixed: tuple[str, ...]
 
 
-def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
-    """Limit of the runs with small displacements in all choices that they vary.
+def element_error(size: Array, growth: Array, order: float) -> Array:
+    """e of the module's head for sizes h / c and growths, by Gauss' rule.
 
-    The uncertainty of a contact is the largest change of its limit over all credible pairs of orders, joined by root of
-    squares with its own scatter about the fit. Where the runs are as many as the unknowns every order fits, and the
-    uncertainty is the whole range of limits. Raises ValueError with one element size only or fewer runs than unknowns.
+    >>> element_error(np.array([1.0, 0.0]), np.array([0.0, 0.5]), 2.0).round(6).tolist()
+    [0.333333, 0.083333]
+    """
+    x, w = np.polynomial.legendre.leggauss(8)
+    at = 0.5 * (x + 1.0)
+    return np.asarray((np.multiply.outer(size, at) + np.multiply.outer(growth, 1.0 - at)) ** order @ (0.5 * w))
+
+
+def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
+    """Limit of the runs with small displacements.
+
+    The uncertainty of a contact is the largest change of its limit over all credible pairs of order and length, joined by
+    root of squares with its own scatter about the fit. Where the runs are as many as the unknowns, every pair fits and
+    the uncertainty is the whole range of limits. Raises ValueError with one mesh only, or fewer runs than unknowns.
     """
     own = [r for r in runs if not r.nlgeom]
-    h = np.array([1.0 / r.b_over_h for r in own])
-    g = np.array([r.growth for r in own])
+    h, g = np.array([1.0 / r.b_over_h for r in own]), np.array([r.growth for r in own])
     c = np.array([1.0 / r.stiffness for r in own])
-    varied = [bool(np.ptp(x) > 0.0) for x in (h, g, c)]
-    if not varied[0]:
-        raise ValueError("one element size at the contacts only: two are needed to extrapolate")
-    if len(own) < 1 + sum(varied):
-        raise ValueError(f"{len(own)} runs: {1 + sum(varied)} are needed to extrapolate what they vary")
-    h, g, c = h / h.min(), g / g.min(), c / c.max()
+    varied = bool(np.ptp(c) > 0.0)
+    if len(set(zip(h.tolist(), g.tolist(), strict=True))) < 2:
+        raise ValueError("one mesh only: two are needed to extrapolate")
+    if len(own) < 2 + varied:
+        raise ValueError(f"{len(own)} runs: {2 + varied} are needed to extrapolate what they vary")
     loads = np.stack([r.load.ravel() for r in own])
-    fits = [_fit(loads, [h**p, g**q, c], varied, (p, q)) for p, q in product(ORDERS, ORDERS if varied[1] else (1.0,))]
+    typical = loads.mean(axis=0)
+    half = np.cbrt(np.maximum(typical / typical[typical > 0.0].mean(), 1e-3))  # own half axis over that at mean load
+    fits = [_fit(loads, h, g, c / c.max(), half, p, s, varied) for p, s in product(ORDERS, LENGTHS)]
     best = min(fits, key=lambda fit: fit.misfit)
     credible = [f for f in fits if f.misfit <= CREDIBLE * best.misfit + EXACT * float(np.abs(loads).max())]
     spread = np.abs(np.stack([f.limit for f in credible]) - best.limit).max(axis=0)
-    scatter = np.sqrt((best.residual**2).sum(axis=0) / max(1, len(own) - 1 - sum(varied)))
-    near = int(np.argmin(sum(x for x, on in zip(best.terms, varied, strict=True) if on)))
+    scatter = np.sqrt((best.residual**2).sum(axis=0) / max(1, len(own) - 2 - varied))
+    near = int(np.argmin(np.abs(best.elements).sum(axis=1)))
     shape = own[0].load.shape
-    by = [(best.factors[k] * best.terms[k][near]).reshape(shape) for k in range(3)]
-    names = ("element size", "growth", "contact stiffness")
+    uniform = [name for name, x in (("element size", h), ("growth", g), ("contact stiffness", c)) if np.ptp(x) == 0.0]
     return Extrapolation(
-        best.limit.reshape(shape), np.hypot(spread, scatter).reshape(shape),
-        (best.orders[0], best.orders[1] if varied[1] else None), best.misfit, by[0], by[1],
-        by[2], tuple(n for n, on in zip(names, varied, strict=True) if not on),
+        best.limit.reshape(shape), np.hypot(spread, scatter).reshape(shape), best.order, best.length, best.misfit,
+        best.elements[near].reshape(shape), best.law[near].reshape(shape), tuple(uniform),
     )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Fit:
-    """Least squares with one pair of orders: RMS misfit, orders, limit, factors ``(3, contacts)``, residuals, terms."""
+    """Least squares with one order and length: RMS misfit; limit ``(contacts,)``; what elements and contact law add, and
+    residuals, ``(runs, contacts)`` [N]."""
 
+    order: float
+    length: float
     misfit: float
-    orders: tuple[float, float]
     limit: Array
-    factors: Array
+    elements: Array
+    law: Array
     residual: Array
-    terms: list[Array]
 
 
-def _fit(loads: Array, terms: list[Array], varied: list[bool], orders: tuple[float, float]) -> _Fit:
-    used = [k for k in range(3) if varied[k]]
-    design = np.stack([np.ones(len(loads)), *(terms[k] for k in used)], axis=1)
-    found = np.linalg.lstsq(design, loads, rcond=None)[0]
-    factors = np.zeros((3, loads.shape[1]))
-    factors[used] = found[1:]
-    residual = loads - design @ found
-    return _Fit(float(np.sqrt((residual**2).mean())), orders, found[0], factors, residual, terms)
+def _fit(
+    loads: Array, h: Array, g: Array, c: Array, half: Array, order: float, length: float, varied: bool
+) -> _Fit:
+    limit, elements, law = np.zeros(loads.shape[1]), np.zeros_like(loads), np.zeros_like(loads)
+    for k in range(loads.shape[1]):
+        terms = [np.ones_like(h), element_error(h / (length * half[k]), g, order), *([c] if varied else [])]
+        found = np.linalg.lstsq(np.stack(terms, axis=1), loads[:, k], rcond=None)[0]
+        limit[k], elements[:, k] = found[0], found[1] * terms[1]
+        law[:, k] = found[2] * c if varied else 0.0
+    residual = loads - limit - elements - law
+    return _Fit(order, length, float(np.sqrt((residual**2).mean())), limit, elements, law, residual)

@@ -22,10 +22,12 @@ ABOUT = (
     "reference are the exact surfaces and gmsh; elements, integration, contact and solver are not."
 )
 EXTRAPOLATED = (
-    "One mesh of another program proves nothing: element size at the contacts, growth of the elements away from them and "
-    "contact stiffness are varied, and all contacts of all runs fitted at once by F0 + A h^p + B g^q + C / k. The "
-    "uncertainty of a contact is the change of its limit over all orders that fit up to twice as well as the best, and its "
-    "own misfit."
+    "One mesh of another program proves nothing: element size h at the contacts, growth g of the elements away from them "
+    "and contact stiffness k are varied, and all contacts of all runs fitted at once by F0 + A e + B / k. With the size of "
+    "elements over the distance in which a contact's field changes there, (h + g d) / (c + d), and the field's energy "
+    "spread evenly over x = c / (c + d), e is the mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and the length "
+    "c over the short half axis are common to all contacts. The uncertainty of a contact is the change of its limit over "
+    "all orders and lengths that fit nearly as well as the best, joined with its own scatter."
 )
 
 
@@ -69,14 +71,12 @@ def run_table(data: CrossData) -> Table:
 def contact_table(data: CrossData, ours: Reference, limit: Extrapolation) -> Table:
     """Every contact by both programs."""
     rows = contact_rows(data, ours, limit)
-    growth = "" if limit.orders[1] is None else f", of growth {limit.orders[1]:.2f}"
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
-        f"{agreement(data.scene, rows)} Order of h {limit.orders[0]:.2f}{growth}; RMS misfit "
-        f"{limit.misfit:.2f} N; from CalculiX's finest run to its limit the largest change by h is "
-        f"{abs(limit.by_size).max():.2f} N, by growth {abs(limit.by_growth).max():.2f} N, by contact stiffness "
-        f"{abs(limit.by_stiffness).max():.2f} N. CalculiX's columns by b/h are the runs that differ in h "
-        f"alone.{fixed}"
+        f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} short half axes, RMS misfit "
+        f"{limit.misfit:.2f} N; in CalculiX's finest run elements add up to {abs(limit.by_elements).max():.2f} N, the "
+        f"contact law up to {abs(limit.by_stiffness).max():.2f} N. CalculiX's columns are the runs of the most alike "
+        f"contact law.{fixed}"
     )
     table = columns(data, ours)
     return Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads", table, [r.cells() for r in rows], note)
