@@ -47,8 +47,8 @@ def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_matrix:
     """W ``(c, c)`` [m2] on the boundary "contact" of a patch, rows and columns in the order of its nodes ``contact``.
 
     W 1 are the areas of the hats, 1^T W those of the displacements' functions, both over the contact zone. 27-node
-    hexahedra: hats are bilinear on the halves of faces. First-order tetrahedra, which stand for the source's mesh, keep nodal
-    forces: W is diagonal (the hats' consistent mass would make so coarse a contact 8 % stiffer still).
+    hexahedra: hats are bilinear on the halves of faces. First-order tetrahedra, which stand for the source's mesh, keep
+    nodal forces: W is diagonal (the hats' consistent mass would make so coarse a contact 8 % stiffer still).
     """
     if mesh.elem is not ElementHex2:
         return sp.csr_matrix(sp.diags(share().assemble(faces(mesh, "contact"))[contact]))
