@@ -14,10 +14,11 @@ Array = NDArray[np.float64]
 FEW = 8
 
 
-def compliance(K: sp.spmatrix, rows: sp.spmatrix) -> Array:
+def compliance(K: sp.spmatrix, rows: sp.spmatrix, soft: float = 1e2) -> Array:
     """F ``(m, m)`` = rows K^-1 rows^T for sparse ``rows`` ``(m, n)`` on the held stiffness K ``(n, n)``.
 
-    By one bordered Cholesky factorisation, or for up to `FEW` rows by solving for each. Raises FactorError for a body that
+    soft: how much more a body held far away may yield than its cells do beside a load; more of it costs digits, less a
+    second factorisation. By one bordered Cholesky factorisation, or for up to `FEW` rows by solving for each. Raises FactorError for a body that
     is not held, and where the factorisation fails for another reason.
     """
     rows = sp.csr_matrix(rows)
@@ -27,7 +28,7 @@ def compliance(K: sp.spmatrix, rows: sp.spmatrix) -> Array:
         F = np.asarray(rows @ factor(K).solve(rows.toarray().T))
         return np.asarray(0.5 * (F + F.T))
     try:
-        F = gram(K, rows.T)
+        F = gram(K, rows.T, soft)
     except FactorError:
         factor(K)  # says if the body is not held
         raise

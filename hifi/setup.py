@@ -36,6 +36,7 @@ from hifi.response import compliance, transport
 from hifi.rigid import rigid_modes
 from hifi.shaft import ShaftSection, round_section
 from hifi.sides import SidePatches, condense_side, congruent, turned
+from hifi.submodel import SOFT
 from meshes.ball_body import BallBody
 from meshes.cache import Cache
 from meshes.fem import nodes_on
@@ -217,7 +218,7 @@ def ball_compliance(
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     kept = {s: patch_modes(p, settings.ball_modes) for s, p in own.items()}
     rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0])[:, free]
-    G = compliance(condense(K, D=held, expand=False), rows)
+    G = compliance(condense(K, D=held, expand=False), rows, SOFT)
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
 
 
@@ -270,7 +271,7 @@ def screw_response(
         hole = nodes_on(mesh.mesh, "bore")
         follow = [section_motion(mesh.points, hole, z, size) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
-    F = compliance((T.T @ K @ T).tocsc(), rows)
+    F = compliance((T.T @ K @ T).tocsc(), rows, SOFT)
     rigid = np.asarray(modes @ rigid_modes(mesh.points, np.array([0.0, 0.0, base])))
     B = np.concatenate([rigid, *(transport(z - base) for z in (*ports, *observers))])
     stretch = Stretch(F, B, base, ports, observers, (low, high), modes.shape[0], rigid=bore)
@@ -318,4 +319,4 @@ def nut_response(
     T = nut_transform(mesh, dims)
     kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
     rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]) @ T
-    return NutResponse(compliance((T.T @ K @ T).tocsc(), rows), {s: k[0] for s, k in kept.items()}, T.shape[1])
+    return NutResponse(compliance((T.T @ K @ T).tocsc(), rows, SOFT), {s: k[0] for s, k in kept.items()}, T.shape[1])

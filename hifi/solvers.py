@@ -97,11 +97,11 @@ def nested_dissection(K: sp.csc_matrix) -> IntArray:
     return np.argsort(place[group], kind="stable")
 
 
-def gram(K: sp.spmatrix, B: sp.spmatrix) -> FloatArray:
+def gram(K: sp.spmatrix, B: sp.spmatrix, start: float = 1e2) -> FloatArray:
     """B^T K^-1 B, shape (m, m), for sparse B (n, m), by one partial factorisation.
 
     The trailing block of the Cholesky factor of [[K, B], [B^T, d I]] is that of d I - B^T K^-1 B, with the columns of B
-    scaled by diag(K) and d raised until the whole is positive definite. Many times faster than m solves: cvxopt solves
+    scaled by diag(K) and d raised, from ``start``, until the whole is positive definite. Many times faster than m solves: cvxopt solves
     column by column. The result is checked against a solve.
     Raises FactorError where no such d is found, and should the library order the border elsewhere than last.
     """
@@ -118,7 +118,7 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> FloatArray:
     i, j = np.tril_indices(m)
     rows = np.concatenate([lower.row, n + border.col, n + i]).astype(np.int64)
     cols = np.concatenate([lower.col, border.row, n + j]).astype(np.int64)
-    for enlarged in 1e3, 1e5, 1e7:
+    for enlarged in (start, 1e2 * start, 1e4 * start):
         data = np.concatenate([lower.data, border.data, np.where(i == j, enlarged, 0.0)])
         sparse = cvxopt.spmatrix(data, rows, cols, (n + m, n + m), "d")
         try:
