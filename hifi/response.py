@@ -17,9 +17,9 @@ FEW = 8
 def compliance(K: sp.spmatrix, rows: sp.spmatrix, soft: float = 1e2) -> Array:
     """F ``(m, m)`` = rows K^-1 rows^T for sparse ``rows`` ``(m, n)`` on the held stiffness K ``(n, n)``.
 
-    soft: how much more a body held far away may yield than its cells do beside a load; more of it costs digits, less a
-    second factorisation. By one bordered Cholesky factorisation, or for up to `FEW` rows by solving for each. Raises FactorError for a body that
-    is not held, and where the factorisation fails for another reason.
+    By one bordered Cholesky factorisation, or for up to `FEW` rows by solving for each. soft: how much more a body held far
+    away may yield than its cells do beside a load; more of it costs digits, less a second factorisation. Raises FactorError
+    for a body that is not held, and where the factorisation fails for another reason.
     """
     rows = sp.csr_matrix(rows)
     if rows.shape[0] == 0:

@@ -101,8 +101,8 @@ def gram(K: sp.spmatrix, B: sp.spmatrix, start: float = 1e2) -> FloatArray:
     """B^T K^-1 B, shape (m, m), for sparse B (n, m), by one partial factorisation.
 
     The trailing block of the Cholesky factor of [[K, B], [B^T, d I]] is that of d I - B^T K^-1 B, with the columns of B
-    scaled by diag(K) and d raised, from ``start``, until the whole is positive definite. Many times faster than m solves: cvxopt solves
-    column by column. The result is checked against a solve.
+    scaled by diag(K) and d raised, from ``start``, until the whole is positive definite. Many times faster than m solves:
+    cvxopt solves column by column. The result is checked against a solve.
     Raises FactorError where no such d is found, and should the library order the border elsewhere than last.
     """
     import cvxopt
