@@ -368,7 +368,7 @@ def crosscheck(
     scene
         Name of a shipped scene that was solved by CalculiX.
     run
-        Solve its decks with CalculiX (ccx) now, about 15 min of one core, and rewrite the stored results.
+        Solve its decks with CalculiX (ccx) now, 10 to 20 min of one core, and rewrite the stored results.
     data
         Folder of the stored results; that of the package unless given.
     work

@@ -37,10 +37,12 @@ def _choices(*rows: tuple[float, float, float], large: tuple[float, float, float
 #: Decks of every scene that is checked: element size at the contacts, growth and contact stiffness varied.
 STUDIES: dict[str, list[DeckOptions]] = {
     "two-balls": _choices(
-        (0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (1.5, 0.6, 2e8), (1.1, 0.8, 2e8), (0.8, 0.4, 2e8),
-        (0.8, 0.6, 1e9),
+        (0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.1, 0.6, 2e8), (1.5, 0.6, 2e8), (1.1, 0.8, 2e8),
+        (0.8, 0.4, 2e8), (0.8, 0.6, 1e9), large=(0.6, 0.8, 2e8),
     ),
-    "lin-case1-cut": _choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8)),
+    "lin-case1-cut": _choices(
+        (0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9),
+    ),
 }
 
 
