@@ -13,23 +13,18 @@ BALL = 2.778e-3
 LEVELS: dict[int, dict[str, Any]] = {
     1: {
         "b_over_h": 1.6, "growth": 1.8, "own_cuts": (3, 3, 3), "own_sizes": (0.9e-3, 4.5e-3),
-        "own_ball_sizes": (0.45e-3, 0.9e-3), "fine": 1.6e-3, "coarse": 8.0e-3, "cuts": (3, 2, 3), "modes": 8,
+        "own_ball_sizes": (0.45e-3, 0.9e-3), "fine": 1.6e-3, "coarse": 8.0e-3, "cuts": (3, 2, 3), "modes": 14,
         "ball_fine": 0.55e-3, "ball_coarse": 1.2e-3, "ball_modes": 12, "cell": 5.0e-3,
     },
     2: {
         "b_over_h": 2.2, "growth": 1.65, "own_cuts": (4, 3, 4), "own_sizes": (0.65e-3, 3.2e-3),
-        "own_ball_sizes": (0.35e-3, 0.7e-3), "fine": 1.4e-3, "coarse": 7.0e-3, "cuts": (3, 2, 3), "modes": 10,
+        "own_ball_sizes": (0.35e-3, 0.7e-3), "fine": 1.4e-3, "coarse": 7.0e-3, "cuts": (3, 2, 3), "modes": 17,
         "ball_fine": 0.48e-3, "ball_coarse": 1.05e-3, "ball_modes": 16, "cell": 4.3e-3,
     },
     3: {
         "b_over_h": 3.0, "growth": 1.5, "own_cuts": (4, 4, 4), "own_sizes": (0.47e-3, 2.4e-3),
-        "own_ball_sizes": (0.27e-3, 0.55e-3), "fine": 1.2e-3, "coarse": 6.0e-3, "cuts": (3, 2, 3), "modes": 12,
+        "own_ball_sizes": (0.27e-3, 0.55e-3), "fine": 1.2e-3, "coarse": 6.0e-3, "cuts": (3, 2, 3), "modes": 20,
         "ball_fine": 0.42e-3, "ball_coarse": 0.92e-3, "ball_modes": 20, "cell": 3.7e-3,
-    },
-    4: {
-        "b_over_h": 4.0, "growth": 1.4, "own_cuts": (5, 4, 5), "own_sizes": (0.35e-3, 1.8e-3),
-        "own_ball_sizes": (0.21e-3, 0.42e-3), "fine": 1.05e-3, "coarse": 5.2e-3, "cuts": (3, 2, 3), "modes": 16,
-        "ball_fine": 0.36e-3, "ball_coarse": 0.8e-3, "ball_modes": 24, "cell": 3.2e-3,
     },
 }  # fmt: skip
 #: Level 0 is the source's mesh: first-order tetrahedra, 0.08 mm around every contact, 5 mm elsewhere (second-order ones of

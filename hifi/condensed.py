@@ -3,8 +3,7 @@
 Every contact's force is spread like Hertz's pressure over its nodes, and the matrices are for one force. What a contact's
 own approach has beside them and Hertz's law is sampled over the forces that its patch can carry: the fine patches of
 groove and ball, sockets held, solved as contact, and how the rest of both bodies answers a smaller or larger ellipse.
-Pressures are hats on half cells and gaps their weighted means; every force is solved at four places a quarter of a cell
-beside the nodes, whose waves cancel: 0.1 % of the approach are left, where forces on nodes leave 1 to 2 %.
+The grid's wave is taken out as everywhere in the reference (`hifi.grid_wave`).
 """
 
 from __future__ import annotations
@@ -15,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from hifi.hertz import HertzSolution, hertz
+from hifi.grid_wave import contact_frame, mean_approaches, relative_radii, resolved_forces, unit_hertz
+from hifi.hertz import hertz
 from hifi.pressures import mean_weights
 from meshes.condensed import CondensedBodies, geometry_digest
 
@@ -24,108 +24,35 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Number of forces at which a contact's own approach is sampled; part of its zone that the largest ellipse fills; least
-#: short semi-axis over the cell, and over the largest one where that asks for more.
-SAMPLES, FILLED, COARSEST, LEAST = 16, 0.85, 1.0, 0.6
-#: Places of the contact beside the middle node, in half cells: odd quarters of a cell on either side.
-PLACES = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
+#: Number of forces at which a contact's own approach is sampled.
+SAMPLES = 16
 
 
-def relative_radii(setup: Setup, side: int) -> tuple[float, float]:
-    """Relative radii [m] of ball and groove across and along it, by the normal curvatures of the helical groove."""
-    m = setup.map
-    part = m.signs[side, 0] * np.cos(m.beta)
-    along = part * np.cos(m.alpha) ** 2 / (m.R + part * m.ball)
-    return 1.0 / (1.0 / m.ball - 1.0 / float(m.radius[side])), 1.0 / (1.0 / m.ball - along)
+def forces_of(setup: Setup, side: int) -> Array:
+    """Forces ``(f,)`` [N] at which a side's own approach is sampled."""
+    return resolved_forces(setup.map, side, setup.patches[side].groove, setup.scene.balls.material, SAMPLES)
 
 
-def unit_hertz(setup: Setup, side: int) -> HertzSolution:
-    """Hertz's contact of a side under 1 N; approach as F^(2/3), semi-axes across and along the groove as F^(1/3)."""
-    material = setup.scene.balls.material
-    return hertz(1.0, *relative_radii(setup, side), material.youngs_modulus, material.poissons_ratio)
+def _unit(setup: Setup, side: int) -> float:
+    """Hertz's approach [m] under 1 N."""
+    return float(unit_hertz(setup.map, side, setup.scene.balls.material).approach)
+
+
+def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
+    """Approach [m] of ball and groove by a contact's own compliance under ``loads`` [N], without the grid's wave."""
+    pair = setup.patches[side]
+    return mean_approaches(setup.map, side, pair.groove, pair.own, loads)
 
 
 def spread(setup: Setup, side: int, load: float) -> Array:
     """Forces on a side's contact nodes ``(c,)`` like Hertz's pressure under ``load`` [N], of unit resultant."""
     m, material = setup.map, setup.scene.balls.material
-    found = hertz(load, *relative_radii(setup, side), material.youngs_modulus, material.poissons_ratio)
-    normal, tangent, forward = frame(setup, side)
+    found = hertz(load, *relative_radii(m, side), material.youngs_modulus, material.poissons_ratio)
+    normal, tangent, forward = contact_frame(m, side)
     groove = setup.patches[side].groove
     x = groove.points - np.array([m.R, 0.0, 0.0]) - m.ball * normal
     force = found.pressure(x @ tangent, x @ forward) * groove.areas
     return np.asarray(force / (force @ (mean_weights(groove.weights) @ (groove.normals @ normal))))
-
-
-def frame(setup: Setup, side: int) -> tuple[Array, Array, Array]:
-    """Nominal normal (ball to groove), tangent across the groove, direction along it."""
-    m = setup.map
-    radial = np.array([1.0, 0.0, 0.0])
-    binormal = np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
-    forward = np.array([0.0, np.cos(m.alpha), np.sin(m.alpha)])
-    sx, sz = m.signs[side]
-    normal = sx * np.cos(m.beta) * radial + sz * np.sin(m.beta) * binormal
-    return normal, -sx * np.sin(m.beta) * radial + sz * np.cos(m.beta) * binormal, forward
-
-
-def forces_of(setup: Setup, side: int) -> Array:
-    """Forces ``(f,)`` [N] over which a side's patch resolves a contact: from a short semi-axis of one cell to its zone.
-
-    On a grid too coarse for that, from a part of the largest ellipse.
-    """
-    m, unit = setup.map, unit_hertz(setup, side)
-    groove = setup.patches[side].groove
-    assert groove.shape is not None
-    _, tangent, forward = frame(setup, side)
-    x = (groove.points - np.array([m.R, 0.0, 0.0])).reshape(*groove.shape, 3)
-    half = np.abs(x[-1, 0] @ tangent - x[0, 0] @ tangent) / 2.0, np.abs(x[0, -1] @ forward - x[0, 0] @ forward) / 2.0
-    cell = 2.0 * half[1] / (groove.shape[1] // 2)
-    high = FILLED * min(half[0] / unit.semi_x, half[1] / unit.semi_y)
-    return np.asarray(np.geomspace(min(COARSEST * cell / unit.semi_y, LEAST * high), high, SAMPLES) ** 3)
-
-
-def patch_approaches(setup: Setup, side: int, loads: Array) -> Array:
-    """Approach [m] of ball and groove patch under ``loads`` [N], sockets held, pressed together along the nominal normal:
-    mean over the contact's `PLACES` on the grid."""
-    pair, m = setup.patches[side], setup.map
-    W, C = mean_weights(pair.groove.weights), pair.own
-    normal, tangent, forward = frame(setup, side)
-    x = pair.groove.points - np.array([m.R, 0.0, 0.0])
-    close = W @ (pair.groove.normals @ normal)
-    assert pair.groove.shape is not None
-    n, k = pair.groove.shape
-    middle = x.reshape(n, k, 3)[n // 2 : n // 2 + 2, k // 2 : k // 2 + 2]
-    # the ball's centre moved by t: the gap is least t times (relative radius / r) beside the nominal contact
-    scale = m.ball / np.array(relative_radii(setup, side))
-    step = scale * np.array([(middle[1, 0] - middle[0, 0]) @ tangent, (middle[0, 1] - middle[0, 0]) @ forward])
-    out = np.zeros(loads.size)
-    for place in PLACES:
-        t = step * np.array(place)
-        gap = np.linalg.norm(x - t[0] * tangent - t[1] * forward, axis=1) - m.ball
-        nearest = -0.5 * float((t**2 / m.ball * (1.0 / scale - 1.0)).sum())
-        out += (approaches(C, W @ gap, close, loads) - nearest) / len(PLACES)
-    return out
-
-
-def approaches(C: Array, gap: Array, close: Array, loads: Array) -> Array:
-    """Approach [m] of a unilateral contact under ``loads`` [N]: pressures p >= 0, C p + gap - approach close >= 0, and
-    close p the load. Raises ValueError where the active set does not settle."""
-    active = gap / close <= np.quantile(gap / close, 0.3)
-    out = np.empty(loads.size)
-    for k, load in enumerate(loads):
-        for _ in range(200):
-            i = np.flatnonzero(active)
-            K = np.zeros((i.size + 1, i.size + 1))
-            K[:-1, :-1], K[:-1, -1], K[-1, :-1] = C[np.ix_(i, i)], -close[i], close[i]
-            found = np.linalg.solve(K, np.append(-gap[i], load))
-            pressure = np.zeros(gap.size)
-            pressure[i], out[k] = found[:-1], found[-1]
-            after = (active & (pressure > 0.0)) | (~active & (C @ pressure + gap - close * out[k] < 0.0))
-            if (after == active).all():
-                break
-            active = after
-        else:
-            raise ValueError(f"the contact of a patch under {load:.4g} N does not settle")
-    return out
 
 
 def body_motion(setup: Setup, side: int, force: Array) -> float:
@@ -163,7 +90,7 @@ def own_terms(setup: Setup, spreads: dict[int, Array]) -> tuple[Array, Array]:
     loads = np.array([forces_of(setup, s) for s in setup.sides])
     extra = np.array(
         [
-            (patch_approaches(setup, s, f) - unit_hertz(setup, s).approach * np.cbrt(f) ** 2) / f
+            (patch_approaches(setup, s, f) - _unit(setup, s) * np.cbrt(f) ** 2) / f
             for s, f in zip(setup.sides, loads, strict=True)
         ]
     )
@@ -200,5 +127,5 @@ def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
         nut = body_matrix(setup, setup.nut.G, setup.nut.modes, spreads)
     return CondensedBodies(
         geometry_digest(setup.scene), level, np.array(setup.sides, dtype=float), setup.screw.stretch.base, screw, nut,
-        ball_matrix(setup, spreads), local, forces, np.array([unit_hertz(setup, s).approach for s in setup.sides]),
+        ball_matrix(setup, spreads), local, forces, np.array([_unit(setup, s) for s in setup.sides]),
     )  # fmt: skip

@@ -40,6 +40,10 @@ SETTLED = 2e-9
 
 
 AT_RIM = "a contact reaches the rim of its patch: the expected semi-axes are too small"
+#: Times that smaller a change of what the grid's wave does to a gap must be: it closes the gap in full.
+WAVE = 20.0
+#: Rounds allowed to it where directions are frozen.
+ROUNDS = 6
 #: Ingredients of the reference that can be left out, to see what they change.
 INGREDIENTS = ("elastic nut", "3D shaft", "finite ball", "patch coupling", "moving normals")
 
@@ -196,7 +200,7 @@ def _solve(
 ) -> ReferenceResult:
     begin = perf_counter()
     sides = tuple(s for s in setup.sides if s in sides)
-    updates = 0 if "moving normals" in leave_out else updates
+    moving = updates > 0 and "moving normals" not in leave_out
     drawn = specimen(scene, setup.layout, member)
     count, m, zones = setup.layout.z.size, setup.map, _zones(setup, sides)
     mounted = mounted_screw(setup, scene, leave_out)
@@ -207,7 +211,7 @@ def _solve(
     own_rows = _modal_rows(setup, sides)
     at_rest = _spread(setup, C, sides, mounted.loads[own_rows])
     load_motion = _modal_motion(C, at_rest)
-    shift = np.zeros((count, n, 3))
+    shift, level = np.zeros((count, n, 3)), np.zeros((count, n))
     state: tuple[Array, Array] | None = None
     done = 0
     while True:
@@ -219,17 +223,18 @@ def _solve(
         gap, directions = _over_hats(setup, zones, gap), _over_hats(setup, zones, directions)
         N = _directions_matrix(directions, screw_rows, mounted.motions)
         f = np.concatenate([np.zeros(3 * count), mounted.work])
-        rest = gap.ravel() + load_motion
+        rest = (gap + level).ravel() + load_motion
         if state is None:
             state = first_guess(setup, scene, C, rest, N, gap, zones)
         result, amplitude = solve_balls(C, rest, N, f, start=state)
         state = (amplitude, result.motions)
         new = _relative_motion(setup, result, C, directions, zones, at_rest, screw_rows @ mounted.motions)
-        change = float(np.abs(new - shift).max())
-        if "moving normals" in leave_out or not result.converged:
+        smoothed = _wave(setup, zones, result.forces.reshape(count, n), directions)
+        change = max(float(np.abs(new - shift).max()) * moving, WAVE * float(np.abs(smoothed - level).max()))
+        if not result.converged:
             break
-        shift = new
-        if change < SETTLED or done == updates:
+        shift, level = new if moving else shift, smoothed
+        if change < SETTLED or done == max(updates, ROUNDS):
             break
         done += 1
     forces = result.forces.reshape(count, n)
@@ -241,8 +246,8 @@ def _solve(
     status = result.status
     if status == "converged" and _at_rim(setup, forces, zones):
         status = AT_RIM
-    elif status == "converged" and change >= SETTLED and "moving normals" not in leave_out and updates > 0:
-        status = f"directions still move by {1e9 * change:.1f} nm after {done} updates"
+    elif status == "converged" and change >= SETTLED:
+        status = f"directions and gaps still move by {1e9 * change:.1f} nm after {done} updates"
     stations, line = _centreline(mounted, own_rows, _screw_modal(setup, C, result, sides), result.motions[3 * count :])
     free = np.abs(N[:, 3 * count :].T @ result.forces - mounted.work).max(initial=0.0)
     return ReferenceResult(
@@ -260,6 +265,21 @@ def _over_hats(setup: Setup, zones: _Zones, values: Array) -> Array:
         flat = np.moveaxis(own, 1, 0).reshape(own.shape[1], -1)
         mean = (mean_weights(setup.patches[s].groove.weights) @ flat).reshape(own.shape[1], own.shape[0], *own.shape[2:])
         out[:, part] = np.moveaxis(mean, 0, 1)
+    return out
+
+
+def _wave(setup: Setup, zones: _Zones, forces: Array, directions: Array) -> Array:
+    """Corrections ``(balls, n)`` [m] of all gaps for the places of the contacts on their grids (`hifi.grid_wave`)."""
+    out = np.zeros_like(forces)
+    for part, s in zip(zones.parts, zones.sides, strict=True):
+        wave = setup.patches[s].wave
+        if wave is None:
+            continue
+        own = forces[:, part]
+        total = own.sum(axis=1)
+        centres = (own @ setup.patches[s].groove.points) / np.maximum(total, 1e-300)[:, None]
+        loads = np.linalg.norm(np.einsum("ic,icx->ix", own, directions[:, part]), axis=1)
+        out[:, part] = wave.at(loads, centres)[:, None]
     return out
 
 

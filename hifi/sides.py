@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hifi.bodies import patch_modes
 from hifi.fit import Settings, ball_place
+from hifi.grid_wave import GridWave, grid_wave
 from hifi.part_meshes import Meshes, carrier_mesh, patch_mesh, patch_normals, rotation
 from hifi.patch import CondensedPatch, condense_patch
 from hifi.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
@@ -32,11 +33,13 @@ TURN = np.array([1.0, -1.0, -1.0])
 @dataclass(frozen=True)
 class SidePatches:
     """Patches of one side: of the groove and of the ball, on the same contact nodes; own ``(c, c)`` [m/N]: what a contact
-    of both answers by itself, beyond what the modes kept of the coarse bodies say (`hifi.submodel`)."""
+    of both answers by itself, beyond what the modes kept of the coarse bodies say (`hifi.submodel`); wave: what its place
+    on the grid does to its approach (None: not taken out)."""
 
     groove: CondensedPatch
     ball: CondensedPatch
     own: Array
+    wave: GridWave | None
 
 
 def condense_side(
@@ -64,7 +67,7 @@ def condense_side(
         ball_mesh, -normals, *_constants(b), carrier_mesh(meshes, meshes.ball.sockets[side], place, settings)
     )
     if settings.element == "P1":  # the source's mesh stays as it is
-        return SidePatches(groove, ball, groove.A + ball.A)
+        return SidePatches(groove, ball, groove.A + ball.A, None)
     fine = replace(meshes.size, cuts=settings.own_cuts)
 
     def groove_piece(scale: float, *, coarse: bool) -> tuple[Piece, SocketMesh]:
@@ -96,7 +99,7 @@ def condense_side(
             return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_constants(material))
 
         own += own_compliance(C, V, response)
-    return SidePatches(groove, ball, own)
+    return SidePatches(groove, ball, own, grid_wave(m, side, groove, own, b))
 
 
 def _constants(material: Material) -> tuple[float, float]:
@@ -122,4 +125,7 @@ def turned(patches: SidePatches) -> SidePatches:
             rim=patch.rim[order], weights=patch.weights[order][:, order],
         )  # fmt: skip
 
-    return SidePatches(one(patches.groove), one(patches.ball), patches.own[np.ix_(order, order)])
+    wave = patches.wave
+    if wave is not None:
+        wave = replace(wave, middle=wave.middle * TURN, tangent=wave.tangent * TURN)
+    return SidePatches(one(patches.groove), one(patches.ball), patches.own[np.ix_(order, order)], wave)
