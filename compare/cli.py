@@ -148,11 +148,12 @@ def report(
     quick
         Coarsest mesh of the 3D reference and cases 1 and 2 only, no pictures, stability or timing; the report says so.
     stored
-        Use the runs of the 3D reference that come with the package instead of computing them.
+        Compute no run of the 3D reference: use those that come with the package, and leave out what they do not hold.
     store
-        Folder of the 3D reference's runs; an interrupted report goes on from there.
+        Folder of the runs of the 3D reference that are computed; an interrupted report goes on from there. Runs of the
+        package are used where the key of all that they depend on holds.
     fresh
-        Compute runs even where that folder holds them.
+        Compute all runs anew, whatever the folder and the package hold.
     backend
         joblib (this machine) or dask (a cluster), for the 3D reference.
     scheduler

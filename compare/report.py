@@ -104,7 +104,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         tasks += plan([study.scene(name) for name in UNSEEN], (1, 2))
         tasks += plan([study.scene(name) for name in STUDIES], tuple(LEVELS))
         tasks.sort(key=lambda task: -task.weight)
-    ensure(tasks, source.stores[0], source.engine, step, fresh=source.fresh)
+    ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
 
 
 def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], Section, Section]:
@@ -210,14 +210,17 @@ def make_report(
     total = len([n for n in made if n not in ("overview", "errors", "manufacturing")])
     total += 1 + any(not only or n in only for n in ("overview", "errors", "manufacturing", "notes"))
     total += any(not only or n in only for n in WITH_RUNS)
-    source = Source(None if stored else (store,), engine or Engine(), not stored, quick, fresh)
+    from compare.reference import shipped_store
+
+    own = (store,) if fresh or quick else (store, shipped_store())
+    source = Source(None if stored else own, engine or Engine(), not stored, quick, fresh)
     progress = Progress(total)
     start = perf_counter()
     sections, headline, study = build(only, progress, source)
     progress.section("drawing and writing")
     facts = provenance()
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
-    computed = "computed, coarse meshes only" if quick else "computed"
+    computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
     facts["3D reference"] = "stored runs of the package" if stored else computed
     report = Report(
         title="rollbench validation report",
