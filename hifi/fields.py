@@ -94,7 +94,7 @@ def nodal_stress(mesh: Mesh, u: Array, material: Material, elements: Index | Non
 
 
 def contact_forces(setup: Setup, result: ReferenceResult) -> dict[int, Array]:
-    """Normal forces ``(balls, c)`` [N] at the contact nodes of each side."""
+    """Normal forces ``(balls, c)`` [N] of the pressure hats of each side."""
     ends = np.cumsum([0] + [len(setup.patches[s].groove.A) for s in result.sides])
     rows = result.contact.forces.reshape(setup.layout.z.size, -1)
     return {s: rows[:, a:b] for s, (a, b) in zip(result.sides, pairwise(ends), strict=True)}
@@ -217,7 +217,7 @@ def ball_fields(setup: Setup, meshes: Meshes, ball: int, forces: dict[int, Array
 class ContactPressure:
     """Pressures ``(c,)`` [Pa] at the contact nodes of one ball and side; across, along ``(c,)`` [m]: the nodes in the
     ball's tangent plane at the nominal contact, across the groove (growing contact angle) and along it; centre ``(2,)``
-    [m] of the forces there; load [N]; Hertz's closed form for that load; tributary areas ``(c,)`` [m2]; shape of the
+    [m] of the forces there; load [N]; Hertz's closed form for that load; areas of the hats ``(c,)`` [m2]; shape of the
     nodes' grid (None: no grid)."""
 
     across: Array
@@ -247,7 +247,7 @@ def contact_radii(scene: Scene, side: int, angle: float) -> tuple[float, float]:
 
 
 def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatch, forces: Array) -> ContactPressure:
-    """Pressure of one contact from its nodal forces ``(c,)`` [N] on the groove's patch: force over tributary area.
+    """Pressure of one contact from the forces ``(c,)`` [N] of the hats on the groove's patch: force over area.
 
     Raises ValueError for a contact without load.
     """
@@ -256,10 +256,11 @@ def contact_pressure(scene: Scene, m: GrooveMap, side: int, patch: CondensedPatc
     arms = patch.points - np.array([m.R, 0.0, 0.0])
     n, t1, t2 = directions(m, side)
     across, along = arms @ t1, arms @ t2
-    resultant = forces @ (arms / np.linalg.norm(arms, axis=1)[:, None])
+    nodal = mean_weights(patch.weights).T @ forces
+    resultant = nodal @ (arms / np.linalg.norm(arms, axis=1)[:, None])
     load = float(np.linalg.norm(resultant))
     angle = m.beta + float(np.arctan2(resultant @ t1, resultant @ n))
-    centre = np.array([forces @ across, forces @ along]) / forces.sum()
+    centre = np.array([nodal @ across, nodal @ along]) / nodal.sum()
     material = scene.balls.material
     closed = hertz(load, *contact_radii(scene, side, angle), material.youngs_modulus, material.poissons_ratio)
     return ContactPressure(across, along, forces / patch.areas, centre, load, closed, patch.areas, patch.shape)

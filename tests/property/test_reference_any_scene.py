@@ -21,8 +21,9 @@ from hifi.fit import (
     patch_lines,
     socket_size,
 )
+from hifi.part_meshes import mesh_parts, patch_mesh, patch_normals
 from hifi.reference import solve_reference
-from hifi.setup import mesh_parts, patch_mesh, patch_normals, prepare
+from hifi.setup import prepare
 from meshes.groove_map import GrooveMap
 from meshes.helix import ball_layout
 from meshes.parts import Balls, Load, Nut, Scene, Screw, Solid, Support, Track
@@ -81,6 +82,7 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name):
     settings = Settings(
         b_over_h=1.2, semi=expected_semi_axes(scene), reach=expected_reach(scene), fine=2.5e-3 * ratio,
         coarse=10e-3 * ratio, ball_fine=0.9e-3 * ratio, ball_coarse=1.8e-3 * ratio, modes=12,
+        own_cuts=(3, 2, 3), own_sizes=(1.5e-3 * ratio, 6e-3 * ratio), own_ball_sizes=(0.8e-3 * ratio, 1.6e-3 * ratio),
     )  # fmt: skip
     sides = needed_sides(scene)
     made = prepare(scene, sides, settings)
@@ -146,8 +148,8 @@ def test_what_does_not_fit_is_refused_before_anything_is_meshed(monkeypatch):
     def never(*_):
         raise AssertionError("meshed")
 
-    monkeypatch.setattr("hifi.setup.build_body", never)
-    monkeypatch.setattr("hifi.setup.build_ball", never)
+    monkeypatch.setattr("hifi.part_meshes.build_body", never)
+    monkeypatch.setattr("hifi.part_meshes.build_ball", never)
     with pytest.raises(Refusal) as refused:
         compute(Task((pressed(with_groove(CASE, 0.515), 4e9),), 1))
     words = str(refused.value)

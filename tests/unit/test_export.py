@@ -442,7 +442,7 @@ def test_meshes_and_files_that_fail_are_reported(tmp_path: Path, cache: Path, mo
         raise ValueError("a contact patch does not fit")
 
     monkeypatch.setattr(export_command, "part_mesh", bad)
-    with pytest.raises(InputError, match="lin-case1: screw: got a contact patch does not fit"):
+    with pytest.raises(InputError, match="lin-case1: screw: a contact patch does not fit"):
         run_export(SCENE, "screw", "", tmp_path / "a.vtu", 1)
 
 

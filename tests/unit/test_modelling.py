@@ -1,6 +1,6 @@
 """Modelling uncertainty: what each variant changes, what counts, and how choices add."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,7 +11,7 @@ from skfem import MeshHex
 from compare import catalogue
 from compare.modelling import VARIED, combined, effect, modelling_percent, varied
 from compare.models import DEFAULT, Options, run_model
-from compare.reference import Run, save
+from compare.reference import Run, save, settings_of
 from compare.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
 from hifi.setup import nut_transform
 from meshes.parts import Solid, Support
@@ -33,7 +33,8 @@ def run_of(load: np.ndarray, variant: str, status: str = "converged") -> Run:
         scene="lin-case1", level=1, variant=variant, status=status, load=load, angle=np.full(load.shape, np.nan),
         frozen=load, centreline=np.zeros((3, 4)), without={}, without_seconds={}, sides=(0, 3), unknowns=10, stages={},
         solve_seconds=0.5, peak_MB=None, balance=0.0, along_groove=0.0, screw_balance=0.0, quality={},
-        settings={"b_over_h": 1.6}, assumed=(), versions={}, date="2026-01-01",
+        settings=asdict(settings_of([VARIANTS[variant].change(CASE1) if variant else CASE1], 1, variant)), assumed=(),
+        versions={}, date="2026-01-01",
     )  # fmt: skip
 
 
