@@ -46,6 +46,11 @@ Index = NDArray[np.int64]
 #: Most balls of a deck, and most nodes: what one run of another program's direct solver does in minutes.
 MOST_BALLS = 4
 MOST_NODES = 120_000
+#: Surfaces of the nut by where it is held.
+HELD = {
+    "left face": ("low end",), "right face": ("high end",), "both faces": ("low end", "high end"),
+    "outer surface": ("outside",),
+}  # fmt: skip
 #: Element sizes far from all contacts, over growth times the ball's radius: of screw and nut, of a ball.
 FAR = (2.0, 0.6)
 
@@ -126,6 +131,10 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
     refuse_large(scene)
     if scene.solid.nut == "rigid":
         raise InputError(scene.name, "solid.nut", '"rigid"', '"elastic"', "leave it out: a deck holds whole bodies")
+    if scene.solid.nut_held is not None and scene.solid.nut_held not in HELD:
+        raise InputError(
+            scene.name, "solid.nut_held", f'"{scene.solid.nut_held}"', ", ".join(HELD), "a deck holds whole surfaces"
+        )
     drawn, found, sides = exact_errors(scene), expected(scene), needed_sides(scene)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
     places, short = places_of(scene, found.load, sides)
@@ -178,13 +187,11 @@ def _rings(
         made = whole_body(groove, BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse), size)
         faces = {groove_faces(p): flank_faces(groove, made, p, fine) for p in own}
         if screw:
-            held = {"SCREW_BORE": made.named["behind"]} if dims.screw_held == "bore" else {
-                "SCREW_LOW": made.named["low"], "SCREW_HIGH": made.named["high"]
+            held = {"SCREW_BORE": made.named["bore"]} if dims.screw_held == "bore" else {
+                "SCREW_LOW": made.named["low end"], "SCREW_HIGH": made.named["high end"]
             }  # fmt: skip
         else:
-            names = {"left face": ("low",), "right face": ("high",), "outer surface": ("behind",)}
-            parts = names.get(dims.nut_held, ("low", "high"))
-            held = {"NUT_HELD": np.unique(np.concatenate([made.named[x] for x in parts]))}
+            held = {"NUT_HELD": np.unique(np.concatenate([made.named[x] for x in HELD[dims.nut_held]]))}
         body = DeckBody(name, made.points, made.cells, part.material, held, faces)
         bodies.append((body, made.quality.smallest))
     return bodies

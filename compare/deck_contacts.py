@@ -89,7 +89,7 @@ def fine_zone(place: Place, fine: float) -> Array:
 
 def flank_faces(m: GrooveMap, made: WholeBody, place: Place, fine: float) -> Index:
     """Faces of a flank within the master's zone of a contact."""
-    flank = made.named[f"flank {place.side}"]
+    flank = made.named[f"flank {SIDES[place.side]}"]
     x, radius = made.points[flank], float(m.radius[place.side])
     xi = socket_coordinates(
         m, SocketSize(1.0, radius, 1.0), place.at, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1])

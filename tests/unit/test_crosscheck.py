@@ -84,9 +84,9 @@ def ours(loads: list[np.ndarray]) -> Reference:
 
     runs = tuple(Run(k, x) for k, x in enumerate(loads, start=1))
     if len(runs) < 3:
-        return Reference("two-balls", runs, loads[-1], None, None, None)
+        return Reference("two-balls", runs, loads[-1], None, None, None, None)
     found = tuple(tuple(observe([x[i, s] for x in loads], [1.0, 0.7, 0.5]) for s in range(4)) for i in range(2))
-    return Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), found, loads[-1])
+    return Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), found, None, loads[-1])
 
 
 def test_what_calculix_prints_is_read():
