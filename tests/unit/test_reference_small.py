@@ -239,11 +239,17 @@ def test_a_prepared_geometry_comes_whole_from_the_cache(small, tmp_path):
 
 
 def test_own_approaches_of_condensed_bodies(small, monkeypatch):
-    """Spread forces have unit resultants, the matrices' own force adds nothing, the place on the grid does not matter."""
+    """Spread forces have unit resultants, the matrices' own force adds nothing, the place on the grid hardly matters.
+
+    Mirrored places differ by up to 0.7 % with these cells (0.4 % with 1.2 across a semi-axis): a contact's own compliance is
+    no more that of a patch whose symmetric socket is held, but of bodies that are not symmetric around it.
+    """
     forces = {s: condensed.forces_of(small, s) for s in small.sides}
     spreads = {s: condensed.spread(small, s, float(np.median(f))) for s, f in forces.items()}
     for s, f in spreads.items():
-        assert f @ (small.patches[s].groove.normals @ condensed.frame(small, s)[0]) == pytest.approx(1.0, rel=1e-12)
+        groove = small.patches[s].groove
+        nodal = mean_weights(groove.weights).T @ f
+        assert nodal @ (groove.normals @ condensed.frame(small, s)[0]) == pytest.approx(1.0, rel=1e-12)
     found = condensed.condensed_bodies(small, 1)
     middle = np.array([float(np.median(f)) for f in forces.values()])
     own = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
@@ -257,7 +263,7 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
         # Hertz's 2/3, less what the held sockets take away
         assert 0.59 < np.log(approach[-1] / approach[0]) / np.log(loads[-1] / loads[0]) < 2 / 3
         mirrored = tuple((-x, -y) for x, y in condensed.PLACES)
-        for places, tolerance in ((mirrored, 5e-3), (((0.0, 0.0),), 0.15)):
+        for places, tolerance in ((mirrored, 8e-3), (((0.0, 0.0),), 0.15)):
             with monkeypatch.context() as patch:
                 patch.setattr(condensed, "PLACES", places)
                 assert condensed.patch_approaches(small, s, loads) == pytest.approx(approach, rel=tolerance)
