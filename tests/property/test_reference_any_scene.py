@@ -124,7 +124,7 @@ def check_patches(scene, cuts=(2, 2, 2)):
         body = made.screw if side < 2 else made.nut
         groove = patch_mesh(made, body.sockets[side], partial(local_points, m, made.size, side), settings)
         ball = patch_mesh(made, made.ball.sockets[side], ball_place(m, made.size, side, made.zone)[1], settings)
-        assert min(measure(x.points, x.cells, "Q2").smallest for x in (groove, ball)) > 0.1
+        assert min(measure(x.mesh).smallest for x in (groove, ball)) > 0.1
         found, wanted = patch_normals(ball, np.zeros(3)), patch_normals(groove, np.array([m.R, 0.0, 0.0]))
         np.testing.assert_allclose(found, wanted, atol=1e-9)
 

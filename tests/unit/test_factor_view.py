@@ -40,8 +40,9 @@ def factored(K):
     return F, np.linalg.cholesky(K.toarray()[np.ix_(own, own)])
 
 
+@pytest.mark.usefixtures("supernodal")
 @pytest.mark.parametrize("count", [1, 3, 7, 12, 60])
-def test_like_a_dense_factor(supernodal, count):
+def test_like_a_dense_factor(count):
     """Fewer rows than the last dense block of columns has, as many, and more than one block."""
     factor, whole = factored(grid(5))
     found = trailing(factor, len(whole), count)
@@ -50,12 +51,14 @@ def test_like_a_dense_factor(supernodal, count):
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-13 * np.abs(wanted).max())
 
 
-def test_whole(supernodal):
+@pytest.mark.usefixtures("supernodal")
+def test_whole():
     factor, whole = factored(grid(4))
     np.testing.assert_allclose(trailing(factor, len(whole), len(whole)), whole, rtol=0, atol=1e-13)
 
 
-def test_another_size_or_kind_of_factor_is_refused(supernodal):
+@pytest.mark.usefixtures("supernodal")
+def test_another_size_or_kind_of_factor_is_refused():
     factor, whole = factored(grid(4))
     assert trailing(factor, len(whole) + 1, 3) is None
     cholmod.options["supernodal"] = 0  # L D L^T, column by column

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
 from hifi.fields import (
     ball_fields,
@@ -23,8 +24,11 @@ from hifi.fields import (
 )
 from hifi.fit import Settings, expected_reach, expected_semi_axes
 from hifi.hertz import hertz
+from hifi.part_meshes import mesh_parts
+from hifi.patch import condense_patch
+from hifi.pressures import mean_weights
 from hifi.reference import solve_reference
-from hifi.setup import ball_compliance, mesh_parts, prepare
+from hifi.setup import prepare
 from meshes.cache import Cache
 from meshes.fem import cells_of, mesh_of, points_of
 from meshes.parts import Material, Solid
@@ -36,13 +40,15 @@ SIDES = (0, 3)
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory):
-    """Two balls in a short nut, with cells as fine in the contact as on mesh level 1."""
+    """Two balls in a short nut. Cells are between those of mesh levels 2 and 3: the largest pressure of hats on 1.7 cells
+    across a short semi-axis, as on level 1, is 10 to 17 % too large by where the contact falls between them."""
     scene = small_screw(2, 0.2, force=(0.0, 0.0, 330.0), load_at=0.0)
     scene = replace(scene, nut=replace(scene.nut, length=16e-3), solid=Solid(shaft=6e-3, shaft_diameter=30e-3))
     semi = expected_semi_axes(scene)
     settings = Settings(
-        b_over_h=1.7, semi=semi, reach=expected_reach(scene), fine=2.4e-3, coarse=10e-3, ball_fine=0.8e-3,
-        ball_coarse=1.6e-3, modes=20,
+        b_over_h=2.5, semi=semi, reach=expected_reach(scene), fine=2.4e-3, coarse=10e-3, ball_fine=0.8e-3,
+        ball_coarse=1.6e-3, modes=20, growth=1.8, own_cuts=(2, 2, 2), own_sizes=(1.5e-3, 6e-3),
+        own_ball_sizes=(0.8e-3, 1.6e-3),
     )
     cache = Cache(tmp_path_factory.mktemp("cache"))
     setup = prepare(scene, SIDES, settings, cache=cache)
@@ -96,28 +102,38 @@ class TestStress:
 
 class TestRecovered:
     @pytest.mark.parametrize("side", SIDES)
-    def test_contact_nodes_of_the_grooves_move_as_condensed(self, case, side):
+    def test_hats_of_the_grooves_move_as_condensed(self, case, side):
+        """The field is the fine patch's; H of the coarser patch that is condensed in its stead, and the modes left out,
+        change what the body adds little."""
         setup, meshes, _, forces, u, fields, _ = case
         patch, body = setup.patches[side].groove, meshes.screw if side < 2 else meshes.nut
-        mesh = groove_patch(setup, meshes, side)
-        found = np.einsum("ck,ck->c", fields[side].displacement[mesh.contact], patch.normals)
+        mesh, steel = groove_patch(setup, meshes, side), setup.scene.screw.material
+        fine = condense_patch(mesh, patch.normals, steel.youngs_modulus, steel.poissons_ratio)
+        nodal = np.einsum("ck,ck->c", fields[side].displacement[mesh.contact], patch.normals)
+        found = mean_weights(mesh.weights) @ nodal
         c, s = np.cos(setup.layout.azimuth[0]), np.sin(setup.layout.azimuth[0])
         trace = u[side][body.socket_nodes[0]] @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        assert relative(found, patch.A @ forces[side][0] + patch.H @ trace.ravel()) < 1e-7
+        assert relative(found, fine.A @ forces[side][0] + fine.H @ trace.ravel()) < 1e-7
+        assert relative(patch.H @ trace.ravel(), fine.H @ trace.ravel()) < 2e-3
         own = setup.screw if side < 2 else setup.nut
         V = own.modes[side]
         z = np.concatenate([V.T @ f for f in forces[side]])
         G = (own.stretch.F if side < 2 else own.G)[: V.shape[1], : z.size]
-        assert relative(found, patch.A @ forces[side][0] + V @ (G @ z)) < 1e-3  # the modes left out
+        assert relative(found, fine.A @ forces[side][0] + V @ (G @ z)) < 2e-3
 
-    def test_contact_nodes_of_the_ball_move_as_condensed(self, case):
+    def test_hats_of_the_ball_move_as_condensed(self, case):
         setup, meshes, _, forces, _, _, ball = case
-        D = ball_compliance(setup.scene, meshes.ball, setup.patches, setup.settings).D
-        found = [
-            np.einsum("ck,ck->c", ball[s].displacement[ball_patch(setup, meshes, s).contact], setup.patches[s].ball.normals)
-            for s in SIDES
-        ]
-        assert relative(np.concatenate(found), D @ np.concatenate([forces[s][0] for s in SIDES])) < 1e-7
+        steel, response = setup.scene.balls.material, setup.ball
+        V = block_diag(*(response.modes[s] for s in SIDES))
+        body = V @ (response.G @ (V.T @ np.concatenate([forces[s][0] for s in SIDES])))
+        found, patches = [], []
+        for s in SIDES:
+            mesh, normals = ball_patch(setup, meshes, s), setup.patches[s].ball.normals
+            fine = condense_patch(mesh, normals, steel.youngs_modulus, steel.poissons_ratio)
+            nodal = np.einsum("ck,ck->c", ball[s].displacement[mesh.contact], normals)
+            found.append(mean_weights(mesh.weights) @ nodal)
+            patches.append(fine.A @ forces[s][0])
+        assert relative(np.concatenate(found), np.concatenate(patches) + body) < 2e-3
 
     def test_screw_loaded_beyond_its_low_end_is_refused(self, case):
         setup, meshes, _, forces, _, _, _ = case

@@ -8,22 +8,25 @@ import scipy.sparse as sp
 from scipy.linalg import block_diag
 
 from compare import catalogue
-from hifi import condensed, reference, setup
+from hifi import condensed, part_meshes, reference, setup
 from hifi.assembly import assemble
 from hifi.balls import solve_balls
 from hifi.bodies import freedoms, isostatic
 from hifi.compliance import uncoupled
 from hifi.fit import Settings, ball_place
 from hifi.forms import elasticity
+from hifi.part_meshes import placed
+from hifi.patch import hat_rows
+from hifi.pressures import mean_weights
 from hifi.response import compliance
-from hifi.setup import placed
 from meshes.cache import Cache
 from meshes.parts import Load, Support
 from meshes.sockets import local_points
 
 SMALL = Settings(
     b_over_h=0.8, semi=(0.5e-3, 0.14e-3), reach=(0.5e-3, 0.14e-3), fine=3e-3, coarse=12e-3, ball_fine=1e-3,
-    ball_coarse=2e-3, cell=9e-3, modes=10**6,
+    ball_coarse=2e-3, cell=9e-3, modes=10**6, ball_modes=10**6, own_cuts=(3, 2, 3), own_sizes=(2e-3, 8e-3),
+    own_ball_sizes=(0.9e-3, 1.8e-3),
 )  # fmt: skip
 
 
@@ -46,13 +49,13 @@ def small():
 
 @pytest.fixture(scope="module")
 def meshes(small):
-    return setup.mesh_parts(small.scene, small.map, small.layout, small.dims, small.sides, SMALL)
+    return part_meshes.mesh_parts(small.scene, small.map, small.layout, small.dims, small.sides, SMALL)
 
 
 def whole(body, patches, material, reduce):
-    """Compliance at the contact nodes' normals from one mesh of the body and all its patches, tied node by node.
+    """Compliance of the hats from one mesh of the body and all its patches, tied node by node.
 
-    patches: (mesh, normals, socket's nodes, rotation); reduce: (freedoms of the body) -> what holds it.
+    patches: (mesh, rows of the hats, socket's nodes, rotation); reduce: (freedoms of the body) -> what holds it.
     """
     E, nu = material.youngs_modulus, material.poissons_ratio
     blocks, columns, loads = [assemble(elasticity(E, nu), body)], [], []
@@ -61,16 +64,15 @@ def whole(body, patches, material, reduce):
     total = size + 3 * sum(len(i) for i in inner_of)
     columns.append(sp.hstack([sp.identity(size), sp.csr_matrix((size, total - size))]))
     start = size
-    for (mesh, normals, nodes, R), inner in zip(patches, inner_of, strict=True):
+    for (mesh, hats, nodes, R), inner in zip(patches, inner_of, strict=True):
         blocks.append(assemble(elasticity(E, nu), mesh.mesh))
         C = sp.lil_matrix((3 * len(mesh.points), total))
         C[freedoms(inner), start + np.arange(3 * len(inner))] = 1.0
         turn = sp.kron(sp.identity(len(nodes)), R.T)  # the body moves in space, the patch in its own frame
         C[np.ix_(freedoms(mesh.interface), freedoms(nodes))] = (sp.kron(mesh.tie, sp.identity(3)) @ turn).toarray()
         columns.append(C.tocsr())
-        own = start + 3 * np.searchsorted(inner, mesh.contact)[:, None] + np.arange(3)
-        rows = np.repeat(np.arange(len(mesh.contact)), 3)
-        loads.append(sp.csr_matrix((normals.ravel(), (rows, own.ravel())), (len(mesh.contact), total)))
+        left, right = (sp.csr_matrix((hats.shape[0], n)) for n in (start, total - start - 3 * len(inner)))
+        loads.append(sp.hstack([left, hats[:, freedoms(inner)], right]))
         start += 3 * len(inner)
     C = sp.vstack(columns).tocsr()
     K = (C.T @ sp.block_diag(blocks) @ C).tocsc()
@@ -79,25 +81,28 @@ def whole(body, patches, material, reduce):
 
 
 def patch(small, meshes, side, *, ball=False):
+    """The patch that is condensed with its socket, and the rows of the finer one's hats on it."""
     body = meshes.ball if ball else meshes.screw if side < 2 else meshes.nut
     place = ball_place(small.map, meshes.size, side, meshes.zone)[1] if ball else (
         lambda xi: local_points(small.map, meshes.size, side, xi)
     )
-    mesh = setup.patch_mesh(meshes, body.sockets[side], place, SMALL)
+    mesh = part_meshes.patch_mesh(meshes, body.sockets[side], place, SMALL)
+    carrier = part_meshes.carrier_mesh(meshes, body.sockets[side], place, SMALL)
     centre = np.zeros(3) if ball else np.array([small.map.R, 0.0, 0.0])
-    return mesh, (-1.0 if ball else 1.0) * setup.patch_normals(mesh, centre)
+    normals = (-1.0 if ball else 1.0) * part_meshes.patch_normals(mesh, centre)
+    return carrier, hat_rows(mesh, normals, carrier)
 
 
 def bodies(small, meshes):
-    """Compliance of screw, nut and ball at their contact nodes, each from one whole mesh."""
+    """Compliance of screw, nut and ball at their hats, each from one whole mesh."""
     places = {s: [(float(a), float(z), s) for a, z in zip(small.layout.azimuth, small.layout.z, strict=True)]
               for s in (0, 3)}  # fmt: skip
     out = {}
     for name, side, mesh, material in (
         ("screw", 0, meshes.screw, small.scene.screw.material), ("nut", 3, meshes.nut, small.scene.nut.material),
     ):  # fmt: skip
-        own, normals = patch(small, meshes, side)
-        parts = [(own, normals, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
+        own, hats = patch(small, meshes, side)
+        parts = [(own, hats, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
         if name == "screw":
             reduce = lambda _, m=mesh: setup.screw_transform(m, small.dims, small.dims.ends(small.scene)[1])  # noqa: E731
         else:
@@ -121,11 +126,14 @@ def test_condensed_bodies_are_those_of_the_whole_mesh(small, meshes):
         U = block_diag(V[side], V[side])
         wanted = block_diag(A[side], A[side]) + U @ G @ U.T
         np.testing.assert_allclose(found[name], wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
-    np.testing.assert_allclose(found["ball"], small.ball, rtol=0, atol=1e-10 * np.abs(small.ball).max())
+    U = block_diag(*small.ball.modes.values())
+    wanted = block_diag(*(p.ball.A for p in small.patches.values())) + U @ small.ball.G @ U.T
+    np.testing.assert_allclose(found["ball"], wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
 
 
 def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
-    """Two balls, both bodies, same mesh: loads with nothing condensed agree to 1e-10."""
+    """Two balls, both bodies, same mesh, each contact's own compliance exchanged as submodels ask for: loads with nothing
+    condensed agree to 1e-10."""
     found = bodies(small, meshes)
     sides = (0, 3)
     mounted = reference.mounted_screw(small, small.scene)
@@ -141,16 +149,20 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     U = np.zeros((2 * sum(n), len(beam)))
     for i, (V, c) in enumerate(zip(C.modes, C.columns, strict=True)):
         U[i * sum(n) : (i + 1) * sum(n), c] = V
-    dense = U @ beam @ U.T + block_diag(found["ball"], found["ball"])
+    exchanged = block_diag(*(small.patches[s].own - small.patches[s].groove.A - small.patches[s].ball.A for s in sides))
+    dense = U @ beam @ U.T + block_diag(*2 * [found["ball"] + exchanged])
     for name, part in (("screw", slice(0, n[0])), ("nut", slice(n[0], sum(n)))):
         own = np.concatenate([i * sum(n) + np.arange(sum(n))[part] for i in range(2)])
         dense[np.ix_(own, own)] += found[name]
     normals = np.concatenate([small.patches[s].groove.points - [small.map.R, 0, 0] for s in sides])
     length = np.linalg.norm(normals, axis=1)
-    gap = np.tile(length - small.map.ball, 2)
+    mean = sp.block_diag([mean_weights(small.patches[s].groove.weights) for s in sides])
+    gap = np.tile(mean @ (length - small.map.ball), 2)
     directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
     zones = reference._zones(small, sides)
-    rows = reference._screw_rows(small, directions, zones, mounted.origin)
+    rows = reference._screw_rows(small, directions, zones, mounted.origin).reshape(-1, 6)
+    rows = sp.block_diag([mean, mean]) @ rows
+    directions = np.stack([mean @ d for d in directions])
     N = reference._directions_matrix(directions, rows, mounted.motions)
     f = np.concatenate([np.zeros(6), mounted.work])
     frozen = reference.solve_reference(small, small.scene, updates=0)
@@ -221,16 +233,23 @@ def test_a_prepared_geometry_comes_whole_from_the_cache(small, tmp_path):
     found = setup.prepare(two_balls(), (0, 3), SMALL, cache=again)
     assert first.hits == again.misses == 0
     assert first.misses == again.hits > 5
-    np.testing.assert_array_equal(found.ball, small.ball)
+    np.testing.assert_array_equal(found.ball.G, small.ball.G)
+    np.testing.assert_array_equal(found.patches[0].own, small.patches[0].own)
     np.testing.assert_array_equal(found.screw.stretch.F, small.screw.stretch.F)
 
 
 def test_own_approaches_of_condensed_bodies(small, monkeypatch):
-    """Spread forces have unit resultants, the matrices' own force adds nothing, the place on the grid does not matter."""
+    """Spread forces have unit resultants, the matrices' own force adds nothing, the place on the grid hardly matters.
+
+    Mirrored places differ by up to 0.7 % with these cells (0.4 % with 1.2 across a semi-axis): a contact's own compliance is
+    no more that of a patch whose symmetric socket is held, but of bodies that are not symmetric around it.
+    """
     forces = {s: condensed.forces_of(small, s) for s in small.sides}
     spreads = {s: condensed.spread(small, s, float(np.median(f))) for s, f in forces.items()}
     for s, f in spreads.items():
-        assert f @ (small.patches[s].groove.normals @ condensed.frame(small, s)[0]) == pytest.approx(1.0, rel=1e-12)
+        groove = small.patches[s].groove
+        nodal = mean_weights(groove.weights).T @ f
+        assert nodal @ (groove.normals @ condensed.frame(small, s)[0]) == pytest.approx(1.0, rel=1e-12)
     found = condensed.condensed_bodies(small, 1)
     middle = np.array([float(np.median(f)) for f in forces.values()])
     own = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
@@ -244,7 +263,7 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
         # Hertz's 2/3, less what the held sockets take away
         assert 0.59 < np.log(approach[-1] / approach[0]) / np.log(loads[-1] / loads[0]) < 2 / 3
         mirrored = tuple((-x, -y) for x, y in condensed.PLACES)
-        for places, tolerance in ((mirrored, 5e-3), (((0.0, 0.0),), 0.15)):
+        for places, tolerance in ((mirrored, 8e-3), (((0.0, 0.0),), 0.15)):
             with monkeypatch.context() as patch:
                 patch.setattr(condensed, "PLACES", places)
                 assert condensed.patch_approaches(small, s, loads) == pytest.approx(approach, rel=tolerance)

@@ -1,0 +1,49 @@
+"""Mesh levels of the 3D reference: complete, ordered, and in proportion to the ball."""
+
+from dataclasses import fields
+
+import pytest
+
+from compare.levels import BALL, LEVELS, PRODUCTION, SOURCE_LEVEL, SOURCE_MESH, scaled
+from hifi.fit import Settings
+
+#: Lengths; all other settings are counts and ratios.
+LENGTHS = {"own_sizes", "own_ball_sizes", "fine", "coarse", "ball_fine", "ball_coarse", "cell", "tet"}
+
+
+@pytest.mark.parametrize("level", [SOURCE_LEVEL, *LEVELS])
+def test_lengths_go_with_the_ball_and_counts_and_ratios_stay(level):
+    """Twice the ball: the same mesh twice as large; the ball they are given for: as they are."""
+    given = SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]
+    assert scaled(level, BALL) == given
+    made = scaled(level, 2.0 * BALL)
+    assert made.keys() == given.keys()
+    for name, value in given.items():
+        if name not in LENGTHS:
+            assert made[name] == value, name
+        elif isinstance(value, tuple):
+            assert made[name] == pytest.approx([2.0 * x for x in value]), name
+        else:
+            assert made[name] == pytest.approx(2.0 * value), name
+
+
+@pytest.mark.parametrize("level", [SOURCE_LEVEL, *LEVELS])
+def test_levels_are_settings(level):
+    made = scaled(level, 4e-3)
+    assert made.keys() <= {x.name for x in fields(Settings)}
+    Settings(**made)
+
+
+def test_every_choice_is_refined_from_level_to_level_or_stays():
+    assert sorted(LEVELS) == [1, 2, 3, 4]
+    assert max(LEVELS) == PRODUCTION
+    for a, b in zip(list(LEVELS)[:-1], list(LEVELS)[1:], strict=True):
+        coarse, fine = LEVELS[a], LEVELS[b]
+        assert coarse.keys() == fine.keys()
+        for name, value in coarse.items():
+            pairs = zip(value, fine[name], strict=True) if isinstance(value, tuple) else [(value, fine[name])]
+            for before, after in pairs:
+                finer = before >= after if name in LENGTHS | {"growth"} else before <= after
+                assert finer, (a, name)
+        assert 1.3 < fine["b_over_h"] / coarse["b_over_h"] < 1.4
+        assert 1.3 < coarse["own_sizes"][0] / fine["own_sizes"][0] < 1.45
