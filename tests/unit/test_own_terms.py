@@ -1,11 +1,9 @@
-"""What condensed bodies know of each contact's own approach: pressures as hats, contacts by active sets, the fitted law."""
-
-from types import SimpleNamespace
+"""What condensed bodies know of each contact's own approach: contacts by active sets, the fitted law; the grid's wave."""
 
 import numpy as np
 import pytest
 
-from hifi.condensed import approaches, contact_weights
+from hifi.grid_wave import GridWave, approaches
 from meshes.condensed import CondensedBodies
 
 FORCES = np.geomspace(40.0, 600.0, 16)
@@ -39,37 +37,6 @@ def test_scatter_is_a_share_of_the_approach():
     assert np.abs(law + 2e-9).max() < 0.5 * np.abs(wave).max()
 
 
-def patch(x, y, z=np.zeros_like):
-    """Contact nodes of a patch on a grid of element boundaries and midpoints."""
-    lines = [np.sort(np.concatenate([v, 0.5 * (v[1:] + v[:-1])])) for v in (np.asarray(x), np.asarray(y))]
-    X, Y = np.meshgrid(*lines, indexing="ij")
-    points = np.stack([X, Y, z(X)], axis=-1).reshape(-1, 3)
-    return SimpleNamespace(points=points, shape=X.shape), lines
-
-
-def test_weights_of_a_flat_grid_are_those_of_bilinear_hats():
-    made, (x, y) = patch([0.0, 1.0, 3.0, 4.5], [0.0, 2.0, 3.0])
-    W = contact_weights(made)
-
-    def hats(v):  # area of every hat on half cells
-        return np.concatenate([[0.0], np.diff(v)]) / 2 + np.concatenate([np.diff(v), [0.0]]) / 2
-
-    assert W.sum(axis=1) == pytest.approx(np.outer(hats(x), hats(y)).ravel(), rel=1e-13)
-    assert W.sum() == pytest.approx(4.5 * 3.0, rel=1e-13)
-    # displacements' functions: 1 : 4 : 1 along every cell, so that corners, edges and middles carry 1 : 4 : 16
-    own = W.sum(axis=0).reshape(made.shape)
-    assert own[3, 1] / own[2, 1] == pytest.approx(4 * 2.0 / (1.0 + 2.0), rel=1e-12)
-    # linear gaps are weighed exactly: the integral of hat times gap is a product of moments in x and y
-    mid, middle = np.diff(x), 2
-    inner = mid[middle - 1] * (2 * x[middle] + x[middle - 1]) / 6 + mid[middle] * (2 * x[middle] + x[middle + 1]) / 6
-    assert (W @ made.points[:, 0]).reshape(made.shape)[middle] == pytest.approx(inner * hats(y), rel=1e-12)
-
-
-def test_weights_count_the_surface_and_not_its_shadow():
-    made, _ = patch(np.linspace(-0.2, 0.2, 5), np.linspace(0.0, 1.0, 3), lambda x: np.sqrt(1.0 - x**2))
-    assert contact_weights(made).sum() == pytest.approx(2 * np.arcsin(0.2), rel=1e-6)
-
-
 def test_contacts_on_springs():
     """Springs of their own: each carries what the approach closes beyond its gap."""
     rng = np.random.default_rng(3)
@@ -79,3 +46,21 @@ def test_contacts_on_springs():
     for load, approach in zip(loads, approaches(np.diag(springs), gap, close, loads), strict=True):
         carried = np.maximum(approach * close - gap, 0.0) / springs @ close
         assert carried == pytest.approx(load, rel=1e-10)
+
+
+def test_the_wave_is_periodic_in_the_place_and_follows_hertz_beyond_its_forces():
+    places = np.linspace(0.0, 1.0, 9)
+    loads = np.geomspace(10.0, 1000.0, 48)
+    table = 1e-9 * np.cos(2.0 * np.pi * places)[:, None] * np.log(loads / 5.0)
+    tangent = np.array([0.0, 0.6, 0.8])
+    wave = GridWave(loads, table, 20e-6, np.array([1.0, 2.0, 3.0]), tangent)
+    force = np.array([40.0, 40.0, 40.0, 0.0])
+    centres = wave.middle + 20e-6 * np.array([0.3, 7.3, -0.7, 0.3])[:, None] * tangent
+    expected = 1e-9 * np.cos(0.6 * np.pi) * np.log(8.0)
+    found = wave.at(force, centres)
+    assert found[:3] == pytest.approx(np.full(3, expected), rel=5e-3)
+    assert found[3] == 0.0
+    aside = centres + 3e-3 * np.cross(tangent, [1.0, 0.0, 0.0])
+    assert wave.at(force, aside) == pytest.approx(found, rel=1e-6)
+    far = wave.at(np.array([1.25, 8000.0]), np.tile(wave.middle, (2, 1)))
+    assert far == pytest.approx(1e-9 * np.array([np.log(2.0) / 4.0, 4.0 * np.log(200.0)]), rel=1e-9)
