@@ -106,7 +106,8 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
     def both():
         """Motions of hats and of modes without rigid ones, under all forces."""
         out = []
-        rigid = (hat_rows(mesh, normals) @ rigid_modes(mesh.points), rows @ rigid_modes(points_of(piece.mesh)[piece.socket]))
+        socket = points_of(piece.mesh)[piece.socket]
+        rigid = (hat_rows(mesh, normals) @ rigid_modes(mesh.points), rows @ rigid_modes(socket))
         answers = (fine_compliance(piece, mesh, normals, E, NU), coarse_compliance(piece, condensed(), rows, E, NU))
         for F, R in zip(answers, rigid, strict=True):
             strains = np.linalg.svd(R)[0][:, 6:]  # orthogonal to the six rigid motions
