@@ -213,7 +213,7 @@ class Task:
     def weight(self) -> float:
         """Expected cost, in arbitrary units."""
         sides = len({s for scene in self.scenes for s in needed_sides(scene)})
-        own = {SOURCE_LEVEL: 1.2, 1: 1.0, 2: 2.0, 3: 4.5}[self.level] * (1.0 if sides == 2 else 2.2)
+        own = {SOURCE_LEVEL: 1.2, 1: 1.0, 2: 2.0, 3: 4.5, 4: 10.0}[self.level] * (1.0 if sides == 2 else 2.2)
         return own * (0.6 if self.variant else 1.0) + 0.15 * len(self.scenes) * (6 if self.ablate else 1)
 
 
