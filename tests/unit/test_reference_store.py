@@ -411,7 +411,7 @@ def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     ):  # fmt: skip
         compute_references(Study(), source, print)
     full, quick = asked
-    assert {t.level for t in full if not t.variant} == {0, 1, 2, 3}
+    assert {t.level for t in full if not t.variant} == {0, 1, 2, 3, 4}
     assert {t.variant for t in full} == {"", *VARIANTS}
     cases = [t for t in full if not t.scenes[0].name.startswith("unseen")]
     assert [t.ablate for t in cases if t.level == 1 and not t.variant] == [True]
