@@ -22,7 +22,7 @@ from meshes.groove_map import GrooveMap
 from meshes.parts import SIDES
 from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
 from meshes.shell import BEND, POOREST, STRAIGHTENED, Shell, best_of, fill, graded
-from meshes.sockets import SocketMesh, SocketSize, local_points, rim, side_socket
+from meshes.sockets import SocketMesh, SocketSize, local_points, rim, side_socket, socket_mesh
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -118,16 +118,29 @@ def build_ball(
     """Mesh a ball with a socket for each contact; fine, coarse: element sizes near and away from them [m]; cuts: of the
     sockets' edges.
 
+    Right flanks' sockets are left ones turned. Two that face each other closely can have rectangles of edges across the
+    gap, which gmsh fills with flat cells; then every socket is cut for itself, and no patch of the ball is a turned one.
     Raises ValueError where sockets overlap or no attempt gives a good mesh.
     """
-    begin = perf_counter()
 
     def places(side: int) -> Callable[[Array], Array]:
         like = next(one for one in sockets if one.side // 2 == side // 2)
         return partial(ball_points, m, replace(like, side=side))
 
-    boxes = [side_socket(places, one.side, cuts) for one in sockets]
     _refuse_overlap(m, sockets)
+    try:
+        return _meshed(m, sockets, [side_socket(places, one.side, cuts) for one in sockets], fine, coarse)
+    except ValueError:
+        if not any(one.side % 2 for one in sockets):
+            raise
+    return _meshed(m, sockets, [socket_mesh(places(one.side), cuts) for one in sockets], fine, coarse)
+
+
+def _meshed(
+    m: GrooveMap, sockets: tuple[BallSocket, ...], boxes: list[tuple[SocketMesh, Array]], fine: float, coarse: float
+) -> BallBody:
+    """Mesh of a ball with sockets of given meshes and raised corners."""
+    begin = perf_counter()
     near = np.concatenate([ball_points(m, socket, box.xi) for socket, (box, _) in zip(sockets, boxes, strict=True)])
 
     def attempt(gmsh: Any, plane: int, volume: int, share: float) -> tuple[BallBody, float]:

@@ -323,7 +323,9 @@ def test_bodies_with_their_ends_and_sockets(part, tmp_path: Path, cache: Path):
     edges = np.array([(0, 1), (1, 2), (2, 0), (3, 0), (2, 3), (1, 3)])
     ends, middle = mesh.points[cells[:, edges]], mesh.points[cells[:, 4:10]]
     away = np.linalg.norm(middle - ends.mean(axis=2), axis=2) / np.linalg.norm(ends[:, :, 0] - ends[:, :, 1], axis=2)
-    assert away.max() < 0.25
+    # a few inner edges bend more, where only that keeps a cell beside a socket from being turned inside out
+    assert np.mean(away > 0.25) < 1e-4
+    assert away.max() < 0.35
     if part == "ball":
         np.testing.assert_allclose(np.linalg.norm(mesh.points, axis=1).max(), SCENE.balls.radius, rtol=1e-9)
         assert area(mesh, "socket SL") == pytest.approx(area(mesh, "socket NR"), rel=0.3)

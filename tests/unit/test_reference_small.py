@@ -241,8 +241,8 @@ def test_a_prepared_geometry_comes_whole_from_the_cache(small, tmp_path):
 def test_own_approaches_of_condensed_bodies(small, monkeypatch):
     """Spread forces have unit resultants, the matrices' own force adds nothing, the place on the grid hardly matters.
 
-    Mirrored places differ by up to 0.7 % with these cells (0.4 % with 1.2 across a semi-axis): a contact's own compliance is
-    no more that of a patch whose symmetric socket is held, but of bodies that are not symmetric around it.
+    Mirrored places differ by up to 0.7 % with these cells (0.4 % with 1.2 across a semi-axis): a contact's own
+    compliance is no more that of a patch whose symmetric socket is held, but of bodies that are not symmetric around it.
     """
     forces = {s: condensed.forces_of(small, s) for s in small.sides}
     spreads = {s: condensed.spread(small, s, float(np.median(f))) for s, f in forces.items()}
