@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter
 
 from compare.errors import InputError
-from compare.levels import LEVELS, SOURCE_LEVEL
+from compare.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from compare.memory import reset_peak
 from compare.reference import Run, Task, bodies_path, compute_with_bodies, groups, load, path_in, save, with_bodies
 from compare.variants import VARIANTS
@@ -36,14 +36,16 @@ def plan(
     scenes: Sequence[Scene], levels: Sequence[int], variants: Sequence[str] = (), *, source: bool = False,
     ablate: bool = False,
 ) -> list[Task]:  # fmt: skip
-    """Tasks of a study, dearest first: every level of every geometry, variants and ablation on the coarsest level."""
+    """Tasks of a study, dearest first: every level of every geometry, variants on their own level, ablation on the coarsest."""
     tasks = []
     for group in groups(scenes):
         own = tuple(group)
         tasks += [Task(own, level, ablate=ablate and level == min(LEVELS)) for level in levels]
         if source:
             tasks.append(Task(own, SOURCE_LEVEL))
-        tasks += [Task(own[:1], min(LEVELS), variant) for variant in variants]
+        tasks += [Task(own[:1], VARIANTS[variant].level, variant) for variant in variants]
+        if any(VARIANTS[variant].refined for variant in variants):
+            tasks.append(Task(own[:1], PRODUCTION, "base"))  # what choices refined alone are compared with
     return sorted(tasks, key=lambda task: -task.weight)
 
 

@@ -1,6 +1,7 @@
 """Modelling uncertainty of the 3D reference: what its idealisations and unprinted dimensions are worth, beside its grid's.
 
-Every choice is varied alone on the coarsest level, against the same scene on the same mesh settings (``base``). Of several
+Every modelling choice is varied alone on the coarsest level, every choice of the mesh refined alone on the finest, against
+the same scene on the same level (``base``). Of several
 variants of one choice each contact counts its largest change; choices are independent of one another and have no known
 sign, so contact by contact they add by the root of the sum of squares. That sum is an estimate of one typical variation of
 every choice, not a bound. What is the scene's own (where the nut is held) or the method's (modes, sockets) is listed, and
@@ -16,7 +17,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.levels import LEVELS
 from compare.measure import LoadError, error_percent, load_error
 from compare.models import DEFAULT, Options, run_model
 from compare.reference import Run, load
@@ -62,28 +62,20 @@ class Modelling:
     choices: dict[str, float]
 
 
-def base_run(scene: Scene, stores: Sequence[Path] | None) -> Run | None:
-    """What variants are compared with: the scene alone on the coarsest level, or else in its group."""
-    level = min(LEVELS)
+def base_run(scene: Scene, level: int, stores: Sequence[Path] | None) -> Run | None:
+    """What variants of a level are compared with: the scene alone, or else in its group."""
     return load(scene, level, "base", stores) or load(scene, level, stores=stores)
 
 
 def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
     """Effects of all variants of a scene that a store holds converged; the dropped coupling by the refined model, whose
     loads answer a turned shaft as the reference's do. Empty without any run."""
-    base = base_run(scene, stores)
-    if base is None:
-        return []
     out = []
     for name, variant in VARIANTS.items():
-        run = load(scene, min(LEVELS), name, stores)
-        against = base
+        run, against = load(scene, variant.level, name, stores), base_run(scene, variant.level, stores)
         if name == "base":  # what the base itself leaves out, against the scene in its group
-            whole = load(scene, min(LEVELS), stores=stores)
-            if whole is None:
-                continue
-            against = whole
-        if run is not None and run.status == "converged":
+            against = load(scene, variant.level, stores=stores)
+        if run is not None and against is not None and run.status == "converged":
             out.append(effect(scene.name, name, variant.label, variant.choice, variant.kind, run.load, against.load))
     if not out:
         return []

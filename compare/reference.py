@@ -35,13 +35,13 @@ Array = NDArray[np.float64]
 Step = Callable[[str], None]
 
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
-SCHEMA = 4
+SCHEMA = 5
 #: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
 ENLARGE, BEYOND, LARGER = 2, 1.2, 4
 #: Share by which a patch must grow to be built again.
 GROWN = 5e-3
 #: The same for the condensed bodies.
-BODIES = 2
+BODIES = 3
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Setti
 
     if level not in (SOURCE_LEVEL, *LEVELS):
         raise InputError("command line", "--levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
-    sizes = scaled(level, scenes[0].balls.radius)
+    sizes = scaled(level, scenes[0].balls.radius, VARIANTS[variant].refined if variant else ())
     axes, reach = [], []
     for scene in scenes:
         try:
@@ -172,7 +172,7 @@ def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Setti
     sizes["semi"] = (min(a for a, _ in axes), min(b for _, b in axes))
     sizes["reach"] = (max(a for a, _ in reach), max(b for _, b in reach))
     sizes["element"] = "P1" if level == SOURCE_LEVEL else "Q2"
-    return Settings(**sizes, **dict(VARIANTS[variant].settings if variant else ()))
+    return Settings(**sizes)
 
 
 def serves(scene: Scene, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:

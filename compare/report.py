@@ -101,7 +101,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         tasks = plan(scenes, tuple(LEVELS), source=True, ablate=True)
         for name in VARIED:
             tasks += plan([study.scene(name)], (), all_variants())
-        tasks += plan([study.scene(name) for name in UNSEEN], (1, 2))
+        tasks += plan([study.scene(name) for name in UNSEEN], tuple(LEVELS))
         tasks += plan([study.scene(name) for name in STUDIES], tuple(LEVELS))
         tasks.sort(key=lambda task: -task.weight)
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)

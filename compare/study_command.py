@@ -70,8 +70,10 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
     if not runs:
         return []
     found = reference_of(scene.name, runs)
-    base = base_run(scene, stores)
-    changed = {v: r for v in VARIANTS if v != "base" and (r := load(scene, min(LEVELS), v, stores)) is not None}
+    coarsest = min(LEVELS)
+    base = base_run(scene, coarsest, stores)
+    others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]
+    changed = {v: r for v in others if (r := load(scene, coarsest, v, stores)) is not None}
     table = []
     for name, unit, take in quantities(runs[-1]):
         values = [take(r) for r in runs]

@@ -1,13 +1,15 @@
-"""Choices of the 3D reference that no mesh level refines, and how each is varied on the coarsest level."""
+"""Choices of the 3D reference, each varied alone: those that no mesh level refines on the coarsest level, those of the
+mesh refined one at a time on the finest."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
+from compare.levels import LEVELS, PRODUCTION
 from meshes.parts import Scene
 from meshes.solid import Dimensions, dimensions
 
@@ -22,13 +24,19 @@ COUPLING = 0.02
 
 @dataclass(frozen=True)
 class Variant:
-    """A choice varied: what it is, the changed scene or mesh settings; ``choice``: variants of one choice count once."""
+    """A choice varied: what it is, the changed scene; ``refined``: mesh settings taken from `compare.levels.BEYOND`, on the
+    finest level; ``choice``: variants of one choice count once."""
 
     label: str
     choice: str
     kind: Kind
     change: Change
-    settings: tuple[tuple[str, Any], ...] = ()
+    refined: tuple[str, ...] = ()
+
+    @property
+    def level(self) -> int:
+        """Mesh level on which it is varied."""
+        return PRODUCTION if self.refined else min(LEVELS)
 
 
 @dataclass(frozen=True)
@@ -129,7 +137,19 @@ VARIANTS: dict[str, Variant] = {
         lambda s: solid(shaft_diameter=s.screw.outer_diameter)(s),
     ),
     "runout": Variant("groove of the screw ends at half the 3D stretch", BEYOND, "scene", ends_in_plain_shaft),
-    "modes": Variant("24 modes per patch instead of 16", MODES, "numerical", same, (("modes", 24),)),
+    "finer-contact": Variant("cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "numerical", same, ("b_over_h",)),
+    "finer-patch": Variant("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "numerical", same, ("growth",)),
+    "finer-own": Variant(
+        "sockets and cells of the submodels of one contact", "submodels", "numerical", same,
+        ("own_cuts", "own_sizes", "own_ball_sizes"),
+    ),
+    "finer-bodies": Variant("cells of screw and nut", "coarse bodies", "numerical", same, ("fine", "coarse")),
+    "finer-sockets": Variant("sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "numerical", same, ("cuts",)),
+    "modes": Variant("28 modes per patch for 20", MODES, "numerical", same, ("modes",)),
+    "finer-ball": Variant(
+        "cells and modes of the ball", "ball", "numerical", same, ("ball_fine", "ball_coarse", "ball_modes")
+    ),
+    "finer-cell": Variant("cell of the homogenised shaft", "homogenised shaft", "numerical", same, ("cell",)),
     "nut-right": Variant("nut held at its right face", FIXING, "scene", solid(nut_held="right face")),
     "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", solid(nut_held="outer surface")),
 }  # fmt: skip

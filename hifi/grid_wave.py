@@ -3,9 +3,10 @@
 The continuous contact does not know where the grid lies. On the grid the approach under a force waves, by 0.1 to 0.4 % with
 two or three cells across the short semi-axis, as the edge of the contact passes rows of nodes; its slope, by which loads
 share out, waves by some per cent. The wave is periodic in the place of the contact, with the distance of the nodes, and the
-mean over four places a quarter of that apart, in both directions, is smooth to some hundredths of that. So each contact's
-gaps are corrected by the mean less the approach at its own place, both of one contact pressed straight in with its own
-compliance: a correction that vanishes with the cells.
+mean over four places a quarter of that apart, in both directions, waves by some hundredths of that. What is left of it goes
+by a smooth law of the force (`smooth`). So each contact's gaps are corrected by that law less the approach at its own place,
+both of one contact pressed straight in with all the compliance of its submodels (the wave's phase follows the ellipse, and
+that what the body adds to the gap): a correction that vanishes with the cells.
 """
 
 from __future__ import annotations
@@ -29,7 +30,10 @@ Array = NDArray[np.float64]
 QUARTERS = (-0.375, -0.125, 0.125, 0.375)
 PLACES = tuple(product(QUARTERS, QUARTERS))
 #: Places across the groove and forces at which the wave is tabulated.
-ACROSS, FORCES = 8, 48
+ACROSS, FORCES = 16, 64
+#: Powers of the force in an approach over Hertz's: of second-order cells beside the ellipse, none, of the body around the
+#: contact (as the force), of curvatures that change over the ellipse.
+POWERS = (-2.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0)
 #: Part of its zone that the largest ellipse fills; least short semi-axis over the cell, and over the largest one where that
 #: asks for more.
 FILLED, COARSEST, LEAST = 0.85, 1.0, 0.6
@@ -120,6 +124,13 @@ def approaches(C: Array, gap: Array, close: Array, loads: Array) -> Array:
     return out
 
 
+def smooth(loads: Array, approach: Array) -> Array:
+    """Approaches ``(f,)`` [m] by the law of the force that fits them best: Hertz's F^(2/3) times a sum of ``POWERS`` of F,
+    equal weights of relative errors."""
+    basis = loads[:, None] ** (2.0 / 3.0 + np.array(POWERS)) / approach[:, None]
+    return np.asarray(approach * (basis @ np.linalg.lstsq(basis, np.ones(loads.size), rcond=None)[0]))
+
+
 def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, own: Array, loads: Array) -> Array:
     """Approaches ``(f,)`` [m] as `approaches_at`, mean over `PLACES`: without the grid's wave."""
     return np.asarray(np.mean([approaches_at(m, side, patch, own, loads, place) for place in PLACES], axis=0))
@@ -151,12 +162,12 @@ class GridWave:
         return np.where(loads > 0.0, found * np.cbrt(np.maximum(loads, 0.0) / force) ** 2, 0.0)
 
 
-def grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, own: Array, material: Material) -> GridWave:
-    """Table of the mean approach less that at a contact's own place; along the groove contacts lie in the middle."""
+def grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
+    """Table of the smooth law less the approach at a contact's own place; along the groove contacts lie in the middle."""
     loads = resolved_forces(m, side, patch, material, FORCES)
     places = np.linspace(-0.5, 0.5, ACROSS, endpoint=False)
-    mean = mean_approaches(m, side, patch, own, loads)
-    around = [approaches_at(m, side, patch, own, loads, (float(x), 0.0)) for x in np.roll(places, ACROSS // 2)]
+    mean = smooth(loads, mean_approaches(m, side, patch, C, loads))
+    around = [approaches_at(m, side, patch, C, loads, (float(x), 0.0)) for x in np.roll(places, ACROSS // 2)]
     table = mean - np.array(around)
     assert patch.shape is not None
     n, k = patch.shape

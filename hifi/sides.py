@@ -86,7 +86,7 @@ def condense_side(
         made = build_ball(m, (ball_socket,), scale * own[0], scale * own[1], cuts)
         return Piece(made.mesh, made.socket_nodes[side], np.eye(3), ()), made.sockets[side]
 
-    own = np.zeros_like(groove.A)
+    own, whole = np.zeros_like(groove.A), np.zeros_like(groove.A)
     for piece_of, where, condensed, along, material, modes in (
         (groove_piece, groove_place, groove, normals, e, settings.modes),
         (ball_piece, place, ball, -normals, b, settings.ball_modes),
@@ -99,7 +99,8 @@ def condense_side(
             return coarse_compliance(piece_of(scale, coarse=True)[0], condensed, rows, *_constants(material))
 
         own += own_compliance(C, V, response)
-    return SidePatches(groove, ball, own, grid_wave(m, side, groove, own, b))
+        whole += C
+    return SidePatches(groove, ball, own, grid_wave(m, side, groove, whole, b))
 
 
 def _constants(material: Material) -> tuple[float, float]:
