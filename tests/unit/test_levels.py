@@ -2,9 +2,11 @@
 
 from dataclasses import fields
 
+import numpy as np
 import pytest
 
-from compare.levels import BALL, LEVELS, PRODUCTION, SOURCE_LEVEL, SOURCE_MESH, scaled
+from compare.levels import BALL, BEYOND, LEVELS, PRODUCTION, SOURCE_LEVEL, SOURCE_MESH, scaled
+from compare.variants import VARIANTS
 from hifi.fit import Settings
 
 #: Lengths; all other settings are counts and ratios.
@@ -46,4 +48,22 @@ def test_every_choice_is_refined_from_level_to_level_or_stays():
                 finer = before >= after if name in LENGTHS | {"growth"} else before <= after
                 assert finer, (a, name)
         assert 1.3 < fine["b_over_h"] / coarse["b_over_h"] < 1.4
-        assert 1.3 < coarse["own_sizes"][0] / fine["own_sizes"][0] < 1.45
+        assert 1.15 < coarse["own_sizes"][0] / fine["own_sizes"][0] < 1.45
+
+
+def test_every_choice_of_the_finest_level_can_be_refined_alone():
+    """What lies beyond the finest level is finer in everything, and only the choices named are taken from it."""
+    finest = LEVELS[PRODUCTION]
+    assert BEYOND.keys() == finest.keys()
+    for name, value in BEYOND.items():
+        for further, before in zip(np.atleast_1d(value), np.atleast_1d(finest[name]), strict=True):
+            assert further < before if name in LENGTHS | {"growth"} else further > before, name
+    refined = scaled(PRODUCTION, 2.0 * BALL, ("growth", "fine"))
+    plain = scaled(PRODUCTION, 2.0 * BALL)
+    assert {name for name in plain if plain[name] != refined[name]} == {"growth", "fine"}
+    assert refined["fine"] == pytest.approx(2.0 * BEYOND["fine"])
+
+
+def test_variants_refine_every_choice_of_the_finest_level_once():
+    named = [name for variant in VARIANTS.values() for name in variant.refined]
+    assert sorted(named) == sorted(LEVELS[PRODUCTION])
