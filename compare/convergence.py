@@ -33,6 +33,9 @@ ORDERS = (0.5, 2.0)
 SAFE, CAREFUL = 1.25, 3.0
 #: Changes below this share of the largest value are the last digit of stored values.
 ROUND_OFF = 1e-6
+#: Of the F test by which a scene's own values must contradict the order of the method before it is not believed for them:
+#: its contacts are neighbours and share scatter, and of twenty scenes one contradicts at 95 % by chance.
+CONTRADICTION = 0.99
 #: Orders of the interval that ``pool`` goes through for the largest uncertainty.
 STEPS = 16
 
@@ -76,13 +79,14 @@ class Convergence:
 class Pooled:
     """Quantities with one order: ``order`` where it is believed; ``fitted_order`` whatever it is and the ``interval`` that
     the data allow (both None with fewer than three levels); standard deviation about the fit of all quantities together;
-    the convergence of each."""
+    the convergence of each; ``by_method``: whether the order of the method stood in for their own."""
 
     order: float | None
     fitted_order: float | None
     interval: tuple[float, float] | None
     deviation: float | None
     each: tuple[Convergence, ...]
+    by_method: bool = False
 
     @property
     def labels(self) -> dict[str, int]:
@@ -96,6 +100,8 @@ class Pooled:
         if self.fitted_order is None or self.interval is None:
             return TOO_FEW if any(c.label == TOO_FEW for c in self.each) else HELD
         low, high = self.interval
+        if self.by_method:
+            return f"of the method (own p {_shown(self.fitted_order)}, {low:.2g} to {high:.2g})"
         if self.order is None:
             return f"out of range: p {_shown(self.fitted_order)} ({low:.2g} to {high:.2g})"
         return f"{self.order:.2f} ({low:.2g} to {high:.2g})"
@@ -147,7 +153,22 @@ def observe(values: ArrayLike, sizes: ArrayLike) -> Convergence:
     return Convergence(given_, label, order, limit, uncertainty)
 
 
-def pool(values: ArrayLike, sizes: ArrayLike) -> Pooled:
+def common_order(values: ArrayLike, sizes: ArrayLike) -> tuple[float, tuple[float, float]]:
+    """Order of the method, and the interval that the data allow (F test, 95 %), of quantities ``(levels, m)`` of many
+    scenes in one unit. Quantities that are the same on every level take no part.
+
+    Raises ValueError as ``observe``, and for fewer than three levels or nothing that moves.
+    """
+    y, h = _checked(values, sizes)
+    y = y[:, [not _still(column) for column in y.T]]
+    if len(h) < 3 or not y.size:
+        raise ValueError(f"{len(h)} levels of {y.shape[1]} moving quantities give no order")
+    free = min((searched(y, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
+    assert free.order is not None
+    return free.order, allowed(y, h, free)
+
+
+def pool(values: ArrayLike, sizes: ArrayLike, method: tuple[float, float] | None = None) -> Pooled:
     """Convergence of many like quantities ``(levels, m)`` on cells of ``sizes``, coarse to fine, with one order for all.
 
     phi_0 and alpha are each quantity's own; the order that all share is searched, with the interval of orders that the
@@ -157,6 +178,10 @@ def pool(values: ArrayLike, sizes: ArrayLike) -> Pooled:
     with its factor of 3. sigma of a quantity is its own or that of all, whichever is larger: one or two residuals are
     small by chance too often. The order is believed where it lies in the range, or above it by no more than chance allows
     (then it is 2); values are extrapolated by it unless an order below the range is allowed too.
+
+    method: interval of orders of the method, from many scenes together (`common_order`). It takes the place of the
+    quantities' own interval unless they contradict it (F test, ``CONTRADICTION``): where little but scatter is left between
+    the levels they allow any order, and one that is too low makes errors of scatter.
 
     Two levels: a band of three times the difference, or three times the RMS difference of all where that is larger.
     Quantities that are the same on every level are held: they take no part, and have no uncertainty.
@@ -170,7 +195,13 @@ def pool(values: ArrayLike, sizes: ArrayLike) -> Pooled:
     data = y[:, moving]
     free = min((searched(data, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
     assert free.order is not None
-    interval = allowed(data, h, free)
+    data_allow = interval = allowed(data, h, free)
+    order, by_method = free.order, False
+    if method is not None:
+        low, high = allowed(data, h, free, CONTRADICTION)
+        if max(low, method[0]) <= min(high, method[1]):
+            interval, by_method = method, True
+            order = min(max(order, method[0]), method[1])
     if interval[1] < ORDERS[0]:
         fits, factor = [min(fixed(data, h, both=True), key=lambda f: f.deviation)], CAREFUL
     else:
@@ -178,16 +209,16 @@ def pool(values: ArrayLike, sizes: ArrayLike) -> Pooled:
         fits, factor = [given(data, h, float(p), free.weighted) for p in np.linspace(low, high, STEPS)], SAFE
     bars, limits = np.zeros(m), y[-1].copy()
     bars[moving] = np.max([_bar(data, f, np.maximum(f.own, f.deviation), factor) for f in fits], axis=0)
-    order = min(free.order, ORDERS[1]) if free.order >= ORDERS[0] and interval[0] <= ORDERS[1] else None
-    extrapolate = order is not None and interval[0] >= ORDERS[0]
-    if order is not None:
-        limits[moving] = given(data, h, order, free.weighted).limit
+    believed = min(order, ORDERS[1]) if order >= ORDERS[0] and (by_method or interval[0] <= ORDERS[1]) else None
+    extrapolate = believed is not None and interval[0] >= ORDERS[0]
+    if believed is not None:
+        limits[moving] = given(data, h, believed, free.weighted).limit
     each = []
     for k in range(m):
         label, own = _label(y[:, k], h) if moving[k] else (HELD, None)
         limit = float(limits[k]) if extrapolate or not moving[k] else None
         each.append(Convergence(tuple(float(v) for v in y[:, k]), label, own, limit, float(bars[k])))
-    return Pooled(order, free.order, interval, free.deviation, tuple(each))
+    return Pooled(believed, free.order, data_allow, free.deviation, tuple(each), by_method)
 
 
 def _banded(y: Array, moving: NDArray[np.bool_]) -> Pooled:

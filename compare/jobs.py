@@ -36,7 +36,7 @@ def plan(
     scenes: Sequence[Scene], levels: Sequence[int], variants: Sequence[str] = (), *, source: bool = False,
     ablate: bool = False,
 ) -> list[Task]:  # fmt: skip
-    """Tasks of a study, dearest first: every level of every geometry, variants on their own level, ablation on the coarsest."""
+    """Tasks of a study, dearest first: every level of every geometry, variants on their level, ablation on the coarsest."""
     tasks = []
     for group in groups(scenes):
         own = tuple(group)

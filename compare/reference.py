@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare import __version__
+from compare import __version__, grid_order
 from compare.convergence import Convergence, Pooled, pool, representative_size
 from compare.errors import InputError, Refusal
 from compare.levels import LEVELS, SOURCE_LEVEL, scaled
@@ -438,16 +438,20 @@ def reference(scene: Scene, stores: Sequence[Path] | None = None) -> Reference |
     """Best stored reference of a scene, or None."""
     runs = tuple(run for level in LEVELS if (run := load(scene, level, stores=stores)) is not None)
     runs = tuple(run for run in runs if run.status == "converged")
-    return reference_of(scene.name, runs) if runs else None
+    if not runs:
+        return None
+    order = grid_order.load((shipped_store(),) if stores is None else (*stores, shipped_store()))
+    return reference_of(scene.name, runs, None if order is None else order.interval)
 
 
-def reference_of(scene: str, runs: tuple[Run, ...]) -> Reference:
-    """Reference of converged runs, coarse to fine."""
+def reference_of(scene: str, runs: tuple[Run, ...], order: tuple[float, float] | None = None) -> Reference:
+    """Reference of converged runs, coarse to fine; order: interval of the method's (`compare.grid_order`)."""
     best = runs[-1]
     if len(runs) < 2:
         return Reference(scene, runs, best.load, None, None, None, None)
     shape = best.load.shape
-    pooled = pool(np.stack([run.load.ravel() for run in runs]), [representative_size(run.settings) for run in runs])
+    sizes = [representative_size(run.settings) for run in runs]
+    pooled = pool(np.stack([run.load.ravel() for run in runs]), sizes, order)
     each = pooled.each
     uncertainty = np.array([c.uncertainty for c in each], dtype=float).reshape(shape)
     rows = tuple(each[i * shape[1] : (i + 1) * shape[1]] for i in range(shape[0]))

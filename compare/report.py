@@ -91,8 +91,10 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
 
     if not source.compute or source.stores is None:
         return
+    from compare import grid_order
     from compare.crosscheck_study import STUDIES
     from compare.ladder import UNSEEN
+    from compare.reference import reference
 
     scenes = [study.scene(name) for name in REFERENCED]
     if source.quick:
@@ -105,6 +107,11 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         tasks += plan([study.scene(name) for name in STUDIES], tuple(LEVELS))
         tasks.sort(key=lambda task: -task.weight)
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
+    if not source.quick:
+        known = [reference(study.scene(name), source.stores) for name in dict.fromkeys((*REFERENCED, *STUDIES, *UNSEEN))]
+        order = grid_order.measured([ref for ref in known if ref is not None])
+        if order is not None:
+            grid_order.save(source.stores[0], order)
 
 
 def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], Section, Section]:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from compare import catalogue
+from compare import catalogue, grid_order
 from compare.comparison import CONTENDERS, contenders, from_model, reference_answers, rows, suited
 from compare.convergence import observe
 from compare.errors import InputError, Refusal
@@ -69,7 +69,8 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
     runs = tuple(r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None)
     if not runs:
         return []
-    found = reference_of(scene.name, runs)
+    order = grid_order.load((*(stores or ()), shipped_store()))
+    found = reference_of(scene.name, runs, None if order is None else order.interval)
     coarsest = min(LEVELS)
     base = base_run(scene, coarsest, stores)
     others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]

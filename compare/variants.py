@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -137,14 +137,18 @@ VARIANTS: dict[str, Variant] = {
         lambda s: solid(shaft_diameter=s.screw.outer_diameter)(s),
     ),
     "runout": Variant("groove of the screw ends at half the 3D stretch", BEYOND, "scene", ends_in_plain_shaft),
-    "finer-contact": Variant("cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "numerical", same, ("b_over_h",)),
+    "finer-contact": Variant(
+        "cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "numerical", same, ("b_over_h",)
+    ),
     "finer-patch": Variant("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "numerical", same, ("growth",)),
     "finer-own": Variant(
         "sockets and cells of the submodels of one contact", "submodels", "numerical", same,
         ("own_cuts", "own_sizes", "own_ball_sizes"),
     ),
     "finer-bodies": Variant("cells of screw and nut", "coarse bodies", "numerical", same, ("fine", "coarse")),
-    "finer-sockets": Variant("sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "numerical", same, ("cuts",)),
+    "finer-sockets": Variant(
+        "sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "numerical", same, ("cuts",)
+    ),
     "modes": Variant("28 modes per patch for 20", MODES, "numerical", same, ("modes",)),
     "finer-ball": Variant(
         "cells and modes of the ball", "ball", "numerical", same, ("ball_fine", "ball_coarse", "ball_modes")

@@ -44,8 +44,8 @@ SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 
 def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
-    """Orthonormal modes V ``(c, k)`` and their rows Q ``(k, 3 nodes)`` with V Q = H U U^T: the transfer of contact forces to
-    the socket through the ``count`` strongest traces U that pressures of contacts leave there.
+    """Orthonormal modes V ``(c, k)`` and their rows Q ``(k, 3 nodes)`` with V Q = H U U^T: the transfer of contact forces
+    to the socket through the ``count`` strongest traces U that pressures of contacts leave there.
 
     Those are elliptic pressures of several sizes and places in the contact zone (`contact_pressures`), so that the
     modes do not depend on the grid and few are needed; then, weighted by ``REST``, those of single hats, so that H is
@@ -59,8 +59,8 @@ def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
 
 
 def contact_pressures(patch: CondensedPatch) -> Array:
-    """Hertz's pressures of unit force on the hats of a patch, ``(c, s)``: ellipses similar to its contact zone, of ``SIZES``
-    and ``SHIFTS``, smeared over the hats by their values at the nodes."""
+    """Hertz's pressures of unit force on the hats of a patch, ``(c, s)``: ellipses similar to its contact zone, of
+    ``SIZES`` and ``SHIFTS``, smeared over the hats by their values at the nodes."""
     middle = patch.points - patch.points.mean(axis=0)
     x = middle @ np.linalg.svd(middle, full_matrices=False)[2][:2].T
     x = (x - 0.5 * (x.max(axis=0) + x.min(axis=0))) / (0.5 * np.ptp(x, axis=0))

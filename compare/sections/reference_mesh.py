@@ -208,8 +208,8 @@ def single_choice_table(study: Study, stores: Sequence[Any] | None) -> Table | N
         Column("beyond", "contacts that change by more than their uncertainty", "", "s"),
     )
     note = (
-        "One choice at a time, refined beyond the finest level, against the scene alone on the finest level. The uncertainty "
-        "is that of the convergence study over all levels, in which all choices are refined together."
+        "One choice at a time, refined beyond the finest level, against the scene alone on the finest level. The "
+        "uncertainty is that of the convergence study over all levels, in which all choices are refined together."
     )
     return Table("reference-choices", "Every numerical choice refined alone", columns, rows, note) if rows else None
 

@@ -9,6 +9,7 @@ from compare.convergence import (
     NOT_MONOTONE,
     OUT_OF_RANGE,
     TOO_FEW,
+    common_order,
     observe,
     pool,
     representative_size,
@@ -137,6 +138,47 @@ def test_pooled_uncertainty_holds_the_truth(levels: int) -> None:
             shares.append(np.mean(held))
             assert shares[-1] > 0.88, (order, noise)
     assert np.mean(shares) > 0.95
+
+
+@pytest.mark.parametrize("levels", [3, 4])
+def test_with_the_method_s_order_scatter_makes_no_errors_of_low_order(levels: int) -> None:
+    """Little but scatter: the method's order gives a bar of some scatter that holds the truth; own orders a larger one."""
+    rng = np.random.default_rng(26)
+    for order in (2.0, 3.0):
+        ratio, held, taken = [], [], []
+        for _ in range(10):
+            y, h = drawn(rng, levels, order, 4.0, 64)
+            own, given = pool(y, h), pool(y, h, (2.0, 3.5))
+            held += [abs(c.values[-1]) <= c.uncertainty for c in given.each]
+            ratio.append(max(c.uncertainty for c in given.each) / max(c.uncertainty for c in own.each))
+            taken.append(given.by_method)
+            assert given.interval == own.interval
+            assert ("of the method" in given.text) == given.by_method
+        assert np.mean(held) > 0.9
+        assert np.mean(taken) >= 0.5
+        assert max(ratio) <= 1.0 + 1e-9
+        assert np.mean(ratio) < 0.9
+
+
+def test_values_that_contradict_the_method_s_order_keep_their_own() -> None:
+    rng = np.random.default_rng(27)
+    y, h = drawn(rng, 4, 1.0, 0.1, 64)
+    given = pool(y, h, (2.0, 3.5))
+    assert not given.by_method
+    assert given == pool(y, h)
+
+
+def test_common_order_of_many_scenes() -> None:
+    """Two scenes in which single contacts say nothing; held quantities take no part; nothing that moves is refused."""
+    rng = np.random.default_rng(28)
+    y, h = drawn(rng, 3, 2.5, 0.3, 400)
+    order, (low, high) = common_order(np.hstack([y, np.full((3, 9), 7.0)]), h)
+    assert low < 2.5 < high
+    assert abs(order - 2.5) < 0.4
+    with pytest.raises(ValueError, match="moving"):
+        common_order(np.ones((3, 2)), h)
+    with pytest.raises(ValueError, match="levels"):
+        common_order(y[1:], h[1:])
 
 
 @pytest.mark.parametrize("levels", [3, 4])

@@ -10,7 +10,8 @@ LOADS = np.geomspace(20.0, 600.0, 64)
 
 def law(loads):
     """Hertz's approach, with some of every power that `smooth` knows."""
-    return 1e-8 * sum(part * loads ** (2.0 / 3.0 + power) for part, power in zip((0.3, 1.0, 0.02, -0.004), POWERS, strict=True))
+    parts = zip((0.3, 1.0, 0.02, -0.004), POWERS, strict=True)
+    return 1e-8 * sum(part * loads ** (2.0 / 3.0 + power) for part, power in parts)
 
 
 def test_a_law_of_its_own_powers_stays():
