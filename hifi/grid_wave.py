@@ -1,10 +1,9 @@
 """What the place of a contact on its grid does to its approach, and how to take it out.
 
-The continuous contact does not know where the grid lies. On the grid the approach under a force waves, by 0.1 to 0.4 %
-with two or three cells across the short semi-axis, as the edge of the contact passes rows of nodes; its slope, by which
-loads share out, waves by some per cent. The wave is periodic in the place of the contact, with the distance of the
-nodes, and the mean over four places a quarter of that apart, in both directions, waves by some hundredths of that. What
-is left of it goes by a smooth law of the force (`smooth`). So each contact's gaps are corrected by that law less the
+The continuous contact does not know where the grid lies. On the grid the approach under a force waves as the edge of
+the contact passes rows of nodes; its slope, by which loads share out, waves several times as much. The wave is periodic
+in the place of the contact, with the distance of the nodes, so that little of it is left in the mean over four places a
+quarter of that apart, in both directions; and that goes by a smooth law of the force (`smooth`). So each contact's gaps are corrected by that law less the
 approach at its own place, both of one contact pressed straight in with all the compliance of its submodels (the wave's
 phase follows the ellipse, and that what the body adds to the gap): a correction that vanishes with the cells.
 """

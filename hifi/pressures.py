@@ -48,7 +48,7 @@ def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_matrix:
 
     W 1 are the areas of the hats, 1^T W those of the displacements' functions, both over the contact zone. 27-node
     hexahedra: hats are bilinear on the halves of faces. First-order tetrahedra, which stand for the source's mesh, keep
-    nodal forces: W is diagonal (the hats' consistent mass would make so coarse a contact 8 % stiffer still).
+    nodal forces: W is diagonal (the hats' consistent mass would make so coarse a contact stiffer still).
     """
     if mesh.elem is not ElementHex2:
         return sp.csr_matrix(sp.diags(share().assemble(faces(mesh, "contact"))[contact]))
