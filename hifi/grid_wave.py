@@ -3,9 +3,10 @@
 The continuous contact does not know where the grid lies. On the grid the approach under a force waves as the edge of
 the contact passes rows of nodes; its slope, by which loads share out, waves several times as much. The wave is periodic
 in the place of the contact, with the distance of the nodes, so that little of it is left in the mean over four places a
-quarter of that apart, in both directions; and that goes by a smooth law of the force (`smooth`). So each contact's gaps are corrected by that law less the
-approach at its own place, both of one contact pressed straight in with all the compliance of its submodels (the wave's
-phase follows the ellipse, and that what the body adds to the gap): a correction that vanishes with the cells.
+quarter of that apart, in both directions; and that goes by a smooth law of the force (`smooth`). So each contact's gaps
+are corrected by that law less the approach at its own place, both of one contact pressed straight in with all the
+compliance of its submodels (the wave's phase follows the ellipse, and that what the body adds to the gap): a correction
+that vanishes with the cells.
 """
 
 from __future__ import annotations
@@ -130,9 +131,49 @@ def smooth(loads: Array, approach: Array) -> Array:
     return np.asarray(approach * (basis @ np.linalg.lstsq(basis, np.ones(loads.size), rcond=None)[0]))
 
 
+@dataclass(frozen=True)
+class PeriodicApproach:
+    """Approach of a contact over its place on the grid, without what changes from node to node: away from the middle of its
+    zone a contact finds another compliance beneath it, which is physics and no wave.
+
+    loads ``(f,)`` [N]; trend ``(4, f)`` [m]: by the place across, its square, that along and its square, in distances of
+    the nodes, from the places one node away on every side.
+    """
+
+    m: GrooveMap
+    side: int
+    patch: CondensedPatch
+    C: Array
+    loads: Array
+    trend: Array
+
+    @classmethod
+    def of(cls, m: GrooveMap, side: int, patch: CondensedPatch, C: Array, loads: Array) -> PeriodicApproach:
+        """Of a contact of compliance ``(c, c)`` [m/N] under ``loads`` ``(f,)`` [N]."""
+        middle, *around = (
+            approaches_at(m, side, patch, C, loads, (float(x), float(y)))
+            for x, y in ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))
+        )
+        trend = [
+            term for before, after in (around[:2], around[2:])
+            for term in (0.5 * (after - before), 0.5 * (after + before) - middle)
+        ]
+        return cls(m, side, patch, C, loads, np.array(trend))
+
+    def at(self, place: tuple[float, float]) -> Array:
+        """Approaches ``(f,)`` [m] at a place, less the trend."""
+        x, y = place
+        found = approaches_at(self.m, self.side, self.patch, self.C, self.loads, place)
+        return np.asarray(found - np.array([x, x * x, y, y * y]) @ self.trend)
+
+    def mean(self) -> Array:
+        """Mean ``(f,)`` [m] over `PLACES`: without the grid's wave."""
+        return np.asarray(np.mean([self.at(place) for place in PLACES], axis=0))
+
+
 def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, own: Array, loads: Array) -> Array:
-    """Approaches ``(f,)`` [m] as `approaches_at`, mean over `PLACES`: without the grid's wave."""
-    return np.asarray(np.mean([approaches_at(m, side, patch, own, loads, place) for place in PLACES], axis=0))
+    """Approaches ``(f,)`` [m] of a contact in the middle of its zone without the grid's wave: mean over `PLACES`."""
+    return PeriodicApproach.of(m, side, patch, own, loads).mean()
 
 
 @dataclass(frozen=True)
@@ -165,9 +206,8 @@ def grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material
     """Table of the smooth law less the approach at a contact's own place; along the groove contacts lie in the middle."""
     loads = resolved_forces(m, side, patch, material, FORCES)
     places = np.linspace(-0.5, 0.5, ACROSS, endpoint=False)
-    mean = smooth(loads, mean_approaches(m, side, patch, C, loads))
-    around = [approaches_at(m, side, patch, C, loads, (float(x), 0.0)) for x in np.roll(places, ACROSS // 2)]
-    table = mean - np.array(around)
+    approach = PeriodicApproach.of(m, side, patch, C, loads)
+    table = smooth(loads, approach.mean()) - np.array([approach.at((float(x), 0.0)) for x in np.roll(places, ACROSS // 2)])
     assert patch.shape is not None
     n, k = patch.shape
     middle = patch.points.reshape(n, k, 3)[n // 2, k // 2]
