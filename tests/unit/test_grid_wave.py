@@ -29,11 +29,11 @@ def test_waves_go_and_the_law_stays():
 
 
 def test_what_changes_from_node_to_node_is_no_wave(monkeypatch):
-    """A compliance that rises across and falls along the zone, and a wave with the nodes: only the wave is periodic, and the
-    mean is the approach in the middle without it."""
+    """A compliance that rises across and falls along the zone, and a wave with the nodes: only the wave is periodic, and
+    the mean is the approach in the middle without it."""
 
-    def approach(m, side, patch, C, loads, place):
-        x, y = place
+    def approach(*given):
+        loads, (x, y) = given[4:]
         trend = 1.0 + 4e-3 * x - 2e-3 * x * x - 1e-3 * y + 3e-3 * y * y
         return loads ** (2.0 / 3.0) * (trend + 1e-3 * np.cos(2.0 * np.pi * x) + 5e-4 * np.cos(2.0 * np.pi * y))
 
