@@ -14,18 +14,18 @@ BALL = 2.778e-3
 LEVELS: dict[int, dict[str, Any]] = {
     1: {
         "b_over_h": 1.8, "growth": 1.9, "own_cuts": (4, 4, 4), "own_sizes": (0.60e-3, 3.6e-3),
-        "own_ball_sizes": (0.33e-3, 0.75e-3), "fine": 1.5e-3, "coarse": 7.5e-3, "cuts": (3, 2, 3), "modes": 14,
-        "ball_fine": 0.44e-3, "ball_coarse": 0.98e-3, "ball_modes": 14, "cell": 5.0e-3,
+        "own_ball_sizes": (0.33e-3, 0.75e-3), "fine": 1.5e-3, "coarse": 7.5e-3, "cuts": (3, 2, 3), "modes": 10,
+        "ball_fine": 0.44e-3, "ball_coarse": 0.98e-3, "ball_modes": 10, "cell": 5.0e-3,
     },
     2: {
         "b_over_h": 2.4, "growth": 1.75, "own_cuts": (5, 5, 5), "own_sizes": (0.50e-3, 3.1e-3),
-        "own_ball_sizes": (0.27e-3, 0.65e-3), "fine": 1.3e-3, "coarse": 6.5e-3, "cuts": (3, 2, 3), "modes": 17,
-        "ball_fine": 0.36e-3, "ball_coarse": 0.80e-3, "ball_modes": 17, "cell": 4.3e-3,
+        "own_ball_sizes": (0.27e-3, 0.65e-3), "fine": 1.3e-3, "coarse": 6.5e-3, "cuts": (3, 2, 3), "modes": 12,
+        "ball_fine": 0.36e-3, "ball_coarse": 0.80e-3, "ball_modes": 12, "cell": 4.3e-3,
     },
     3: {
         "b_over_h": 3.2, "growth": 1.62, "own_cuts": (6, 6, 6), "own_sizes": (0.42e-3, 2.7e-3),
-        "own_ball_sizes": (0.23e-3, 0.56e-3), "fine": 1.15e-3, "coarse": 5.7e-3, "cuts": (3, 2, 3), "modes": 20,
-        "ball_fine": 0.30e-3, "ball_coarse": 0.66e-3, "ball_modes": 20, "cell": 3.7e-3,
+        "own_ball_sizes": (0.23e-3, 0.56e-3), "fine": 1.15e-3, "coarse": 5.7e-3, "cuts": (3, 2, 3), "modes": 14,
+        "ball_fine": 0.30e-3, "ball_coarse": 0.66e-3, "ball_modes": 14, "cell": 3.7e-3,
     },
 }  # fmt: skip
 #: Settings by which single choices of the finest level are refined alone (`compare.variants`), to see what each is worth.

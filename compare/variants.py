@@ -149,7 +149,7 @@ VARIANTS: dict[str, Variant] = {
     "finer-sockets": Variant(
         "sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "numerical", same, ("cuts",)
     ),
-    "modes": Variant("28 modes per patch for 20", MODES, "numerical", same, ("modes",)),
+    "modes": Variant("28 modes per patch for 14", MODES, "numerical", same, ("modes",)),
     "finer-ball": Variant(
         "cells and modes of the ball", "ball", "numerical", same, ("ball_fine", "ball_coarse", "ball_modes")
     ),
