@@ -104,7 +104,8 @@ class _System:
     def step(self, back: Array, balance: Array, shift: float) -> tuple[Array, Array]:
         """Newton step (dw, dy)."""
         r, k = back.size, balance.size
-        M, Mn, Nn = np.zeros((r, r)), np.zeros((r, k)), shift * np.eye(k)
+        G = self.C.coupling
+        MG, Mn, Nn = np.zeros((r, r)), np.zeros((r, k)), shift * np.eye(k)  # M is zero between balls
         for i, ball in enumerate(self.balls):
             if ball.factor is None or not ball.active.any():
                 continue
@@ -112,11 +113,11 @@ class _System:
             U, c = self.C.modes[i], self.C.columns[i]
             solved = ball.factor.solve(np.hstack([U, n]))  # zero on the open pairs
             su, sn = solved[:, : U.shape[1]], solved[:, U.shape[1] :]
-            M[np.ix_(c, c)] += U.T @ su
+            MG[c] += (U.T @ su) @ G[c]
             Mn[np.ix_(c, columns)] += U.T @ sn
             Nn[np.ix_(columns, columns)] += n.T @ sn
-        G = self.C.coupling
-        full = np.block([[np.eye(r) + M @ G, -Mn], [-Mn.T @ G, Nn]])
+        MG[np.diag_indices(r)] += 1.0
+        full = np.block([[MG, -Mn], [-Mn.T @ G, Nn]])
         solution = np.linalg.solve(full, np.concatenate([back, balance]))
         return solution[:r], solution[r:]
 
