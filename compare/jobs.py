@@ -142,5 +142,10 @@ def ensure(
 
 
 def all_variants() -> tuple[str, ...]:
-    """Names of all modelling variants."""
-    return tuple(VARIANTS)
+    """Names of the variants of choices that no mesh level refines."""
+    return tuple(name for name, variant in VARIANTS.items() if not variant.refined)
+
+
+def refinements() -> tuple[str, ...]:
+    """Names of the variants that refine one choice of the finest level alone."""
+    return tuple(name for name, variant in VARIANTS.items() if variant.refined)

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 
 #: Scenes on which every choice is varied: one without preload, one with.
 VARIED = ("lin-case1", "lin-case3")
+#: The one of them, preloaded, with all four flanks, on which every choice of the finest mesh is refined alone.
+REFINED = "lin-case3"
 #: The varied scene that speaks for others of the same parts.
 SPOKEN_FOR = {
     "lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "lin-case3", "lin-case3-offset": "lin-case3",

@@ -85,9 +85,9 @@ class Source:
 def compute_references(study: Study, source: Source, step: Step) -> None:
     """Compute the runs that the report needs and ``source`` does not hold yet."""
     from compare.comparison import REFERENCED
-    from compare.jobs import all_variants, ensure, plan
+    from compare.jobs import all_variants, ensure, plan, refinements
     from compare.levels import LEVELS
-    from compare.modelling import VARIED
+    from compare.modelling import REFINED, VARIED
 
     if not source.compute or source.stores is None:
         return
@@ -102,7 +102,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     else:
         tasks = plan(scenes, tuple(LEVELS), source=True, ablate=True)
         for name in VARIED:
-            tasks += plan([study.scene(name)], (), all_variants())
+            tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
         tasks += plan([study.scene(name) for name in UNSEEN], tuple(LEVELS))
         tasks += plan([study.scene(name) for name in STUDIES], tuple(LEVELS))
         tasks.sort(key=lambda task: -task.weight)

@@ -13,7 +13,7 @@ from compare.grid_summary import mean_load, summarise
 from compare.ladder import UNSEEN
 from compare.levels import LEVELS, SOURCE_LEVEL
 from compare.measure import error_percent, load_error
-from compare.modelling import VARIED, varied
+from compare.modelling import REFINED, VARIED, varied
 from compare.reference import Reference, Run, load
 from compare.sections.reference import modelling, references, study_figure
 from compare.study import Study
@@ -185,7 +185,7 @@ def spread_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
 def single_choice_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
     """Every numerical choice of the finest level refined alone, against the uncertainty that is printed for it."""
     rows: list[dict[str, Cell]] = []
-    for name in VARIED:
+    for name in (REFINED,):
         scene = study.scene(name)
         found = references(study, stores, (name,)).get(name)
         if found is None or found.uncertainty is None:
