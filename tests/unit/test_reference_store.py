@@ -61,7 +61,8 @@ def test_round_trip_and_damage(tmp_path: Path) -> None:
     assert (back.sides, back.assumed, back.settings) == ((0, 3), ("nothing",), run.settings)
     assert load(scene, 1, stores=(tmp_path,)) is None
     whole = file.read_text()
-    other = whole.replace('"modes":17', '"modes":18')
+    modes = LEVELS[2]["modes"]
+    other = whole.replace(f'"modes":{modes}', f'"modes":{modes + 1}')
     assert other != whole
     for damaged in (whole[:100], whole.replace('"load":[[', '"load":[[1],['), "[]", "", other):
         file.write_text(damaged)
@@ -416,5 +417,5 @@ def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     cases = [t for t in full if t.scenes[0].name in comparison.REFERENCED]
     assert [t.ablate for t in cases if t.level == 1 and not t.variant] == [True]
     unseen = {(t.level, s.name) for t in full for s in t.scenes if s.name in UNSEEN}
-    assert unseen == {(k, n) for k in (1, 2) for n in UNSEEN}
+    assert unseen == {(k, n) for k in LEVELS for n in UNSEEN}
     assert [(t.level, [s.name for s in t.scenes]) for t in quick] == [(1, ["lin-case1", "lin-case2"])]
