@@ -204,7 +204,8 @@ def _solve(
         mechanism = free_motions(problem)
         if mechanism.driven:
             return failed_result(problem, name, f"not held: {mechanism.text}", perf_counter() - start)
-        rebuild = replace(rebuild, held=pin(problem, mechanism).fixed)
+        pinned = pin(problem, mechanism)
+        rebuild = replace(rebuild, held=(pinned.fixed, pinned.prescribed))
         elastic = rebuild()
         prepared_at = perf_counter()
         outcome = solve_with_hertz(elastic)

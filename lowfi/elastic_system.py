@@ -243,13 +243,13 @@ def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float
 
 @dataclass(frozen=True)
 class Rebuild:
-    """Builds a scene's problem anew with other lever arms."""
+    """Builds a problem anew with other lever arms; held: freedoms of the nodes and their values, ``(n, 6)`` each."""
 
     scene: Scene
     drawn: Specimen
     layout: BallLayout
     use: NDArray[np.bool_]
-    held: NDArray[np.bool_] | None
+    held: tuple[NDArray[np.bool_], Array] | None
     backend: Backend
     condensed: Condensed | None
     engine: ModuleType
@@ -267,4 +267,4 @@ class Rebuild:
             self.scene, self.drawn, self.layout, self.use, everything=self.everything, refine=self.refine, more=more,
             section=grooved_section(geometry_only(self.scene), True) if self.backend.section == "cell" else None,
         )  # fmt: skip
-        return found if self.held is None else replace(found, fixed=self.held)
+        return found if self.held is None else replace(found, fixed=self.held[0], prescribed=self.held[1])

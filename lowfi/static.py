@@ -214,12 +214,15 @@ def pin(problem: Problem, mechanism: Mechanism) -> Problem:
     """Hold motions that nothing resists and nothing drives, and torsion where no contact can twist the shaft."""
     if not mechanism.pins and not mechanism.no_torsion:
         return problem
-    fixed = problem.fixed.copy()
+    fixed, prescribed = problem.fixed.copy(), problem.prescribed.copy()
     for k in mechanism.pins:
         fixed[0, k] = True
     if mechanism.no_torsion and problem.basis is None:
+        held = np.flatnonzero(problem.fixed[:, 5])
+        if held.size:  # an untwisted shaft turns as a whole, and in proportion to its length between two supports
+            prescribed[:, 5] = np.interp(problem.nodes, problem.nodes[held], prescribed[held, 5])
         fixed[:, 5] = True
-    return replace(problem, fixed=fixed)
+    return replace(problem, fixed=fixed, prescribed=prescribed)
 
 
 def solve_with_hertz(prepared: Prepared) -> Outcome:
@@ -264,11 +267,10 @@ def follow_profile(
         new = np.where(force[..., None] > 0.0, w - prepared.normal * radius[..., None], 0.0)
         change = float(np.abs(new - more).max())
         more = new
-        held = problem.fixed
         rebuilt = build(
             problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more
         )
-        rebuilt = replace(rebuilt, fixed=held)
+        rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed)
         rebuilt.C[:] = problem.C
         prepared.problem = rebuilt
         prepared.contacts = (prepared.contacts[0], rebuilt.B, rebuilt.geometry, *prepared.contacts[3:])
