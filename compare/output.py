@@ -92,6 +92,7 @@ def as_json(scene: Scene, result: StaticResult) -> dict[str, Any]:
     return {
         "scene": scene.name,
         "model": result.model,
+        "member": result.member if scene.errors.random else None,
         "status": result.status,
         "balls": [
             {
@@ -125,6 +126,7 @@ def as_json(scene: Scene, result: StaticResult) -> dict[str, Any]:
             "formulation": s.formulation,
             "round_off_bound": number(s.round_off_bound),
             "discretisation_percent": discretisation_percent(result),
+            "notes": list(s.notes),
         },
         "model_form": _model_form(result),
         "assumed": list(result.assumed),
@@ -141,7 +143,9 @@ def as_table(scene: Scene, result: StaticResult) -> list[RenderableType]:
     """The result for the terminal: ball table, summary, solver, assumptions, what was left out."""
     from rich.table import Table
 
-    table = Table(title=f"{scene.name}, model {result.model}: {result.status}", title_justify="left")
+    drawn = f", member {result.member} of its random errors" if scene.errors.random else ""
+    title = f"{scene.name}{drawn}, model {result.model}: {result.status}"
+    table = Table(title=title, title_justify="left")
     shown = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
     for heading in ("ball", "azimuth deg", "z mm"):
         table.add_column(heading, justify="right")
@@ -153,7 +157,7 @@ def as_table(scene: Scene, result: StaticResult) -> list[RenderableType]:
         for k in shown:
             cells += [f"{result.load[i, k]:.3f}", _cell(math.degrees(result.contact_angle[i, k]), ".3f")]
         table.add_row(*cells)
-    parts: list[Any] = [table] if shown else [f"{scene.name}, model {result.model}: {result.status}"]
+    parts: list[Any] = [table] if shown else [title]
     if shown:
         parts.append(_summary_table(result))
     if result.equilibrium is not None:
@@ -172,7 +176,8 @@ def as_table(scene: Scene, result: StaticResult) -> list[RenderableType]:
     )
     if result.model_form is not None:
         parts.append(model_form_text(result.model_form))
-    for heading, lines in (("warning", result.warnings), ("assumed", result.assumed), ("left out", result.left_out)):
+    headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
+    for heading, lines in headed:
         parts += [f"{heading}: {line}" for line in lines]
     return parts
 

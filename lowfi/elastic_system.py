@@ -221,7 +221,8 @@ def ready(
     bodies = (flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *modes)
     contacts = (problem.geometry, problem.closure, local, problem.drawn.ball_radius, problem.drawn.profile, rows)
     state = (np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5)))
-    options = np.array([tolerance, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, force_floor(problem)])
+    furthest = float(problem.drawn.ball_radius.max())
+    options = np.array([tolerance, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, force_floor(problem), furthest])
     return Elastic(
         problem, shaft, flanks, kernels, bodies, contacts, state, spring_rows(problem, pair, stiffness), options,
         shaft.arms, np.zeros(MAX_ITERATIONS + 1), assumed,
