@@ -62,6 +62,7 @@ def _model_form(result: StaticResult) -> dict[str, Any] | None:
     if m is None:
         return None
     return {
+        "covered": m.percent is not None,
         "largest_percent_of_mean": None if m.percent is None else number(m.percent),
         "rms_percent_of_mean": None if m.rms_percent is None else number(m.rms_percent),
         "distance": number(m.distance), "nearest": m.nearest, "compared": m.compared, "words": list(m.words),
@@ -71,7 +72,8 @@ def _model_form(result: StaticResult) -> dict[str, Any] | None:
 def model_form_text(m: ModelForm) -> str:
     """The estimate in one sentence."""
     if m.percent is None or m.rms_percent is None:
-        return "model-form error: unknown; " + "; ".join(m.words)
+        away = f" (nearest {m.nearest} at distance {m.distance:.2g}, 1 is the edge)" if m.nearest else ""
+        return f"model-form error: not covered by the comparisons with the 3D reference{away}; " + "; ".join(m.words)
     return (
         f"model-form error to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS "
         f"(errors against the 3D reference on {m.compared} scenes, nearest {m.nearest} at distance {m.distance:.2g}); "

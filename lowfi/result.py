@@ -53,9 +53,10 @@ class SolverReport:
 class ModelForm:
     """What a result may be worth: errors of the same model against a 3D reference on scenes like it.
 
-    percent, rms_percent: largest and RMS error to expect, in per cent of the mean contact load; None where nothing like
-    the scene was ever compared. distance: to the nearest compared scene, 1 at the edge of what counts as like it; nearest:
-    that scene; compared: how many scenes the estimate rests on; words: which ingredients are in, and what is unlike.
+    percent, rms_percent: largest and RMS error to expect, in per cent of the mean contact load; both None where nothing
+    like the scene was ever compared: not covered. distance: to the nearest compared scene, 1 at the edge of what counts as
+    like it; nearest: that scene; compared: how many scenes of its kind were; words: which ingredients are in, and what is
+    unlike.
     """
 
     percent: float | None
