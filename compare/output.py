@@ -74,9 +74,10 @@ def model_form_text(m: ModelForm) -> str:
     if m.percent is None or m.rms_percent is None:
         away = f" (nearest {m.nearest} at distance {m.distance:.2g}, 1 is the edge)" if m.nearest else ""
         return f"model-form error: not covered by the comparisons with the 3D reference{away}; " + "; ".join(m.words)
+    kind = "scene of its kind" if m.compared == 1 else "scenes of its kind"
     return (
         f"model-form error to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS "
-        f"(errors against the 3D reference on {m.compared} scenes, nearest {m.nearest} at distance {m.distance:.2g}); "
+        f"(errors against the 3D reference on {m.compared} {kind}, nearest {m.nearest} at distance {m.distance:.2g}); "
         + "; ".join(m.words)
     )
 
