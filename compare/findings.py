@@ -11,6 +11,8 @@ from compare.printed_data import Printed, load_table
 
 #: Verdict of a number or claim of class band that agrees: no more can be said of it.
 WITHIN = "within its band"
+#: Verdict of an input that a scene holds: nothing was computed.
+TAKEN = "taken over"
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ class Finding:
 
     @property
     def verdict(self) -> str:
-        """In words: reproduced, within its band, not reproduced, or open with what we see."""
+        """In words: reproduced, within its band, taken over (an input), not so, or open with what we see."""
         agrees = self.agrees
         if self.printed.cls == "open":
             if agrees is None or self.printed.value is not None:
@@ -62,6 +64,8 @@ class Finding:
             return "open: holds here" if agrees else "open: does not hold here"
         if agrees is None:
             return "open"
+        if self.printed.cls == "input":
+            return TAKEN if agrees else f"not {TAKEN}"
         if self.printed.cls == "as-printed":
             return "reproduced as printed" if agrees else "not reproduced"
         if self.printed.cls == "band" and agrees:

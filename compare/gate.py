@@ -59,16 +59,17 @@ def finding_row(finding: Finding, max_error: float) -> GateRow:
             finding.evidence,
         )  # fmt: skip
     label = f"{p.place}: {p.label}"
+    kind = f"printed, {p.cls}" if p.cls != "input" else "input, held by its scene"
     if p.value == 0.0:  # no per cent of it: within its own tolerance or not
-        return GateRow(label, f"printed, {p.cls}", finding.compared, 0.0, None, None, finding.agrees is True)
+        return GateRow(label, kind, finding.compared, 0.0, None, None, finding.agrees is True)
     error = finding.error_percent
     limit = min(max_error, abs(float(error_percent(p.value + p.tolerance, p.value))))
     passed = bool(finding.agrees) and error is not None and abs(error) <= max_error
-    return GateRow(label, f"printed, {p.cls}", finding.compared, p.value, error, limit, passed)
+    return GateRow(label, kind, finding.compared, p.value, error, limit, passed)
 
 
 def printed_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Every hard or as-printed entry of chapter 2, Table B.1, 4.3.2 and the friction tables."""
+    """Every hard or as-printed entry and every input of chapter 2, Table B.1, 4.3.2 and the friction tables."""
     from compare.sections import cases, friction_screw_values, friction_values, hertz, manufacturing
     from compare.sections.errors import single_findings
 
@@ -76,7 +77,7 @@ def printed_rows(study: Study, max_error: float) -> list[GateRow]:
         *hertz.findings(study), *cases.findings_241(study), *single_findings(study), *manufacturing.findings(study),
         *friction_values.findings(study), *friction_screw_values.findings(study),
     ]  # fmt: skip
-    gated = [f for f in found if f.printed.cls in ("hard", "as-printed") and f.agrees is not None]
+    gated = [f for f in found if f.printed.cls in ("hard", "as-printed", "input") and f.agrees is not None]
     return [finding_row(f, max_error) for f in gated]
 
 

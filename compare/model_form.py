@@ -1,8 +1,9 @@
 """What a low-order result may be worth: the same model's errors against the 3D reference on scenes like it.
 
 A scene is a point of dimensionless features; the compared scenes are points with measured errors. The estimate is the
-largest error among the nearest points, grown by one part per unit of distance to the nearest one: no fit, and no claim
-beyond what was compared. `rollbench report` writes the points (model_form.json in its store) from the ladder.
+largest error among the nearest points, grown by one part per unit of distance to the nearest one: no fit, and no number
+beyond one unit, where nothing like the scene was compared. `rollbench report` writes the points (model_form.json in its
+store) from the ladder.
 """
 
 from __future__ import annotations
@@ -117,24 +118,45 @@ def shipped_points() -> tuple[Point, ...]:
         return ()
 
 
+def unlike_kind(scene: Scene) -> str:
+    """Why no compared scene is of this one's kind, in words; empty where some are (rings with a rigid screw among them)."""
+    if scene.solid.nut == "rigid":
+        return "its nut is rigid, that of every compared scene is elastic"
+    if scene.ingredients.screw == "rigid" and scene.track.lead > 0.0:
+        return "its screw is rigid, and every compared one with a lead bends"
+    return ""
+
+
 def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
-    """The model-form error to expect of a result; unknown for models that were not compared on enough scenes (Mei's)."""
+    """The model-form error to expect of a result, or that it is not covered by what was compared.
+
+    Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings count apart from screws), and
+    scenes further than one unit from every compared one.
+    """
     model = SAME.get(result.model, result.model)
+    ring = scene.track.lead == 0.0
     own = [p for p in (shipped_points() if points is None else points) if p.model == model]
+    like = [p for p in own if (p.features["lead"] == 0.0) == ring]
     words: tuple[str, ...] = (WORDS[model],)
+
+    def uncovered(why: str, away: float = float("inf"), nearest: str = "") -> ModelForm:
+        return ModelForm(None, None, away, nearest, len(like), (*words, why))
+
     try:
         here = features(scene, result.load)
     except ValueError as error:
-        return ModelForm(None, None, float("inf"), "", 0, (*words, f"not comparable: {error}"))
+        return uncovered(f"not comparable: {error}")
     if not own:
-        return ModelForm(None, None, float("inf"), "", 0, (*words, "no scene was compared with the 3D reference"))
-    ordered = sorted(((*distance(here, p.features), p) for p in own), key=lambda x: x[0])
-    away, unlike, _ = ordered[0]
+        return uncovered("no scene was compared with the 3D reference")
+    other = unlike_kind(scene) or ("" if like else f"no {'ring' if ring else 'screw'} was compared with the 3D reference")
+    if other:
+        return uncovered(other)
+    ordered = sorted(((*distance(here, p.features), p) for p in like), key=lambda x: x[0])
+    away, unlike, nearest = ordered[0]
+    if away > 1.0:
+        return uncovered(f"unlike every compared scene, most in the {SCALES[unlike][0]}", away, nearest.scene)
     near = [p for _, _, p in ordered[:NEAREST]]
     grow = 1.0 + away
-    if away > 1.0:
-        words = (*words, f"unlike every compared scene, most in the {SCALES[unlike][0]}: a guess")
     return ModelForm(
-        grow * max(p.percent for p in near), grow * max(p.rms_percent for p in near), away, ordered[0][2].scene, len(own),
-        words,
-    )  # fmt: skip
+        grow * max(p.percent for p in near), grow * max(p.rms_percent for p in near), away, nearest.scene, len(like), words
+    )

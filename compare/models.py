@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.errors import InputError
+from compare.errors import InputError, Refusal
 from lowfi.result import StaticResult
 from meshes.parts import Scene
 
@@ -139,10 +139,8 @@ def run_model(scene: Scene, name: str = DEFAULT, options: Options | None = None)
         with np.errstate(all="ignore"):
             result = MODELS[name].run(scene, options)
     except ValueError as error:
-        raise InputError(
-            scene.name, "scene", str(error), "a scene the model can describe", "check the geometry and the ingredients"
-        ) from error
-    result = replace(result, model=name)
+        raise Refusal(scene.name, "scene", str(error), "check the geometry and the ingredients") from error
+    result = replace(result, model=name, member=options.member)
     if options.estimate and result.converged:
         from compare.model_form import estimate
 

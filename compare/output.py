@@ -62,6 +62,7 @@ def _model_form(result: StaticResult) -> dict[str, Any] | None:
     if m is None:
         return None
     return {
+        "covered": m.percent is not None,
         "largest_percent_of_mean": None if m.percent is None else number(m.percent),
         "rms_percent_of_mean": None if m.rms_percent is None else number(m.rms_percent),
         "distance": number(m.distance), "nearest": m.nearest, "compared": m.compared, "words": list(m.words),
@@ -71,10 +72,12 @@ def _model_form(result: StaticResult) -> dict[str, Any] | None:
 def model_form_text(m: ModelForm) -> str:
     """The estimate in one sentence."""
     if m.percent is None or m.rms_percent is None:
-        return "model-form error: unknown; " + "; ".join(m.words)
+        away = f" (nearest {m.nearest} at distance {m.distance:.2g}, 1 is the edge)" if m.nearest else ""
+        return f"model-form error: not covered by the comparisons with the 3D reference{away}; " + "; ".join(m.words)
+    kind = "scene of its kind" if m.compared == 1 else "scenes of its kind"
     return (
         f"model-form error to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS "
-        f"(errors against the 3D reference on {m.compared} scenes, nearest {m.nearest} at distance {m.distance:.2g}); "
+        f"(errors against the 3D reference on {m.compared} {kind}, nearest {m.nearest} at distance {m.distance:.2g}); "
         + "; ".join(m.words)
     )
 
@@ -92,6 +95,7 @@ def as_json(scene: Scene, result: StaticResult) -> dict[str, Any]:
     return {
         "scene": scene.name,
         "model": result.model,
+        "member": result.member if scene.errors.random else None,
         "status": result.status,
         "balls": [
             {
@@ -125,6 +129,7 @@ def as_json(scene: Scene, result: StaticResult) -> dict[str, Any]:
             "formulation": s.formulation,
             "round_off_bound": number(s.round_off_bound),
             "discretisation_percent": discretisation_percent(result),
+            "notes": list(s.notes),
         },
         "model_form": _model_form(result),
         "assumed": list(result.assumed),
@@ -141,7 +146,9 @@ def as_table(scene: Scene, result: StaticResult) -> list[RenderableType]:
     """The result for the terminal: ball table, summary, solver, assumptions, what was left out."""
     from rich.table import Table
 
-    table = Table(title=f"{scene.name}, model {result.model}: {result.status}", title_justify="left")
+    drawn = f", member {result.member} of its random errors" if scene.errors.random else ""
+    title = f"{scene.name}{drawn}, model {result.model}: {result.status}"
+    table = Table(title=title, title_justify="left")
     shown = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
     for heading in ("ball", "azimuth deg", "z mm"):
         table.add_column(heading, justify="right")
@@ -153,7 +160,7 @@ def as_table(scene: Scene, result: StaticResult) -> list[RenderableType]:
         for k in shown:
             cells += [f"{result.load[i, k]:.3f}", _cell(math.degrees(result.contact_angle[i, k]), ".3f")]
         table.add_row(*cells)
-    parts: list[Any] = [table] if shown else [f"{scene.name}, model {result.model}: {result.status}"]
+    parts: list[Any] = [table] if shown else [title]
     if shown:
         parts.append(_summary_table(result))
     if result.equilibrium is not None:
@@ -172,7 +179,8 @@ def as_table(scene: Scene, result: StaticResult) -> list[RenderableType]:
     )
     if result.model_form is not None:
         parts.append(model_form_text(result.model_form))
-    for heading, lines in (("warning", result.warnings), ("assumed", result.assumed), ("left out", result.left_out)):
+    headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
+    for heading, lines in headed:
         parts += [f"{heading}: {line}" for line in lines]
     return parts
 

@@ -12,9 +12,16 @@ from typing import Any, Literal, cast
 
 from compare.errors import InputError
 
-Class = Literal["hard", "as-printed", "band", "open"]
-CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open")
-_TEXTS = ("key", "label", "printed", "unit", "place", "class", "remark", "origin", "claim")
+Class = Literal["hard", "as-printed", "band", "open", "input"]
+CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open", "input")
+Kind = Literal["number", "claim", "arithmetic", "zero", "input"]
+#: Kinds in words: what reproducing an entry of the kind says of a model. A table names the two in the middle.
+KINDS: dict[Kind, str] = {
+    "number": "computed number", "claim": "claim in words", "arithmetic": "arithmetic on printed numbers",
+    "zero": "zero by symmetry", "input": "input, taken over",
+}  # fmt: skip
+NAMED: tuple[Kind, ...] = ("arithmetic", "zero")
+_TEXTS = ("key", "label", "printed", "unit", "place", "class", "kind", "remark", "origin", "claim")
 _NUMBERS = ("tolerance", "low", "high")
 
 
@@ -25,7 +32,9 @@ class Printed:
     table, key: where it is filed; label: what it is; value: the number in ``unit``, None for a claim;
     unit and printed: as the source prints them; place: section or table of the source;
     cls: ``"hard"`` (must be reproduced), ``"as-printed"`` (only by repeating a fault of the source),
-    ``"band"`` (against ``low`` to ``high``, of stated ``origin``) or ``"open"`` (shown, never gated on);
+    ``"band"`` (against ``low`` to ``high``, of stated ``origin``), ``"open"`` (shown, never gated on) or ``"input"``
+    (given by the source, or what something was inferred from: a scene holds it, nothing reproduces it);
+    kind: a key of ``KINDS``;
     tolerance: absolute, in ``unit``, half a unit of the last printed digit unless the table says otherwise;
     remark: what to know about it; claim: the statement in words, where there is no number.
     """
@@ -44,6 +53,7 @@ class Printed:
     high: float | None = None
     origin: str = ""
     claim: str = ""
+    kind: Kind = "number"
 
 
 def tables() -> list[str]:
@@ -119,6 +129,9 @@ def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int
     if not math.isfinite(tolerance) or tolerance < 0.0 or (value is not None and not math.isfinite(value)):
         raise refuse("tolerance", "finite, not negative", "give an absolute tolerance in the row's unit")
     source, place = str(data.get("source", "")), str(raw.get("place", data.get("place", "")))
+    kind = raw.get("kind", "input" if cls == "input" else "claim" if claim else "number")
+    if "kind" in raw and (kind not in NAMED or claim or cls == "input"):
+        raise refuse("kind", ", ".join(NAMED), "only for a number that is no input; else leave it out")
     return Printed(
         table=table,
         key=raw["key"],
@@ -134,6 +147,7 @@ def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int
         high=None if high is None else float(high),
         origin=raw.get("origin", ""),
         claim=claim,
+        kind=cast(Kind, kind),
     )
 
 

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.scene_schema import MAX_BALLS, SceneKeys
+from lowfi.supports import Held, contradiction, show
 from meshes.helix import ball_layout, lead_angle
+from meshes.partition import MERGE
 from meshes.parts import SIDES, Scene
 from meshes.section import volume_ratio
 
@@ -121,9 +123,10 @@ def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
             )
         for name, where in given:
             for at, other, first in taken:
-                if other == name and abs(at - support.at) <= TOLERANCE:
+                if other == name and abs(at - support.at) <= MERGE * (1.0 + TOLERANCE):
                     advice = f"{name} at {mm(at)} is already held by {first}: keep one of the two"
-                    yield Fault((where,), "each freedom once per station", advice, f'"{name}" twice')
+                    allowed = f"each freedom once per station (stations up to {mm(MERGE)} apart are one)"
+                    yield Fault((where,), allowed, advice, f'"{name}" twice')
                     break
             else:
                 taken.append((support.at, name, where))
@@ -150,6 +153,7 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
     yield from _groove_faults(scene, largest)
     yield from _section_faults(scene)
     yield from _station_faults(scene)
+    yield from _rigid_faults(scene)
     yield from _solid_faults(scene)
     if scene.track.pitch_radius > scene.balls.radius:
         yield from _packing_faults(scene, radii)
@@ -240,6 +244,21 @@ def _station_faults(scene: Scene) -> Iterator[Fault]:
         if at > length + TOLERANCE:
             advice = "stations are measured from the screw's left end and must lie on the screw"
             yield Fault((where,), f"0 mm to {mm(length)}", advice)
+
+
+def _rigid_faults(scene: Scene) -> Iterator[Fault]:
+    """Supports that no motion of a rigid screw can meet together."""
+    if scene.ingredients.screw != "rigid":
+        return
+    clash = contradiction(scene)
+    if clash is None:
+        return
+    held, others = clash.held, ", ".join(f"{x.freedom} of supports[{x.support}]" for x in clash.by)
+    where = f"supports[{held.support}]"
+    advice = f'the screw is rigid, and {others} leave no other value: mend one, or take screw = "beam"'
+    value = f"{held.freedom} = {show(held)} at {mm(scene.supports[held.support].at)}"
+    allowed = show(Held(held.support, held.freedom, clash.implied))
+    yield Fault((f"{where}.displace.{held.freedom}", f"{where}.fix"), allowed, advice, value)
 
 
 def _solid_faults(scene: Scene) -> Iterator[Fault]:

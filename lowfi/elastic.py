@@ -22,7 +22,7 @@ from lowfi.mechanism import free_motions
 from lowfi.problem import actual_hertz
 from lowfi.result import SolverReport, StaticResult
 from lowfi.selection import choose_sides, describe_left_out
-from lowfi.static import ACCEPTED, Engine, Outcome, Prepared, contact_angles, pick_engine, pin, prepare, verdict
+from lowfi.static import ACCEPTED, NO_LOADS, Engine, Outcome, Prepared, contact_angles, pick_engine, pin, prepare, verdict
 from lowfi.summary import Support, assemble_result, failed_result
 from meshes.errors import Specimen, specimen
 from meshes.helix import ball_layout
@@ -197,14 +197,15 @@ def _solve(
     kernels = pick_engine(engine, scene.ball_count)
     every = everything or drawn.profile.shape[1] > 0
     use = np.ones(4, dtype=bool) if every else choose_sides(scene, drawn)
-    notes: list[str] = []
+    notes: tuple[str, ...] = ()
     while True:
         rebuild = Rebuild(scene, drawn, layout, use, None, backend, condensed, kernels, everything, refine)
         problem = rebuild.problem()
         mechanism = free_motions(problem)
         if mechanism.driven:
             return failed_result(problem, name, f"not held: {mechanism.text}", perf_counter() - start)
-        rebuild = replace(rebuild, held=pin(problem, mechanism).fixed)
+        pinned = pin(problem, mechanism)
+        rebuild = replace(rebuild, held=(pinned.fixed, pinned.prescribed))
         elastic = rebuild()
         prepared_at = perf_counter()
         outcome = solve_with_hertz(elastic)
@@ -212,20 +213,22 @@ def _solve(
             elastic, outcome = follow_profile(elastic, outcome, rebuild)
         if np.all(use) or (outcome[0] == 0 and untouched(elastic)):
             break
-        notes.append("two of the four sides were left out at first, but may touch: included")
+        notes = ("two of the four sides may touch in the solution without them: solved again with all four",)
         use = np.ones(4, dtype=bool)
     bound = round_off(elastic, outcome[4])
+    if outcome[0] in NO_LOADS:
+        return failed_result(problem, name, verdict(outcome, bound), perf_counter() - start)
     record, support = as_prepared(elastic)
     report = SolverReport(
         iterations=outcome[1], evaluations=outcome[2], residual=outcome[3], seconds=perf_counter() - start,
         unknowns=elastic.state[0].size + elastic.state[1].size, elements=problem.nodes.size - 1,
         engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
         formulation="convex energy, elastic bodies condensed to the contacts", round_off_bound=bound,
-        setup_seconds=prepared_at - start,
+        setup_seconds=prepared_at - start, notes=notes,
     )  # fmt: skip
-    left = (*describe_left_out(record, mechanism, everything=everything), *notes, *_cut(elastic))
+    left = (*describe_left_out(record, mechanism, everything=everything), *_cut(elastic))
     result = assemble_result(record, name, verdict(outcome, max(bound, ACCEPTED)), report, left, support)
-    source = idealised(backend, scene.track.lead == 0.0) if condensed is None else (condensed.describe(),)
+    source = idealised(backend, scene) if condensed is None else (condensed.describe(),)
     return replace(result, assumed=(*result.assumed, *source, *elastic.assumed))
 
 

@@ -221,7 +221,8 @@ def ready(
     bodies = (flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *modes)
     contacts = (problem.geometry, problem.closure, local, problem.drawn.ball_radius, problem.drawn.profile, rows)
     state = (np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5)))
-    options = np.array([tolerance, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, force_floor(problem)])
+    furthest = float(problem.drawn.ball_radius.max())
+    options = np.array([tolerance, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, force_floor(problem), furthest])
     return Elastic(
         problem, shaft, flanks, kernels, bodies, contacts, state, spring_rows(problem, pair, stiffness), options,
         shaft.arms, np.zeros(MAX_ITERATIONS + 1), assumed,
@@ -243,13 +244,13 @@ def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float
 
 @dataclass(frozen=True)
 class Rebuild:
-    """Builds a scene's problem anew with other lever arms."""
+    """Builds a problem anew with other lever arms; held: freedoms of the nodes and their values, ``(n, 6)`` each."""
 
     scene: Scene
     drawn: Specimen
     layout: BallLayout
     use: NDArray[np.bool_]
-    held: NDArray[np.bool_] | None
+    held: tuple[NDArray[np.bool_], Array] | None
     backend: Backend
     condensed: Condensed | None
     engine: ModuleType
@@ -267,4 +268,4 @@ class Rebuild:
             self.scene, self.drawn, self.layout, self.use, everything=self.everything, refine=self.refine, more=more,
             section=grooved_section(geometry_only(self.scene), True) if self.backend.section == "cell" else None,
         )  # fmt: skip
-        return found if self.held is None else replace(found, fixed=self.held)
+        return found if self.held is None else replace(found, fixed=self.held[0], prescribed=self.held[1])

@@ -11,9 +11,10 @@ from scipy.interpolate import BarycentricInterpolator
 from lowfi.conformity import curvature_changes
 from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printed_hertz
 from lowfi.shape import motion_matrix, rigid_transport
+from lowfi.supports import contradiction, rigid_rows
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
-from meshes.partition import beam_nodes, contact_stations
+from meshes.partition import MERGE, beam_nodes, contact_stations
 from meshes.parts import FREEDOMS, SIDE_SIGNS, Errors, Scene
 from meshes.section import BeamSection, screw_section
 from meshes.surface import principal_curvatures, printed_radii
@@ -217,11 +218,14 @@ def _flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: i
 
 
 def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Array]:
+    """Held freedoms, their values, and loads of the nodes, ``(n, 6)`` each. Raises ValueError for one held twice."""
     fixed = np.zeros((nodes.size, 6), dtype=bool)
     prescribed, load = np.zeros((nodes.size, 6)), np.zeros((nodes.size, 6))
     for support in scene.supports:
         j = int(np.argmin(np.abs(nodes - support.at)))
         for name, value in support.fixed:
+            if fixed[j, FREEDOMS.index(name)]:
+                raise ValueError(f"two supports hold {name} at {1e3 * support.at:g} mm, less than {1e6 * MERGE:g} um apart")
             fixed[j, FREEDOMS.index(name)] = True
             prescribed[j, FREEDOMS.index(name)] = value
     for x in scene.loads:
@@ -284,30 +288,29 @@ def _rigid(
     parts: tuple[Scene, Specimen, BallLayout, Array | None], use: NDArray[np.bool_], geometry: Array, closure: Array,
     section: BeamSection,
 ) -> Problem:  # fmt: skip
-    """One rigid body, its motion taken at the nut's centre; supports become linear constraints on that motion."""
+    """One rigid body, its motion taken at the nut's centre; supports become linear constraints on that motion.
+
+    Raises ValueError where the supports contradict each other.
+    """
     scene, drawn, layout, _ = parts
     z0 = scene.nut.position
     arm = scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
-    rows, values = [], []
+    clash = contradiction(scene)
+    if clash is not None:
+        raise ValueError(clash.words(scene))
+    a, values, _ = rigid_rows(scene)
     load = np.zeros(6)
-    for support in scene.supports:
-        t = rigid_transport(support.at - z0)
-        for name, value in support.fixed:
-            k = FREEDOMS.index(name)
-            rows.append(t[k] * scale / scale[k])
-            values.append(value / scale[k])
     for x in scene.loads:
         load += rigid_transport(x.at - z0).T @ np.concatenate([x.force, x.moment])
     held = 0
     basis = np.eye(6)
     lift = np.zeros(6)
-    if rows:
-        a = np.array(rows)
+    if values.size:
         _, sv, vt = np.linalg.svd(a)
         held = int(np.sum(sv > 1e-9 * sv[0]))
         basis = np.concatenate([vt[held:], vt[:held]]).T
-        lift = np.linalg.lstsq(a, np.array(values), rcond=None)[0]
+        lift[:] = np.linalg.lstsq(a, values, rcond=None)[0]
     to_motion = scale[:, None] * basis / scale[None, :]
     count = layout.z.size
     B = np.zeros((count, 2, 2, 6))

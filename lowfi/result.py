@@ -31,7 +31,8 @@ class Equilibrium:
 class SolverReport:
     """How the solution came about. ``residual`` is the largest unbalanced force over the largest force.
 
-    discretisation: largest change of a contact load against a finer beam and the mean loaded contact [N], or None.
+    discretisation: largest change of a contact load against a finer beam and the mean loaded contact [N], or None; notes:
+    what happened on the way.
     """
 
     iterations: int
@@ -45,15 +46,17 @@ class SolverReport:
     round_off_bound: float = 0.0
     discretisation: tuple[float, float] | None = None
     setup_seconds: float = 0.0
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class ModelForm:
     """What a result may be worth: errors of the same model against a 3D reference on scenes like it.
 
-    percent, rms_percent: largest and RMS error to expect, in per cent of the mean contact load; None where nothing like
-    the scene was ever compared. distance: to the nearest compared scene, 1 at the edge of what counts as like it; nearest:
-    that scene; compared: how many scenes the estimate rests on; words: which ingredients are in, and what is unlike.
+    percent, rms_percent: largest and RMS error to expect, in per cent of the mean contact load; both None where nothing
+    like the scene was ever compared: not covered. distance: to the nearest compared scene, 1 at the edge of what counts as
+    like it; nearest: that scene; compared: how many scenes of its kind were; words: which ingredients are in, and what is
+    unlike.
     """
 
     percent: float | None
@@ -72,7 +75,7 @@ class StaticResult:
     (SL, SR, NL, NR): load ``(n, 4)`` [N], contact angle ``(n, 4)`` [rad] (nan without contact), contact point in space
     ``(n, 4, 3)`` [m], unit force direction on the ball ``(n, 4, 3)``, Hertz constant C ``(n, 4)`` and semi-axes
     constants; ball centre shift ``(n, 2)`` in the section [m]. Centreline: stations ``(k,)`` [m] and motions
-    ``(k, 6)`` [m, rad].
+    ``(k, 6)`` [m, rad]. member: which specimen of a scene with random errors.
     """
 
     model: str
@@ -93,6 +96,7 @@ class StaticResult:
     left_out: tuple[str, ...]
     warnings: tuple[str, ...] = ()
     model_form: ModelForm | None = None
+    member: int = 0
 
     @property
     def converged(self) -> bool:

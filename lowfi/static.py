@@ -28,6 +28,8 @@ Engine = Literal["auto", "interpreted", "compiled"]
 #: Relative residual that the solver drives for, and the one at which it counts as converged.
 TOLERANCE, ACCEPTED = 1e-14, 1e-10
 MAX_ITERATIONS = 200
+#: Kernel statuses whose state is none that the screw takes: it moved without limit, or no step could be found.
+NO_LOADS = (2, 3)
 #: Above this many balls the compiled engine pays even for a single solve.
 COMPILE_ABOVE = 120
 
@@ -175,7 +177,7 @@ def solve_static(
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
     kernels = pick_engine(engine, scene.ball_count)
     use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
-    notes: list[str] = []
+    notes: tuple[str, ...] = ()
     while True:
         problem = build(scene, drawn, layout, use, everything=everything, refine=refine)
         mechanism = free_motions(problem)
@@ -190,16 +192,19 @@ def solve_static(
         touched = touched_sides(prepared, layout)
         if (outcome[0] == 0 and not np.any(touched & ~use)) or np.all(use):
             break
-        notes.append("sides " + ", ".join(_names(~use)) + " were left out at first, but touch: included")
+        notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)
         use = np.ones(4, dtype=bool)
     status = verdict(outcome, round_off_bound(prepared, outcome[4]))
+    if outcome[0] in NO_LOADS:
+        return failed_result(problem, "lin", status, perf_counter() - start)
     report = SolverReport(
         iterations=outcome[1], evaluations=outcome[2], residual=outcome[3], seconds=perf_counter() - start,
         unknowns=problem.unknowns, elements=problem.nodes.size - 1,
         engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted", formulation="convex energy",
         round_off_bound=round_off_bound(prepared, outcome[4]), setup_seconds=ready - start,
+        notes=notes,
     )  # fmt: skip
-    left_out = (*describe_left_out(prepared, mechanism, everything=everything), *notes)
+    left_out = describe_left_out(prepared, mechanism, everything=everything)
     result = assemble_result(prepared, "lin", status, report, left_out)
     if discretisation and result.converged:
         result = with_discretisation(scene, result, engine=engine, member=member, drawn=drawn)
@@ -214,12 +219,15 @@ def pin(problem: Problem, mechanism: Mechanism) -> Problem:
     """Hold motions that nothing resists and nothing drives, and torsion where no contact can twist the shaft."""
     if not mechanism.pins and not mechanism.no_torsion:
         return problem
-    fixed = problem.fixed.copy()
+    fixed, prescribed = problem.fixed.copy(), problem.prescribed.copy()
     for k in mechanism.pins:
         fixed[0, k] = True
     if mechanism.no_torsion and problem.basis is None:
+        held = np.flatnonzero(problem.fixed[:, 5])
+        if held.size:  # an untwisted shaft turns as a whole, and in proportion to its length between two supports
+            prescribed[:, 5] = np.interp(problem.nodes, problem.nodes[held], prescribed[held, 5])
         fixed[:, 5] = True
-    return replace(problem, fixed=fixed)
+    return replace(problem, fixed=fixed, prescribed=prescribed)
 
 
 def solve_with_hertz(prepared: Prepared) -> Outcome:
@@ -264,11 +272,10 @@ def follow_profile(
         new = np.where(force[..., None] > 0.0, w - prepared.normal * radius[..., None], 0.0)
         change = float(np.abs(new - more).max())
         more = new
-        held = problem.fixed
         rebuilt = build(
             problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more
         )
-        rebuilt = replace(rebuilt, fixed=held)
+        rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed)
         rebuilt.C[:] = problem.C
         prepared.problem = rebuilt
         prepared.contacts = (prepared.contacts[0], rebuilt.B, rebuilt.geometry, *prepared.contacts[3:])

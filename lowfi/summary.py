@@ -12,6 +12,7 @@ from lowfi.problem import SIGNS, Problem, nominal_hertz
 from lowfi.result import Equilibrium, SolverReport, StaticResult
 from lowfi.selection import flank_motions
 from lowfi.shape import motion_matrix, rigid_transport
+from meshes.parts import Scene
 from meshes.section import groove_section, nut_groove_range
 
 
@@ -38,8 +39,20 @@ MODEL_ASSUMPTIONS = (
 )
 
 
+#: Place of the statement about the screw in MODEL_ASSUMPTIONS, and what stands there for a rigid one.
+SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
+#: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
+#: largest contact approach that they leave away.
+SMALL_TILT, SECOND_ORDER = 3e-3, 0.01
 #: What of it holds as well where screw, nut and ball are elastic between their contacts.
 ELASTIC_ASSUMPTIONS = MODEL_ASSUMPTIONS[2:]
+
+
+def model_assumptions(scene: Scene) -> tuple[str, ...]:
+    """Statements that hold for a run of the source's model on this scene."""
+    if scene.ingredients.screw != "rigid":
+        return MODEL_ASSUMPTIONS
+    return (*MODEL_ASSUMPTIONS[:SCREW], RIGID_SCREW, *MODEL_ASSUMPTIONS[SCREW + 1 :])
 
 
 def centreline(problem: Problem, q: Array, step: float = 10e-3) -> tuple[Array, Array]:
@@ -152,6 +165,27 @@ def warnings_of(problem: Problem, force: Array, gamma: Array, shift: Array, semi
     return tuple(notes)
 
 
+def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> tuple[str, ...]:
+    """Whether the screw tilts so far at the balls that what small rotations leave away shows in the contacts.
+
+    A tilt t moves a groove by R t^2/2 beyond its linear motion, R the pitch radius; rotations about the axis are exact on
+    the helix. force ``(N, 4)`` [N]; z ``(k,)`` [m] and motion ``(k, 6)`` of the centreline.
+    """
+    approach = float((problem.C * np.cbrt(force) ** 2).max(initial=0.0))
+    low, high = float(problem.layout.z.min()), float(problem.layout.z.max())
+    stations = np.array([low, high])
+    tilt = max(float(np.hypot(*(np.interp(s, z, motion[:, k]) for k in (3, 4)))) for s in stations)
+    inside = (z >= low) & (z <= high)
+    tilt = max(tilt, float(np.hypot(motion[inside, 3], motion[inside, 4]).max(initial=0.0)))
+    beyond = 0.5 * problem.scene.track.pitch_radius * tilt**2
+    if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
+        return ()
+    return (
+        f"the screw tilts by {1e3 * tilt:.2g} mrad at the balls: small rotations leave away {1e6 * beyond:.2g} um "
+        f"of a groove's motion, {100.0 * beyond / approach:.2g} % of the largest contact approach",
+    )
+
+
 def assemble_result(
     prepared: Prepared, model: str, status: str, report: SolverReport, left_out: tuple[str, ...],
     support: Support | None = None,
@@ -166,7 +200,8 @@ def assemble_result(
     z, motion = centreline(problem, q)
     semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
     notes = warnings_of(problem, force, raw, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
-    idealised = MODEL_ASSUMPTIONS if support is None else ELASTIC_ASSUMPTIONS
+    notes += tilt_warning(problem, force, z, motion)
+    idealised = model_assumptions(problem.scene) if support is None else ELASTIC_ASSUMPTIONS
     return StaticResult(
         model=model, status=status, azimuth=problem.layout.azimuth, z=problem.layout.z, load=force,
         contact_angle=gamma, contact_point=points, force_direction=on_ball, centre_shift=p.copy(),
@@ -186,5 +221,5 @@ def failed_result(problem: Problem, model: str, status: str, seconds: float) -> 
         contact_point=np.full((n, 4, 3), np.nan), force_direction=np.full((n, 4, 3), np.nan),
         centre_shift=np.full((n, 2), np.nan), hertz_C=problem.C.copy(), centreline_z=np.zeros(0),
         centreline=np.zeros((0, 6)), equilibrium=None, solver=report,
-        assumed=(*problem.scene.assumed, *MODEL_ASSUMPTIONS), left_out=(),
+        assumed=(*problem.scene.assumed, *model_assumptions(problem.scene)), left_out=(),
     )  # fmt: skip

@@ -256,7 +256,7 @@ def _cell(column: Column, value: Cell) -> dict[str, str]:
     align = "text" if column.format == "s" else "num"
     mark = ""
     if column.key == "class" and value is not None:
-        mark = "tag tag-" + (text if text in ("hard", "as-printed", "band", "open") else "other")
+        mark = "tag tag-" + (text if text in ("hard", "as-printed", "band", "open", "input") else "other")
     elif column.key == "verdict" and value is not None:
         mark = "verdict verdict-" + _verdict(text)
     return {"text": text, "align": f"{align} marked" if mark else align, "mark": mark}

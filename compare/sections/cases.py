@@ -9,6 +9,7 @@ import numpy as np
 
 from compare.findings import Finding, collect, entry, share
 from compare.measure import error_percent, load_error
+from compare.sections.case3 import READINGS, readings_table
 from compare.sections.hertz import TABLE_CONFORMITY
 from compare.study import Study, with_groove
 from lowfi.result import Array, StaticResult
@@ -18,9 +19,7 @@ from meshes.partition import fixed_partition
 from meshes.parts import SIDES, Scene
 from reports.records import Cell, Column, Figure, LoadedScrew, Panel, Section, Series, Table, Text
 
-CASES = (
-    "lin-case1", "lin-case2", "lin-case3", "lin-case3-offset", "lin-case3-clamped", "lin-case3-offset-clamped",
-)  # fmt: skip
+CASES = ("lin-case1", "lin-case2", *(name for r in READINGS for name in (r.plain, r.offset)))
 
 
 def ball_numbers(result: StaticResult) -> list[float]:
@@ -58,7 +57,7 @@ def findings_241(study: Study) -> list[Finding]:
     lateral = 1e6 * float(np.hypot(case1.centreline[:, 0], case1.centreline[:, 1]).max())
     change = error_percent(case2.load[:, 0], case1.load[:, 0], float(case1.load[:, 0].mean()))
     others = np.delete(change, 16)
-    rise = [study.solve(a).load - study.solve(b).load for a, b in (CASES[3:1:-1], CASES[5:3:-1])]
+    rise = [study.solve(a).load - study.solve(b).load for a, b in ((x.offset, x.plain) for x in READINGS)]
     last = [int(np.argsort(r[:, 1] + r[:, 2])[-3:].min()) + 1 for r in rise]
     times = {k: entry("lin-2.2", k).value or np.nan for k in ("time_ansys_1", "time_proposed_1")}
     found = {
@@ -86,13 +85,13 @@ def findings_241(study: Study) -> list[Finding]:
         ),
         "case3_four_point": Finding(
             entry(table, "case3_four_point"), holds=all(bool(np.all(r.load > 0.0)) for r in cases3),
-            evidence="smallest load of any contact in the four readings "
+            evidence="smallest load of any contact in all readings "
             f"{min(float(r.load.min()) for r in cases3):.1f} N",
         ),
         "case3_last_balls": Finding(
             entry(table, "case3_last_balls"), holds=all(x >= 30 for x in last),
             evidence="the three largest rises of SR + NL are at balls "
-            f"{last[0]} and up (rotations free), {last[1]} and up (clamped)",
+            + ", ".join(f"{ball} and up ({x.label})" for ball, x in zip(last, READINGS, strict=True)),
         ),
         "elements": Finding(
             entry(table, "elements"),
@@ -257,11 +256,11 @@ def figures(study: Study) -> tuple[Figure, ...]:
         (loads("case 2", case2, 0, emphasis=True), loads("case 1", case1, 0)), integer_x=True,
     )  # fmt: skip
     panels = []
-    for title, pair in (("rotations free at the right end", CASES[2:4]), ("rotations clamped", CASES[4:6])):
-        plain, offset = (study.solve(name) for name in pair)
+    for reading in READINGS:
+        plain, offset = study.solve(reading.plain), study.solve(reading.offset)
         panels.append(
             Panel(
-                f"case 3, {title}", x, y,
+                f"case 3, {reading.label} at the right end" + (" (as the text says)" if reading.of_text else ""), x, y,
                 (
                     loads("SL, offset 300 µm", offset, 0, emphasis=True), loads("SL, no offset", plain, 0),
                     loads("SR, offset 300 µm", offset, 1, emphasis=True), loads("SR, no offset", plain, 1),
@@ -291,7 +290,7 @@ def figures(study: Study) -> tuple[Figure, ...]:
     return (
         Figure("cases-12", "Load distribution, case studies 1 and 2", (first, second)),
         Figure(
-            "cases-3", "Load distribution, case study 3, both readings of the right end", tuple(panels),
+            "cases-3", "Load distribution, case study 3, all readings of the right end", tuple(panels),
             f"NR follows SL and NL follows SR to within {pairs_apart(study):.2f} N.",
         ),
         Figure("cases-centreline", "Centreline of the screw", (line, bend)),
@@ -336,6 +335,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 "Arrows are the contact forces of all four sides, balls are coloured by their largest contact load.",
             ),
             summary_table(study),
+            readings_table(study),
             Table(
                 "cases-choices", "Case 1: what each open choice and each fault changes", CHOICE_COLUMNS, rows,
                 "Changes are against the first row, in per cent of its mean contact load.",

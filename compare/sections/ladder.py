@@ -131,6 +131,7 @@ def estimate_table(study: Study, rungs: Sequence[Rung]) -> Table:
     held = sum(float(r["measured"] or 0.0) <= float(r["expected"] or 0.0) for r in rows)
     note = (
         f"Every scene estimated from the others alone: {held} of {len(rows)} measured errors lie within what was expected. "
+        f"{len(rungs) - len(rows)} more are not covered by the others: of another kind, or further than one unit away. "
         "The estimate is the largest error among the three nearest compared scenes, times one plus the distance to the "
         "nearest; nothing is fitted."
     )

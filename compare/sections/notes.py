@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Callable, Sequence
 from importlib import resources
 
-from compare.findings import WITHIN, Finding
+from compare.findings import TAKEN, WITHIN, Finding
 from compare.study import Study
 from lowfi.summary import MODEL_ASSUMPTIONS
 from reports.records import Cell, Column, Section, Table, Text
@@ -40,7 +40,7 @@ def not_reproduced(found: Sequence[Finding]) -> list[dict[str, Cell]]:
             "why": f.evidence if f.evidence and f.agrees is not None else f.printed.remark,
         }
         for f in found
-        if not (f.verdict.startswith("reproduced") or f.verdict == WITHIN)
+        if not (f.verdict.startswith("reproduced") or f.verdict in (WITHIN, TAKEN))
     ]  # fmt: skip
 
 

@@ -5,17 +5,29 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from compare.findings import WITHIN, Finding
+from compare.findings import TAKEN, WITHIN, Finding
+from compare.printed_data import KINDS
 from compare.sections.cases import FINDING_COLUMNS, finding_rows
 from reports.records import Cell, Column, Section, Table, Text
 
+#: What was inferred from printed results, and from which.
+INFERRED = (
+    "the screw's outer diameter of 32 mm (from the groove range of 2.4.2); the helix phase (from the last balls of case "
+    "3); u_y of 5.2 and 8.0 um, k_S = 100 and the map step of 0.08 (from Table 3.2); theta and the side force ratio of "
+    "the worst case (from 185.2 % in 3.3.4.1); the balls' oversize of 1.7 um (from Table 3.7), used in 3.4.4 too"
+)
 HOW_TO_READ = (
     "Every number printed by the source has a class. hard: the text determines it, it must be reproduced to the digits "
     "printed. as-printed: it comes out only when a fault of the source is repeated; that is done in a mode of its own, "
     "and the right value stands beside it. band: under-specified or random, compared with a range whose origin is "
-    "stated. open: it contradicts itself, or what it compares with is not printed; shown, never gated on.",
+    "stated. open: it contradicts itself, or what it compares with is not printed; shown, never gated on. input: the "
+    "source gives it, or something was inferred from it; that its scene holds it is checked, not counted as reproduced.",
+    "A reproduced entry says as much as its kind: a computed number tests a model, a claim in words tests its tendency, "
+    "arithmetic on printed numbers tests the source, and a zero by symmetry tests a sign.",
     "An error is 100 (value - reference) / |reference| in per cent, for loads 100 (value - reference) / mean loaded "
-    "contact of the reference; both come from one function. No model reads a printed number and nothing is tuned.",
+    "contact of the reference; both come from one function. No model reads a printed number. "
+    "What a scene of a case needs and the source does not print was inferred from printed results, and confirms none of "
+    f"them: {INFERRED}.",
     "The low-order models are compared with printed values, closed forms, a second solver of the same equations, and this "
     "project's own 3D elastic-contact reference, which shares no mechanics with them and carries its own error bar.",
 )
@@ -25,7 +37,26 @@ def counts(found: Sequence[Finding]) -> list[tuple[str, str]]:
     """Headline figures: entries by verdict."""
     tally = Counter(f.verdict.split(":")[0] for f in found)
     order = ("reproduced", "reproduced as printed", WITHIN, "not reproduced", "open")
-    return [(f"entries {verdict}", str(tally[verdict])) for verdict in order]
+    numbers = sum(f.verdict == "reproduced" and f.printed.kind == "number" for f in found)
+    return [
+        *((f"entries {verdict}", str(tally[verdict])) for verdict in order), ("computed numbers reproduced", str(numbers)),
+        ("inputs taken over, not counted", str(tally[TAKEN])),
+    ]  # fmt: skip
+
+
+def kinds_table(found: Sequence[Finding]) -> Table:
+    """Entries by kind and verdict."""
+    verdicts = ("reproduced", "reproduced as printed", WITHIN, TAKEN, "not reproduced", f"not {TAKEN}", "open")
+    tally = Counter((f.printed.kind, f.verdict.split(":")[0]) for f in found)
+    used = [v for v in verdicts if any(tally[kind, v] for kind in KINDS)]
+    rows: list[dict[str, Cell]] = [
+        {"kind": words, **{v: tally[kind, v] for v in used}, "all": sum(tally[kind, v] for v in verdicts)}
+        for kind, words in KINDS.items()
+    ]
+    columns = (
+        Column("kind", "kind", "", "s"), *(Column(v, v, "", "s") for v in used), Column("all", "entries", "", "s"),
+    )  # fmt: skip
+    return Table("kinds", "Printed entries by kind and verdict", columns, rows)
 
 
 def section(found: Sequence[Finding]) -> Section:
@@ -46,6 +77,7 @@ def section(found: Sequence[Finding]) -> Section:
                 ),
                 rows,
             ),
+            kinds_table(found),
             Table("printed", "Every printed entry", FINDING_COLUMNS, finding_rows(found)),
         ),
     )  # fmt: skip

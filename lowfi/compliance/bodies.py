@@ -47,6 +47,8 @@ Array = NDArray[np.float64]
 
 #: Least width of the kernels' patch over the ball's radius, for steep contact angles.
 LEAST = 0.5
+#: Distance of the groove's apex from a contact, in standard deviations of its patch, where a third of that lies beyond it.
+BEYOND_APEX = 0.43
 #: Fixings of the nut by the name of the scene's key.
 HELD = {"left face": "low", "right face": "high", "both faces": "both", "outer surface": "outer"}
 
@@ -83,17 +85,28 @@ LADDER = {
 }
 
 
-def idealised(backend: Backend, ring: bool) -> tuple[str, ...]:
-    """What a backend takes the bodies for, in words; ``ring``: of a bearing without lead."""
+#: Words for a body without compliance of its own.
+RIGID = "rigid apart from the Hertzian contacts"
+
+
+def idealised(backend: Backend, scene: Scene) -> tuple[str, ...]:
+    """What a backend takes a scene's bodies for, in words. Raises ValueError as `meshes.solid.dimensions`."""
+    ring = scene.track.lead == 0.0
     section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
     smooth = "; beyond that, a smooth body of revolution with each contact's own flank"
     nut = {
-        "rigid": "rigid apart from the Hertzian contacts", "beam": "a Timoshenko tube of its grooved section",
+        "rigid": RIGID, "beam": "a Timoshenko tube of its grooved section",
         "kernel": f"a Timoshenko tube of its grooved section{smooth}",
     }[backend.nut]  # fmt: skip
     screw = f"a Timoshenko beam with the section of {section}{smooth if backend.screw == 'kernel' else ''}"
     if ring and backend.nut == "kernel":
         screw = nut = "a body of revolution with its groove, held as the scene says"
+    elif scene.ingredients.screw == "rigid":
+        screw = f"on a rigid axis{smooth}" if backend.screw == "kernel" else RIGID
+    if held_at(scene, True) == "rigid":
+        screw = RIGID
+    if held_at(scene, False) == "rigid":
+        nut = RIGID
     ball = "half spaces at their contacts" if backend.ball == "half space" else "elastic spheres"
     return f"the screw or inner ring is {screw}", f"the nut or outer ring is {nut}", f"balls are {ball}"
 
@@ -262,7 +275,7 @@ def body_compliance(
     """Compliance of screw (beyond its beam) or nut between the contacts of a scene, and what is assumed for it.
 
     semi_axes: of a typical contact [m], across the groove and along it. Raises ValueError for dimensions that leave no
-    groove, no wall or no land.
+    groove, no wall or no land, and for contacts at the groove's apex.
     """
     kind = backend.screw if screw else backend.nut
     zero = np.zeros((4 * layout.z.size,) * 2)
@@ -274,6 +287,7 @@ def body_compliance(
         return BodyCompliance(zero, 0.0, 0.0, ())
     if kind == "beam":
         return BodyCompliance(nut_beam(scene, layout), 0.0, 0.0, ())
+    refuse_flat(geometry, screw, backend)
     e = own_flank(geometry, screw, backend)
     slope = 0.0
     if backend.flank:
@@ -281,6 +295,19 @@ def body_compliance(
         slope = size_slope(flank_of(geometry, screw))
     assumed = tuple(x for x in dimensions(geometry).assumed if not x.startswith(MESH_ONLY))
     return BodyCompliance(whole_body(scene, layout, screw, backend), e, slope, assumed)
+
+
+def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
+    """Raise ValueError where a contact of the nominal angle lies so near the groove's apex that its patch crosses it: the
+    flank's correction then grows as one over the angle."""
+    angle = scene.track.contact_angle
+    radius = (scene.screw if screw else scene.nut).groove_radius
+    if backend.flank and radius * np.sin(angle) < BEYOND_APEX * NARROW * scene.balls.radius:
+        least = np.degrees(np.arcsin(BEYOND_APEX * NARROW * scene.balls.radius / radius))
+        raise ValueError(
+            f"contact angle {np.degrees(angle):.3g} deg, but the elastic flanks of this groove need {least:.2g} deg: "
+            "nearer to the apex, the contacts of both flanks are one; the models lin, lin-cell and lin-nut solve it"
+        )
 
 
 def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:

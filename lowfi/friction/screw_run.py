@@ -37,7 +37,7 @@ class Run:
     free: str = "z"
     duration: float = 2.0
     steps: int = 200
-    oversize: float = INFERRED_OVERSIZE
+    oversize: float = 0.0
     amplitude: float = np.radians(3.0)
     cycles: float = 2.0
     phase: float = 0.0
@@ -169,7 +169,7 @@ def simulate(run: Run) -> RunResult:
 
 def lin_3_4_4(**changes: object) -> Run:
     """The case study of 3.4.4 with its assumptions, or others in ``changes``."""
-    return replace(Run(table_3_6()), **changes)  # type: ignore[arg-type]
+    return replace(Run(table_3_6(), oversize=INFERRED_OVERSIZE), **changes)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

@@ -207,9 +207,10 @@ def solve_forces(
 ) -> tuple[int, int, int, float, float, float]:  # fmt: skip
     """Minimise the energy from the given forces; returns status, iterations, evaluations, residual, energy, scale.
 
-    state = (phi (N, d) [N], a (k,), inner (N, 3), contact (N, 4 or 1, 5)); options (6,): tolerance, largest number of
+    state = (phi (N, d) [N], a (k,), inner (N, 3), contact (N, 4 or 1, 5)); options (7,): tolerance, largest number of
     iterations, reference stiffness [N/m], force [N] below which a contact carries none, largest free motion [m] before the
-    screw counts as not held, least force [N] that residuals are measured by. arms (k,): see `lowfi.compliance.shaft`.
+    screw counts as not held, least force [N] that residuals are measured by, furthest start [m] of a flank. arms (k,): see
+    `lowfi.compliance.shaft`.
     """
     tolerance, most, stiffness, tiny, bound, floor = (
         options[0], int(options[1]), options[2], options[3], options[4], options[5],
@@ -286,7 +287,8 @@ def solve_forces(
 def start_forces(bodies: Arrays, state: Arrays, springs: Array, options: Array) -> bool:
     """Start of the iteration: the bodies on one linear spring between opposite flanks in place of two contacts.
 
-    springs (N, w, d): rows sqrt(stiffness) x direction, zero where there is none. Overwrites phi and a.
+    springs (N, w, d): rows sqrt(stiffness) x direction, zero where there is none. Overwrites phi and a. No flank goes
+    further than options[6], as in ``newton.linear_start``.
     """
     phi, amplitude = state[0], state[1]
     balls, width = springs.shape[0], springs.shape[1]
@@ -303,4 +305,10 @@ def start_forces(bodies: Arrays, state: Arrays, springs: Array, options: Array) 
         return False
     phi[:, :] = 0.0
     forces_of_rows(springs, counts, starts, u, phi)
+    g, v = np.empty(phi.shape), np.empty(phi.shape)
+    place_flanks(bodies, state, g, v)
+    reach = np.abs(v - v0).max()
+    if reach > options[6]:
+        phi *= options[6] / reach
+        amplitude *= options[6] / reach
     return True

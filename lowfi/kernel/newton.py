@@ -298,10 +298,12 @@ def ensemble(
 def linear_start(beam: Arrays, contacts: Contacts, state: Arrays, options: Array) -> bool:
     """Start of the iteration: equilibrium of the screw on linear springs (reference stiffness) in place of contacts.
 
-    Overwrites the motions and element deformations of ``state``; False (state untouched) where they cannot be found.
+    Overwrites the motions and element deformations of ``state``; False (state untouched) where they cannot be found. No
+    flank goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn
+    first, as those of a contact angle near zero under an axial load.
     """
     lengths, sections, fixed, load = beam
-    geometry = contacts[2]
+    geometry, limit = contacts[2], contacts[4].max()
     q, d = state[0], state[1]
     stiffness, arm = options[2], options[3]
     n, count = q.shape[0], contacts[0].shape[0]
@@ -335,5 +337,22 @@ def linear_start(beam: Arrays, contacts: Contacts, state: Arrays, options: Array
                 step[i, k] = 0.0
     if not solve_banded(band, step.ravel()):
         return False
-    advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0)
+    reach = flank_reach(contacts, step.ravel())
+    advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0 if reach <= limit else limit / reach)
     return True
+
+
+@kernel
+def flank_reach(contacts: Contacts, motion: Array) -> float:
+    """Largest displacement [m] of a flank by the nodal motions (6 n,)."""
+    node, B, geometry = contacts[0], contacts[1], contacts[2]
+    largest = 0.0
+    for i in range(node.shape[0]):
+        for s in range(2):
+            if geometry[i, s, USE] != 0.0:
+                x, z = 0.0, 0.0
+                for k in range(B.shape[3]):
+                    x += B[i, s, 0, k] * motion[6 * node[i, s] + k]
+                    z += B[i, s, 1, k] * motion[6 * node[i, s] + k]
+                largest = max(largest, sqrt(x * x + z * z))
+    return largest

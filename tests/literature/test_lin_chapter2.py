@@ -3,7 +3,7 @@
 import pytest
 
 from compare.findings import Finding
-from compare.sections import cases, hertz, manufacturing
+from compare.sections import case3, cases, hertz, manufacturing
 from compare.sections.errors import findings as error_findings
 from compare.study import Study
 
@@ -72,3 +72,18 @@ def test_source_partition_and_root_free_factor_explain_the_ratio() -> None:
     rootless = STUDY.solve(STUDY.changed("lin-case1", section="groove squared")).load[:, 0]
     assert cases.ratio(coarse) == pytest.approx(1.300, abs=2e-3)
     assert cases.ratio(rootless) == pytest.approx(1.344, abs=2e-3)
+
+
+def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
+    """Holding uy as well as ux, as a bearing does and the text does not say, moves loads by 7.5 to 8.4 % of the mean."""
+    rows = {row["scene"]: row for row in case3.readings_table(STUDY).rows}
+    assert [name for name, row in rows.items() if row["text"] == "yes"] == ["lin-case3-ux", "lin-case3-offset-ux"]
+    assert rows["lin-case3"]["lin_change"] == 0.0
+    assert rows["lin-case3-ux"]["lin_change"] == pytest.approx(7.37, abs=0.01)
+    assert rows["lin-case3-offset-ux"]["lin_change"] == pytest.approx(8.34, abs=0.01)
+    for name in ("lin-case3-ux", "lin-case3-offset-ux"):
+        assert rows[name]["reference"] == "none stored"
+        assert name in cases.CASES
+    for name in rows:
+        assert {row["case"] for row in cases.summary_table(STUDY).rows} >= {name}
+        assert any(key.startswith(name.removeprefix("lin-") + "-SL") for key in cases.load_table(STUDY).rows[0])

@@ -1,5 +1,6 @@
 """Printed numbers of Lin (2019), section 3.4: each entry is data, each is a test."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -166,20 +167,33 @@ def test_occupation_means_no_volume_of_the_tube() -> None:
     assert lin_3_4_4().tube == 0.0
 
 
-@pytest.mark.parametrize("key", ["largest", "largest_at", "none_at"])
-def test_bands_of_3_4_4(key: str) -> None:
-    row = rows("lin-3.4.4")[key]
-    scale, name = {"largest": (100.0, "largest"), "largest_at": (1.0, "at"), "none_at": (1.0, "none_at")}[key]
+def found_of_run(name: str) -> list[float]:
+    """Amplitudes of 2 and 3 deg at phase zero, and 3 deg at two other phases."""
+    values = [float(getattr(run_summary(a), name)) for a in AMPLITUDES]
+    return values + [float(getattr(run_summary(3.0, p), name)) for p in (0.5 * np.pi, np.pi)]
+
+
+def test_band_of_the_largest_torque_of_3_4_4_is_held_from_both_sides() -> None:
+    row = rows("lin-3.4.4")["largest"]
     assert row.low is not None
     assert row.high is not None
-    values = [scale * getattr(run_summary(a), name) for a in AMPLITUDES]
-    values += [scale * getattr(run_summary(3.0, p), name) for p in (0.5 * np.pi, np.pi)]
+    values = [100.0 * x for x in found_of_run("largest")]
     assert row.low <= min(values)
     assert max(values) <= row.high
-    if key == "largest":
-        assert values[0] < row.value < values[1]
-    else:
-        assert max(values) < row.value, "both events come earlier here than printed"
+    assert values[0] < row.value < values[1]
+
+
+@pytest.mark.parametrize(("key", "name"), [("largest_at", "at"), ("none_at", "none_at")])
+def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name: str) -> None:
+    """A range that holds 126 or 306 deg reaches past every result: both events come earlier here than printed."""
+    row = rows("lin-3.4.4")[key]
+    assert row.cls == "open"
+    assert row.low is None
+    phases = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+    found = [float(getattr(run_summary(a, p), name)) for a in AMPLITUDES for p in phases]
+    assert max(found) < row.value
+    low, high = map(int, re.search(r"(\d+) to (\d+) deg", row.remark).groups())
+    assert (round(min(found)), round(max(found))) == (low, high)
 
 
 def test_statements_of_3_4_4() -> None:

@@ -1,12 +1,16 @@
 """Printed tables: values as printed, tolerances, validation, agreement with each other and the scenes."""
 
 import math
+from collections import Counter
+from pathlib import Path
 
 import pytest
 
 from compare import catalogue, printed_data
 from compare.errors import InputError
 from compare.findings import Finding, sentences
+from compare.sections import overview
+from lowfi.friction.screw_run import Run
 
 TABLES = printed_data.tables()
 ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "hard"\n'
@@ -136,6 +140,8 @@ def test_good_row():
         (ROW + "low = 1\n", "row[0].low"),
         (ROW + "high = 1\n", "row[0].high"),
         (ROW.replace('"hard"', '"as-printed"'), "row[0].remark"),
+        (ROW + 'kind = "claim"\n', "row[0].kind"),
+        (ROW.replace('"hard"', '"input"') + 'kind = "zero"\n', "row[0].kind"),
         (ROW + "tolerance = -1\n", "row[0].tolerance"),
         (ROW + "tolerance = nan\n", "row[0].tolerance"),
         (ROW + 'tolerance = "1"\n', "row[0].tolerance"),
@@ -170,3 +176,54 @@ def test_a_band_is_not_called_reproduced():
     assert Finding(entry, entry.low).verdict == "within its band"
     assert Finding(entry, entry.high + 1.0).verdict == "not reproduced"
     assert Finding(entry).verdict == "open"
+
+
+def all_rows():
+    return [row for name in TABLES for row in printed_data.load_table(name)]
+
+
+def test_inputs_are_a_class_of_their_own_and_never_reproduced():
+    given = {r.key for r in all_rows() if r.cls == "input"}
+    assert {"R_B", "conformity", "mu", "force", "beta", "e_p", "gamma_high"} <= given
+    for r in all_rows():
+        assert (r.kind == "input") == (r.cls == "input")
+        assert not (r.cls == "hard" and r.remark.startswith("Given")), (r.table, r.key)
+        if r.cls == "input":
+            assert Finding(r, value=r.value).verdict == "taken over"
+            assert Finding(r, value=2.0 * r.value + 1.0).verdict == "not taken over"
+
+
+def test_hard_entries_by_kind():
+    kinds = Counter(r.kind for r in all_rows() if r.cls == "hard")
+    assert kinds == {"claim": 22, "arithmetic": 6, "zero": 6, "number": 6}
+    assert {r.key for r in all_rows() if r.cls == "hard" and r.kind == "number"} == {
+        "gamma_low", "psi", "occupation", "a_eps1_analytic", "a_eps2_analytic", "a_force_analytic",
+    }  # fmt: skip
+    for r in all_rows():
+        assert (r.kind == "claim") == bool(r.claim)
+        assert r.kind != "zero" or r.value == 0.0
+
+
+def test_counts_of_the_report_keep_kinds_apart():
+    rows = {r.key: r for r in printed_data.load_table("lin-3.3")}
+    found = [
+        Finding(rows["mu"], value=0.1), Finding(rows["psi"], value=rows["psi"].value),
+        Finding(rows["yaw"], value=600.0), Finding(rows["worst_increase"], holds=True), Finding(rows["speed"], value=11.0),
+    ]  # fmt: skip
+    counts = dict(overview.counts(found))
+    assert counts["entries reproduced"] == "3"
+    assert counts["computed numbers reproduced"] == "1"
+    assert counts["inputs taken over, not counted"] == "1"
+    table = {row["kind"]: row for row in overview.kinds_table(found).rows}
+    assert table["input, taken over"]["taken over"] == 1
+    assert table["input, taken over"]["not taken over"] == 1
+    assert table["arithmetic on printed numbers"]["reproduced"] == 1
+    assert sum(row["all"] for row in table.values()) == len(found)
+
+
+def test_readme_and_report_name_what_was_inferred_from_printed_results():
+    readme = " ".join((Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8").split()).replace("µ", "u")
+    for what in ("32 mm", "helix phase", "5.2 and 8.0 um", "k_S = 100", "map step of 0.08", "1.7 um"):
+        assert what in overview.INFERRED
+        assert what in readme.split("## How to read the errors")[1]
+    assert Run.__dataclass_fields__["oversize"].default == 0.0

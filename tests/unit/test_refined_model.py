@@ -147,17 +147,61 @@ NOTHING = {
 }  # fmt: skip
 
 
-def test_an_estimate_grows_with_the_distance_and_names_what_is_unlike() -> None:
+def test_an_estimate_grows_with_the_distance_and_ends_where_nothing_was_compared() -> None:
     scene = catalogue.scene("lin-case1")
     result = run_model(scene, "refined", QUIET)
     near = model_form.estimate(scene, result)
+    thicker = replace(scene, nut=replace(scene.nut, outer_diameter=0.050))
+    further = model_form.estimate(thicker, result)
+    assert near.percent is not None
+    assert further.percent is not None
+    assert 0.0 < further.distance < 1.0
+    assert further.percent > 1.3 * near.percent
     thick = replace(scene, nut=replace(scene.nut, outer_diameter=0.070))
     far = model_form.estimate(thick, result)
-    assert near.percent is not None
-    assert far.percent is not None
-    assert far.percent > 2.0 * near.percent
+    assert (far.percent, far.rms_percent) == (None, None)
+    assert far.distance > 1.0
+    assert far.nearest
     assert any("wall of the nut" in w for w in far.words)
     assert model_form.estimate(scene, result, []) == replace(near, **NOTHING)  # type: ignore[arg-type]
+
+
+def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
+    """Two opposite balls in rigid rings: the model is exact (Hertz alone), and nothing like it was compared."""
+    from compare.closed_forms import two_opposite_balls
+    from compare.output import as_json, as_table
+
+    found, closed = two_opposite_balls(catalogue.scene("lin-case1"))
+    assert found == pytest.approx(closed, rel=1e-9)
+    scene = catalogue.scene("two-balls")
+    for other in (scene, replace(scene, solid=replace(scene.solid, nut="rigid"))):
+        result = run_model(other, "lin", replace(QUIET, estimate=True))
+        worth = as_json(other, result)["model_form"]
+        assert worth["covered"] is False
+        assert worth["largest_percent_of_mean"] is None
+        assert worth["rms_percent_of_mean"] is None
+        assert any("not covered" in str(part) and "%" not in str(part) for part in as_table(other, result))
+
+
+def test_an_estimate_is_made_from_scenes_of_the_same_kind() -> None:
+    """A ring from rings, a screw from screws; a rigid nut, or a rigid screw with a lead, was never compared."""
+    scene, ring = catalogue.scene("lin-case1"), catalogue.scene("unseen-four-point")
+    points = model_form.shipped_points()
+    rings = {p.scene for p in points if p.features["lead"] == 0.0}
+    of_ring = run_model(ring, "lin", replace(QUIET, estimate=True)).model_form
+    assert of_ring is not None
+    assert of_ring.percent is not None
+    assert of_ring.nearest in rings
+    assert of_ring.compared == len(rings)
+    result = run_model(scene, "lin", QUIET)
+    only_rings = model_form.estimate(scene, result, [p for p in points if p.scene in rings])
+    assert only_rings.percent is None
+    assert "no screw was compared" in only_rings.words[-1]
+    for other in (
+        replace(scene, solid=replace(scene.solid, nut="rigid")),
+        replace(scene, ingredients=replace(scene.ingredients, screw="rigid")),
+    ):
+        assert model_form.estimate(other, result).percent is None
 
 
 def test_every_rung_of_the_ladder_is_a_model() -> None:

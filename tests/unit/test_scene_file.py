@@ -7,7 +7,7 @@ import re
 import subprocess
 import sys
 import tomllib
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import pytest
 
@@ -65,6 +65,19 @@ def test_case_3_supports():
     assert offset.fixed == (("ux", 3e-4), ("uy", 0.0))
     assert clamped.fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
     assert catalogue.scene("lin-case3").errors.balls.oversize == 7e-6
+    assert catalogue.scene("lin-case3-ux").supports[1].fixed == (("ux", 0.0),)
+    assert catalogue.scene("lin-case3-offset-ux").supports[1].fixed == (("ux", 3e-4),)
+
+
+@pytest.mark.parametrize("name", ["lin-case3", "lin-case3-offset"])
+def test_readings_of_case_3_differ_in_the_right_end_alone_and_say_which_is_the_text_s(name):
+    def bare(scene):
+        return replace(scene, name="", title="", assumed=(), supports=scene.supports[:1])
+
+    ours, text = catalogue.scene(name), catalogue.scene(f"{name}-ux")
+    assert bare(ours) == bare(text) == bare(catalogue.scene(f"{name}-clamped"))
+    assert any("the text's own reading" in sentence for sentence in text.assumed)
+    assert any("The text sets only the x-displacement" in sentence for sentence in ours.assumed)
 
 
 def test_errors_of_2_4_2():
