@@ -29,6 +29,8 @@ UNSEEN = (
     "unseen-thin-nut", "unseen-short-nut", "unseen-hollow", "unseen-flange", "unseen-lead10", "unseen-16x5", "unseen-25x5",
     "unseen-32x10", "unseen-40x10", "unseen-63x20", "unseen-four-point",
 )  # fmt: skip
+#: Those of most contacts, whose finest level takes six minutes and 6 GB: two levels.
+LARGE = ("unseen-25x5", "unseen-40x10", "unseen-lead10")
 #: Rungs by model name, with what each adds.
 RUNGS = {
     "lin": "the source's model: beam by C.8, rigid nut",

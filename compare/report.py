@@ -93,7 +93,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         return
     from compare import grid_order
     from compare.crosscheck_study import STUDIES
-    from compare.ladder import UNSEEN
+    from compare.ladder import LARGE, UNSEEN
     from compare.reference import reference
 
     scenes = [study.scene(name) for name in REFERENCED]
@@ -103,7 +103,8 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         tasks = plan(scenes, tuple(LEVELS), source=True, ablate=True)
         for name in VARIED:
             tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
-        tasks += plan([study.scene(name) for name in UNSEEN], tuple(LEVELS))
+        tasks += plan([study.scene(name) for name in UNSEEN if name not in LARGE], tuple(LEVELS))
+        tasks += plan([study.scene(name) for name in LARGE], (1, 2))
         tasks += plan([study.scene(name) for name in STUDIES], tuple(LEVELS))
         tasks.sort(key=lambda task: -task.weight)
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
