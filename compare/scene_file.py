@@ -18,6 +18,7 @@ from compare.scene_checks import choice_faults, geometry_faults
 from compare.scene_refusal import refuse, refuse_keys
 from compare.scene_schema import (
     BallKeys,
+    FrictionKeys,
     MaterialKeys,
     SceneKeys,
     SideKeys,
@@ -31,9 +32,11 @@ from meshes.parts import (
     Balls,
     Errors,
     FourierTerm,
+    Friction,
     Ingredients,
     Load,
     Material,
+    Motion,
     Nut,
     Scene,
     Screw,
@@ -161,7 +164,14 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
         source=keys.source,
         assumed=tuple(keys.assumed),
         members=keys.members,
+        friction=None if keys.friction is None else _friction(keys.friction),
+        motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
     )
+
+
+def _friction(keys: FrictionKeys) -> Friction:
+    screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
+    return Friction(screw, nut, tuple(keys.assumed))
 
 
 def _material(own: MaterialKeys | None, default: MaterialKeys) -> Material:
