@@ -46,7 +46,7 @@ from meshes.parts import (
     Track,
 )
 
-__all__ = ["json_schema", "load", "loads", "read_text", "scene_hash", "template"]
+__all__ = ["json_schema", "load", "loads", "read_text", "read_toml", "scene_hash", "template"]
 
 MAX_BYTES = 16_000_000
 
@@ -58,7 +58,7 @@ def load(path: str | Path) -> Scene:
 
 def loads(text: str, origin: str) -> Scene:
     """The scene in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
-    raw = _toml(text, origin)
+    raw = read_toml(text, origin)
     try:
         keys = SceneKeys.model_validate(raw)
     except ValidationError as error:
@@ -107,7 +107,8 @@ def scene_hash(text: str) -> str:
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
-def _toml(text: str, origin: str) -> dict[str, Any]:
+def read_toml(text: str, origin: str) -> dict[str, Any]:
+    """Tables and keys of a TOML text; ``origin`` is the file named in errors. Raises SceneError."""
     try:
         return tomllib.loads(text)
     except RecursionError:
