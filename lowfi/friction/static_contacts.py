@@ -11,7 +11,7 @@ from lowfi.hertz import contact_modulus, printed_hertz
 from lowfi.problem import actual_hertz, drawn_hertz, nominal_curvatures, nominal_hertz, relative_curvatures
 from lowfi.result import StaticResult
 from meshes.errors import Specimen, specimen
-from meshes.helix import BallLayout, ball_layout
+from meshes.helix import BallLayout, ball_layout, groove_radii
 from meshes.parts import Errors, Scene
 from meshes.surface import printed_radii
 
@@ -91,7 +91,9 @@ def _ellipses(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array
     else:
         h = nominal_hertz(scene) if kind == "error-free" else drawn_hertz(scene, drawn)
         curvature = nominal_curvatures(scene)
-    across = curvature[..., 0] <= curvature[..., 1]
+    # curvatures come in ascending order: that of the groove's profile tells which one lies across
+    profile = 1.0 / drawn.ball_radius[:, None] - 1.0 / groove_radii(scene)
+    across = np.abs(curvature[..., 0] - profile) <= np.abs(curvature[..., 1] - profile)
     return np.broadcast_to(h.C_a, shape), np.broadcast_to(h.C_b, shape), np.broadcast_to(across, shape)
 
 
