@@ -15,6 +15,7 @@ from lowfi.friction.screw_pair import table_3_6
 from lowfi.friction.screw_state import friction_state
 from lowfi.friction.screw_torque import about_axis, sum_up
 from lowfi.friction.static_contacts import StaticContacts, contacts_of
+from lowfi.problem import drawn_hertz
 from meshes.errors import specimen
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Support, Track
@@ -261,26 +262,56 @@ def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_withou
     assert 3.0 < left[1] / left[2] < 5.0
 
 
-def test_flat_grooves_have_their_long_axis_along_the_path():
-    """The loss is the integral of mu p |v| over the ellipse, whichever way it lies."""
-    base = small_screw(3, 0.7, force=(0.0, 0.0, 60.0), screw="rigid", hertz="error-free")
-    flat = 2.778e-3 * 80.0
-    scene = replace(base, nut=replace(base.nut, groove_radius=flat), screw=replace(base.screw, groove_radius=2.95e-3))
-    found = state(scene)
-    loaded = np.argwhere(found.at.force > 0.0)
-    assert {bool(found.at.across[tuple(k)]) for k in loaded} == {True, False}
+def integral(found, at, i, s, mu):
+    """mu p |v| over the ellipse of a contact [W] by midpoints in polar coordinates; p times a b in the area's place."""
     radius, turn = np.meshgrid((np.arange(400) + 0.5) / 400, 2.0 * np.pi * np.arange(400) / 400, indexing="ij")
+    half_x, half_z = (at.a[i, s], at.b[i, s]) if at.across[i, s] else (at.b[i, s], at.a[i, s])
+    x, z = half_x * radius * np.cos(turn), half_z * radius * np.sin(turn)
+    vx, vz, spin = found.motion[i, s]
+    pressure = 1.5 * at.force[i, s] / np.pi * np.sqrt(1.0 - radius**2)
     area = radius / 400.0 * 2.0 * np.pi / 400.0
-    for i, s in loaded:
-        if found.balls.rest[i, s]:
-            continue
-        a, b = found.at.a[i, s], found.at.b[i, s]
-        half_x, half_z = (a, b) if found.at.across[i, s] else (b, a)
-        x, z = half_x * radius * np.cos(turn), half_z * radius * np.sin(turn)
-        vx, vz, spin = found.balls.motion[i, s]
-        speed = np.hypot(vx + spin * z, vz - spin * x)
-        pressure = 1.5 * found.at.force[i, s] / np.pi * np.sqrt(1.0 - radius**2)  # times a b, in the area's place
-        assert found.balls.loss[i, s].sum() == pytest.approx(float((0.1 * pressure * speed * area).sum()), rel=1e-3)
+    return float((mu * pressure * np.hypot(vx + spin * z, vz - spin * x) * area).sum())
+
+
+@pytest.mark.parametrize("across", [True, False])
+def test_loss_is_the_integral_over_an_ellipse_whichever_way_it_lies(across):
+    groove = replace(table_3_6(), nut_speed=7.0, screw_speed=0.0)
+    at = single((100.0, 80.0, 75.0, 105.0), np.full(4, groove.contact_angle), groove)
+    at = replace(at, across=np.full((1, 4), across))
+    found = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"))
+    assert not found.rest.any()
+    assert at.b.max() < 0.5 * at.a.min()
+    for s in range(4):
+        assert found.loss[0, s].sum() == pytest.approx(integral(found, at, 0, s, 0.1), rel=1e-4)
+
+
+def test_flat_grooves_have_their_long_axis_along_the_path():
+    base = small_screw(3, 0.7, force=(0.0, 0.0, 60.0), screw="rigid", hertz="error-free")
+    nut, screw = (replace(part, groove_radius=r) for part, r in ((base.nut, 80.0 * 2.778e-3), (base.screw, 2.95e-3)))
+    at = state(replace(base, nut=nut, screw=screw)).at
+    assert at.across[:, :2].all()
+    assert not at.across[:, 2:].any()
+
+
+def test_ellipses_are_those_that_the_scene_s_ingredients_name():
+    base = small_screw(4, 0.8, oversize=8e-6, force=AXIAL, screw="rigid")
+    base = replace(base, nut=replace(base.nut, groove_radius=base.screw.groove_radius))
+    groove = ScrewGroove(2.778e-3, 3.254e-3, 16.5e-3, 20e-3, 0.25 * np.pi, 210e9, 0.28, 0.1, 1.0)
+    found = {}
+    for kind in ("nominal", "error-free", "actual", "as printed"):
+        scene = with_ingredients(base, hertz=kind)
+        at = contacts_of(scene, solved(scene))
+        cube = np.cbrt(at.force)
+        found[kind] = at.a / cube, at.b / cube
+    exact, printed = groove.constants, replace(groove, hertz="as printed").constants
+    for kind, h in (("error-free", exact), ("as printed", printed)):
+        assert np.allclose(found[kind][0], h.C_a, rtol=1e-12)
+        assert np.allclose(found[kind][1], h.C_b, rtol=1e-12)
+    drawn = drawn_hertz(base, specimen(base, ball_layout(base)))
+    assert np.allclose(found["nominal"][0], drawn.C_a, rtol=1e-12)
+    growth = found["nominal"][0] / found["error-free"][0]
+    assert growth.min() > 1.001, "larger balls conform more closely to the groove"
+    assert np.abs(found["actual"][0] / found["nominal"][0] - 1.0).max() > 1e-5
 
 
 def test_balls_without_load_have_no_motion_and_lose_nothing():
