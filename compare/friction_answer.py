@@ -45,7 +45,8 @@ NO_SPEED = (
 )
 #: What no friction result of a whole screw holds.
 LEFT_OUT = (
-    "feedback of friction on the contact loads and angles: torques are exact to first order in the coefficient of friction",
+    "feedback of friction on contact loads and angles: torques are of first order in the coefficient of friction, within 1 % "
+    "for one preloaded ball on four flanks at 0.1, far less exact where balls touch two flanks",
     "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature",
     "rolling hysteresis, and Heathcote slip over the curved contact, which grows as contact angles fall",
     "contact between balls, cage or spacers, return tube or deflectors, wipers and seals",

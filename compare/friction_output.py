@@ -152,6 +152,13 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
         notes.append(f"a contact pressure of {most:.3g} GPa: beyond 4.2 GPa steel yields (ISO 76)")
     if max(friction.screw, friction.nut) >= JAMMED:
         notes.append("at this coefficient of friction a ball may have a second, jammed state: this is the one that rolls")
+    two = (loaded.sum(axis=1) == 2) & (state.balls.power > 0.0)
+    if two.any() and state.torque.ratio != 0.0:
+        notes.append(
+            f"{int(two.sum())} balls touch two flanks only: friction pushes them across the groove, up to {state.torque.tilt:.2g} "
+            "of their load, onto other contact angles or a third flank, which is left out: the friction torque may be too "
+            "small by a factor of two or more (2.4 for one ball without clearance at a coefficient of 0.1)"
+        )
     unsure = state.balls.status.count("regularised")
     if unsure:
         notes.append(f"{unsure} balls have a contact on the verge of slip: their friction balances to 1e-6 only")

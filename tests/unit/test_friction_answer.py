@@ -184,6 +184,16 @@ def test_a_scene_that_is_not_held_ends_with_its_mechanism():
     assert found.data["status"].startswith("contact loads: not held")
 
 
+def test_two_point_contact_on_a_helix_is_warned_of():
+    def warned(**options):
+        notes = answer(small_screw(force=(0.0, 0.0, 300.0), **options), mu=(0.1,)).data["warnings"]
+        return any("two flanks only" in line for line in notes)
+
+    assert warned()
+    assert not warned(oversize=5e-6)
+    assert not warned(lead=0.0, turns=5.0 / 6.0), "a ring's friction runs along its groove"
+
+
 def test_large_pressure_is_warned_of():
     small = answer(small_screw(force=(0.0, 0.0, 300.0)), mu=(0.1,)).data["warnings"]
     large = answer(small_screw(force=(0.0, 0.0, 30000.0)), mu=(0.1,)).data["warnings"]

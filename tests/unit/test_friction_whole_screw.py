@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
-from lowfi.friction.bearing_pairs import ALL, BearingCase, Row, solve_bearing
+from compare import friction_scene
+from lowfi.friction.bearing_pairs import solve_bearing
 from lowfi.friction.screw_coupled import coupled_ball
 from lowfi.friction.screw_groove import ScrewGroove
 from lowfi.friction.screw_losses import CAUSES, ball_friction, ball_path
@@ -187,9 +188,9 @@ def test_ring_under_axial_load_spins_at_one_ring_only():
 
 @pytest.mark.parametrize("angle", [0.1, 0.7, 1.4])
 def test_four_point_ring_is_that_of_the_bearing_pairs(angle):
-    groove = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 210e9, 0.28, 0.1, 0.0, 20.0 * np.pi)
-    expected = solve_bearing(BearingCase(groove, 9, (Row(0.0, ALL),)), angle)
-    scene = ring_at(angle, 3000.0, groove)
+    case = replace(friction_scene.scene("lin-bearing-pairs").four_point, tilt=False)
+    expected = solve_bearing(case, angle)
+    scene = ring_at(angle, case.force, case.groove, case.clearance, case.count)
     found = state(scene, motion=Motion(20.0 * np.pi))
     assert np.allclose(found.at.force, expected.load.force, rtol=0.0, atol=1e-9 * expected.load.force.max())
     assert found.torque.friction == pytest.approx(expected.torque, rel=1e-10)
