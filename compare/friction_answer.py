@@ -45,8 +45,7 @@ NO_SPEED = (
 )
 #: What no friction result of a whole screw holds.
 LEFT_OUT = (
-    "feedback of friction on contact loads and angles: torques are of first order in the coefficient of friction, within 1 % "
-    "for one preloaded ball on four flanks at 0.1, far less exact where balls touch two flanks",
+    "feedback of friction on how the balls share the load: each keeps the axial load that it carries without friction",
     "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature",
     "rolling hysteresis, and Heathcote slip over the curved contact, which grows as contact angles fall",
     "contact between balls, cage or spacers, return tube or deflectors, wipers and seals",
@@ -115,7 +114,9 @@ def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
         if not 0.0 <= value <= MOST:
             raise InputError("command line", "--mu", str(value), f"0 to {MOST:g}", "a usual one is 0.1")
     if mu:
-        return [Friction(value, value, ("The coefficient of friction is that of the command line.",)) for value in mu]
+        coupling = "ball" if scene.friction is None else scene.friction.coupling
+        said = ("The coefficient of friction is that of the command line.",)
+        return [Friction(value, value, said, coupling) for value in mu]
     if scene.friction is None:
         advice = "add a [friction] table with e.g. coefficient = 0.1, or write --mu 0.1 on the command line"
         raise InputError(scene.name, "friction", "nothing", "a coefficient of friction", advice)
@@ -170,9 +171,14 @@ def drag_of(state: FrictionState) -> Drag:
     """The drag torque, refused where the supports press the screw along its axis or a ball failed."""
     if state.torque.translating:
         return Drag(None, f"the supports press the screw with {state.torque.load:.4g} N along its axis")
-    if not state.balls.converged:
+    if not settled(state):
         return Drag(None, "no balance of friction found")
     return Drag(state.torque.friction)
+
+
+def settled(state: FrictionState) -> bool:
+    """Whether friction balances on every ball, and agrees with its place."""
+    return state.balls.converged and not state.unsettled
 
 
 def status_of(state: FrictionState) -> str:
@@ -180,6 +186,9 @@ def status_of(state: FrictionState) -> str:
     failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
     if failed:
         return f"no balance of friction found on {len(failed)} balls: {', '.join(failed[:8])}"
+    if state.unsettled:
+        numbers = ", ".join(str(k + 1) for k in state.unsettled[:8])
+        return f'friction and place do not agree on {len(state.unsettled)} balls: {numbers}; see coupling = "none"'
     return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
 
 
@@ -195,15 +204,15 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     """Values for JSON and tables for the terminal."""
     (friction, *_), (state, *_), (drag, *_) = solved
     motion = scene.motion or Motion(ONE_TURN)
-    good = all(s.balls.converged for s in solved[1])
-    status = status_of(next((s for s in solved[1] if not s.balls.converged), state))
+    good = all(settled(s) for s in solved[1])
+    status = status_of(next((s for s in solved[1] if not settled(s)), state))
     torque = sums(state, drag.torque)
     rows, losses = ball_rows(result, state), loss_rows(state)
     over = [mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
     e = state.torque
     data = head | {
-        "status": status, "converged": good, "law": "coulomb", "coupled": False,
+        "status": status, "converged": good, "law": "coulomb", "coupled": state.coupled,
         "friction": {"screw": friction.screw, "nut": friction.nut},
         "motion": {"turns": motion.turns, "speed_rad_s": number(motion.speed)},
         "balls": rows, "torque": torque, "drag_unknown": drag.reason or None, "over_friction": over,
@@ -214,7 +223,10 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "axial_load_power_W": number(e.load * e.ratio * e.speed),
             "torque_power_W": number(e.on_screw * e.speed),
         },
-        "feedback_left_out": {"axial_friction_on_screw_N": number(e.pull), "friction_over_load": number(e.tilt)},
+        "feedback": {
+            "friction_torque_without_Nmm": number(1e3 * state.bare.friction), "unsettled_balls": len(state.unsettled),
+            "axial_friction_on_screw_N": number(e.pull), "friction_over_load": number(e.tilt),
+        },
         "solver": {"static_residual": number(result.solver.residual), "friction_imbalance": number(state.balls.left)},
         "assumed": assumed, "left_out": list(LEFT_OUT), "warnings": warnings_of(scene, friction, state, result.warnings),
     }  # fmt: skip

@@ -36,10 +36,11 @@ def _vectors(values: Array) -> dict[str, Any]:
 def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]]:
     """One row per ball, named as in a static result; the x and z of a contact lie across and along its groove."""
     at, f = state.at, state.balls
+    angle = np.degrees(np.where(at.force > 0.0, at.angle, np.nan))
     return [
         {
             "index": i + 1, "azimuth_deg": number(math.degrees(result.azimuth[i])), "z_mm": number(1e3 * result.z[i]),
-            "load_N": _sides(at.force[i]), "contact_angle_deg": _sides(np.degrees(result.contact_angle[i])),
+            "load_N": _sides(at.force[i]), "contact_angle_deg": _sides(angle[i]),
             "orbit_rad_s": number(f.orbit[i]), "rotation_rad_s": [number(w) for w in f.rotation[i]],
             "closing_mm_s": number(1e3 * state.closing[i]),
             "sliding_mm_s": _vectors(1e3 * f.motion[i, :, :2]), "spin_rad_s": _sides(f.motion[i, :, 2]),
@@ -153,11 +154,11 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
     if max(friction.screw, friction.nut) >= JAMMED:
         notes.append("at this coefficient of friction a ball may have a second, jammed state: this is the one that rolls")
     two = (loaded.sum(axis=1) == 2) & (state.balls.power > 0.0)
-    if two.any() and state.torque.ratio != 0.0:
+    if two.any() and state.torque.ratio != 0.0 and not state.coupled:
         notes.append(
-            f"{int(two.sum())} balls touch two flanks only: friction pushes them across the groove, up to {state.torque.tilt:.2g} "
-            "of their load, onto other contact angles or a third flank, which is left out: the friction torque may be too "
-            "small by a factor of two or more (2.4 for one ball without clearance at a coefficient of 0.1)"
+            f"{int(two.sum())} balls touch two flanks only: friction pushes them across the groove, up to "
+            f"{state.torque.tilt:.2g} of their load, onto other contact angles or a third flank; without coupling the "
+            "friction torque may be too small by a factor of two or more"
         )
     unsure = state.balls.status.count("regularised")
     if unsure:
@@ -204,9 +205,10 @@ def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str
         f"(sum over contacts), difference {t.input_power - t.power:.1e} W"
     )
     if t.ratio != 0.0:
-        share = f" ({abs(100.0 * t.pull / t.load):.3g} % of the axial load)" if t.translating else ""
+        how = "friction moves the balls in their grooves" if state.coupled else "loads are those without friction"
+        bare = f"{1e3 * state.bare.friction:.6g} N mm"
         lines.append(
-            f"loads are those without friction: friction pulls the screw along its axis with {t.pull:.4g} N{share}, and a "
-            f"ball across its path with up to {t.tilt:.3g} of its largest load"
+            f"{how}: it pulls the screw along its axis with {t.pull:.4g} N and a ball across its path with up to "
+            f"{t.tilt:.3g} of its largest load; without this feedback the friction torque is {bare}"
         )
     return lines

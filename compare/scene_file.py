@@ -172,7 +172,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
 
 def _friction(keys: FrictionKeys) -> Friction:
     screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
-    return Friction(screw, nut, tuple(keys.assumed))
+    return Friction(screw, nut, tuple(keys.assumed), keys.coupling)
 
 
 def _material(own: MaterialKeys | None, default: MaterialKeys) -> Material:

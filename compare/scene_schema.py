@@ -245,11 +245,15 @@ class SolidKeys(Table):
 
 
 class FrictionKeys(Table):
-    """Coulomb friction of the balls on the grooves, for: rollbench friction. The loads do not depend on it."""
+    """Coulomb friction of the balls on the grooves, for: rollbench friction. Static loads do not depend on it."""
 
     coefficient: Coefficient = key("coefficient of friction of ball on groove; zero is allowed")
     screw: Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
     nut: Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
+    coupling: Literal["none", "ball"] = key(
+        "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone",
+        "ball", "none",
+    )  # fmt: skip
     assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
         "sentences on where the coefficients come from", [], ["Grease-lubricated steel, assumed."]
     )

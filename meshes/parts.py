@@ -214,11 +214,15 @@ class Solid:
 
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb coefficients of the balls on the grooves of screw and nut; ``assumed``: where they come from."""
+    """Coulomb coefficients of the balls on the grooves of screw and nut; ``assumed``: where they come from.
+
+    coupling: whether friction moves each ball across its grooves (``"ball"``) or leaves the contact loads alone.
+    """
 
     screw: float
     nut: float
     assumed: tuple[str, ...] = ()
+    coupling: Literal["none", "ball"] = "none"
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,9 @@ from lowfi.result import StaticResult
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive
 
+from .ball_feedback import feed_back, seats_of
 from .ellipse import Array
+from .engine import cached
 from .screw_losses import BallFriction, ball_friction, closing_speeds
 from .screw_torque import ScrewTorque, sum_up
 from .static_contacts import StaticContacts, contacts_of
@@ -21,12 +23,19 @@ COMPILE_ABOVE = 1000
 
 @dataclass(frozen=True)
 class FrictionState:
-    """Contacts, friction of every ball, sums, and closing speeds (N,) [m/s] of a scene at one pair of coefficients."""
+    """Contacts, friction of every ball, sums, and closing speeds (N,) [m/s] of a scene at one pair of coefficients.
+
+    bare: the sums at the static loads, without feedback; unsettled: indices of balls whose feedback did not settle, in one
+    direction of motion or the other; coupled: whether friction feeds back.
+    """
 
     at: StaticContacts
     balls: BallFriction
     torque: ScrewTorque
     closing: Array
+    bare: ScrewTorque
+    unsettled: tuple[int, ...]
+    coupled: bool
 
     @property
     def loaded(self) -> bool:
@@ -37,7 +46,21 @@ class FrictionState:
 def friction_state(
     scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0
 ) -> FrictionState:
-    """Friction of a solved scene; arguments as for ``contacts_of`` and ``ball_friction``, which say what they refuse."""
+    """Friction of a solved scene, fed back on the places of the balls where ``friction.coupling`` says so.
+
+    Friction of a ring runs along its groove and moves no ball. Arguments as for ``contacts_of`` and ``ball_friction``,
+    which say what they refuse.
+    """
     at = contacts_of(scene, result, member)
-    balls = ball_friction(scene, at, friction, drive, fast=scene.ball_count > COMPILE_ABOVE)
-    return FrictionState(at, balls, sum_up(scene, at, balls, drive), closing_speeds(scene, at, balls, drive))
+    coupled = friction.coupling == "ball" and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
+    fast = scene.ball_count > COMPILE_ABOVE or (coupled and cached())
+    balls = ball_friction(scene, at, friction, drive, fast)
+    torque = bare = sum_up(scene, at, balls, drive)
+    unsettled: tuple[int, ...] = ()
+    if coupled:
+        place = seats_of(scene, result, at, member)
+        there, back = (feed_back(scene, at, place, friction, d, fast) for d in (drive, replace(drive, speed=-drive.speed)))
+        at, balls = there.at, there.friction
+        torque = replace(sum_up(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power)
+        unsettled = tuple(int(k) for k in np.flatnonzero(there.failed | back.failed))
+    return FrictionState(at, balls, torque, closing_speeds(scene, at, balls, drive), bare, unsettled, coupled)

@@ -3,8 +3,9 @@
 Virtual work, with Omega the angular speed of the screw against the nut, r = lead / (2 pi) (negative: left-hand) the
 advance per angle, T and F the torque and the axial load on the screw along +z, P the power lost: the balls roll along the
 helix, so that any state in balance obeys T Omega + F r Omega = P exactly, P taken at the true loads. Friction changes the
-contact loads by parts of the order of mu; P here is taken at the loads without friction, so that T = P / Omega - r F has
-an error of second order in mu.
+contact loads by parts of the order of mu: with P at the loads without friction T = P / Omega - r F has an error of second
+order in mu, small in preloaded four-point contact, large in two-point contact; ``ball_feedback`` takes P at loads that know
+of friction.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from .screw_path import ON_SCREW
 from .static_contacts import StaticContacts
 
 #: Axial load over the sum of contact forces below which it is round-off: no efficiency is made of it.
-ROUND_OFF = 1e-8
+ROUND_OFF = 1e-6
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,8 @@ class ScrewTorque:
     load on the screw that the contacts carry; power: lost in the contacts; pull: axial force of friction on the screw,
     which the loads do not know of; helical: what the drive of the screw, of the nut puts in per angle of its helical
     motion, [N m]: moments and forces of all contacts about the axis, normal forces included; tilt: largest friction in
-    the plane of a ball's section over its largest contact force; carried: sum of all contact forces [N].
+    the plane of a ball's section over its largest contact force; carried: sum of all contact forces [N];
+    reverse_power: lost by the reversed motion, another one where friction feeds back on the loads.
     """
 
     speed: float
@@ -45,6 +47,7 @@ class ScrewTorque:
     helical: tuple[float, float]
     tilt: float
     carried: float
+    reverse_power: float
 
     @property
     def friction(self) -> float:
@@ -74,12 +77,14 @@ class ScrewTorque:
     @property
     def forward(self) -> float:
         """Torque [N m] that moves the screw against the axial load."""
-        return self.ideal + self.friction
+        with_load = self.load * self.ratio * self.speed > 0.0
+        return self.ideal + (self.reverse_power if with_load else self.power) / abs(self.speed)
 
     @property
     def backward(self) -> float:
         """Torque [N m] that holds the screw back while the axial load drives it; negative: it must be driven."""
-        return self.ideal - self.friction
+        with_load = self.load * self.ratio * self.speed > 0.0
+        return self.ideal - (self.power if with_load else self.reverse_power) / abs(self.speed)
 
     @property
     def efficiency(self) -> tuple[float, float]:
@@ -97,8 +102,13 @@ class ScrewTorque:
         return self.translating and self.backward <= 0.0
 
 
-def sum_up(scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive) -> ScrewTorque:
-    """Sums over all contacts of a scene whose screw or nut turns with ``drive``."""
+def sum_up(
+    scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive, coupled: bool = False
+) -> ScrewTorque:
+    """Sums over all contacts of a scene whose screw or nut turns with ``drive``.
+
+    coupled: whether contact forces and friction together carry the axial load, or the contact forces alone.
+    """
     normals, frames = at.normals, at.frames
     friction = found.wrench(normals)
     total = friction.copy()
@@ -113,7 +123,8 @@ def sum_up(scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive) 
     tilt = np.hypot(plane[loaded, 0], plane[loaded, 1]) / most[loaded]
     pull = -np.einsum("nsi,ni->", friction[:, ON_SCREW, :3], frames[:, :, 2])
     return ScrewTorque(
-        speed=speed, ratio=ratio, load=-at.axial_force, power=found.power, pull=float(pull),
+        speed=speed, ratio=ratio, load=-at.axial_force - (float(pull) if coupled else 0.0), power=found.power,
+        pull=float(pull), reverse_power=found.power,
         helical=(float(helical[:, ON_SCREW].sum()), float(helical[:, ~ON_SCREW].sum())),
         tilt=float(tilt.max(initial=0.0)), carried=float(at.force.sum()),
     )  # fmt: skip

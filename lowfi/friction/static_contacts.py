@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,9 +75,29 @@ def contacts_of(scene: Scene, result: StaticResult, member: int = 0) -> StaticCo
     force = np.maximum(result.load, 0.0)
     angle = np.where(force > 0.0, np.nan_to_num(result.contact_angle), scene.track.contact_angle)
     c_a, c_b, across = _ellipses(scene, drawn, angle)
-    most = force.max(axis=1, keepdims=True)
-    cube = np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30)))
+    cube = _cube(force)
     return StaticContacts(drawn.ball_radius, force, angle, c_a * cube, c_b * cube, across, layout)
+
+
+def _cube(force: Array) -> Array:
+    """Cube roots of forces (N, 4), for the ellipses: a contact without load keeps a vanishing one."""
+    most = force.max(axis=1, keepdims=True)
+    return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
+
+
+def with_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
+    """The contacts at other forces (N, 4) [N] and contact angles (N, 4) [rad]; Hertz constants stay."""
+    grown = _cube(force) / _cube(at.force)
+    return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)
+
+
+def taken(at: StaticContacts, which: NDArray[np.int64]) -> StaticContacts:
+    """The contacts of some of the balls."""
+    full = at.layout
+    layout = BallLayout(*(getattr(full, f.name)[which] for f in fields(full)))
+    return StaticContacts(
+        at.ball_radius[which], at.force[which], at.angle[which], at.a[which], at.b[which], at.across[which], layout
+    )
 
 
 def _ellipses(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
