@@ -227,7 +227,10 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "friction_torque_without_Nmm": number(1e3 * state.bare.friction), "unsettled_balls": len(state.unsettled),
             "axial_friction_on_screw_N": number(e.pull), "friction_over_load": number(e.tilt),
         },
-        "solver": {"static_residual": number(result.solver.residual), "friction_imbalance": number(state.balls.left)},
+        "solver": {
+            "static_residual": number(result.solver.residual), "friction_imbalance": number(state.balls.left),
+            "feedback_change": number(state.change),
+        },
         "assumed": assumed, "left_out": list(LEFT_OUT), "warnings": warnings_of(scene, friction, state, result.warnings),
     }  # fmt: skip
     tables: list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]] = []

@@ -23,8 +23,8 @@ from .screw_motion import Mixer
 from .screw_path import ON_SCREW
 from .static_contacts import StaticContacts, taken, with_loads
 
-#: Change of the friction fed back, as part of a ball's contact forces, that counts as agreement, and most rounds.
-AGREED, ROUNDS = 1e-7, 200
+#: Change of the friction fed back in a round, as part of a ball's contact forces: aimed at, and accepted after most rounds.
+AGREED, ACCEPTED, ROUNDS = 1e-7, 1e-4, 200
 #: Force out of balance as part of a ball's contact forces; Newton steps; longest step as part of the reach.
 GOAL, STEPS, FAR = 1e-13, 60, 0.3
 
@@ -140,12 +140,16 @@ def _stiffness(place: Seats, force: Array, normal: Array, length: Array) -> Arra
 
 @dataclass(frozen=True)
 class FedBack:
-    """Contacts and friction that agree, balls whose feedback did not settle (N,), and rounds."""
+    """Contacts and friction that agree, balls whose feedback did not settle (N,), and rounds.
+
+    change: largest change of a ball's friction in its last round, as part of its contact forces.
+    """
 
     at: StaticContacts
     friction: BallFriction
     failed: NDArray[np.bool_]
     rounds: int
+    change: float
 
 
 def feed_back(
@@ -161,7 +165,7 @@ def feed_back(
     still = _left(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
     guess, shift, mixers = np.zeros((count, 3)), np.zeros((count, 3)), [Mixer(2, 40) for _ in range(count)]
     now, active, rounds = at, np.flatnonzero(loaded), 0
-    failed = np.zeros(count, dtype=bool)
+    failed, last = np.zeros(count, dtype=bool), np.zeros(count)
     while active.size and rounds < ROUNDS:
         rounds += 1
         some = taken(now, active)
@@ -169,8 +173,8 @@ def feed_back(
         wrench = found.wrench(some.normals)[..., :3]
         drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], place.axis)
         answer = np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
-        change = np.abs(answer - guess[active]).max(axis=1)
-        more = (change > AGREED * some.force.sum(axis=1)) | failed[active]
+        last[active] = np.abs(answer - guess[active]).max(axis=1) / np.maximum(some.force.sum(axis=1), 1e-300)
+        more = (last[active] > AGREED) | failed[active]
         for k in np.flatnonzero(more):
             guess[active[k]] = mixers[active[k]].next(guess[active[k]], answer[k])
         active = active[more]
@@ -182,6 +186,6 @@ def feed_back(
         new_force[active] = force
         angle[active] = np.arctan2(np.abs(normal[..., 1]), np.abs(normal[..., 0]))
         now = with_loads(now, new_force, angle)
-    failed[active] = True
-    return FedBack(now, ball_friction(scene, now, friction, drive, fast), failed, rounds)
+    failed |= last > ACCEPTED
+    return FedBack(now, ball_friction(scene, now, friction, drive, fast), failed, rounds, float(last.max(initial=0.0)))
 

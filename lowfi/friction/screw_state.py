@@ -26,7 +26,8 @@ class FrictionState:
     """Contacts, friction of every ball, sums, and closing speeds (N,) [m/s] of a scene at one pair of coefficients.
 
     bare: the sums at the static loads, without feedback; unsettled: indices of balls whose feedback did not settle, in one
-    direction of motion or the other; coupled: whether friction feeds back.
+    direction of motion or the other; change: of the friction fed back in the last round, as part of contact forces;
+    coupled: whether friction feeds back.
     """
 
     at: StaticContacts
@@ -35,6 +36,7 @@ class FrictionState:
     closing: Array
     bare: ScrewTorque
     unsettled: tuple[int, ...]
+    change: float
     coupled: bool
 
     @property
@@ -57,10 +59,12 @@ def friction_state(
     balls = ball_friction(scene, at, friction, drive, fast)
     torque = bare = sum_up(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()
+    change = 0.0
     if coupled:
         place = seats_of(scene, result, at, member)
         there, back = (feed_back(scene, at, place, friction, d, fast) for d in (drive, replace(drive, speed=-drive.speed)))
         at, balls = there.at, there.friction
         torque = replace(sum_up(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power)
+        change = max(there.change, back.change)
         unsettled = tuple(int(k) for k in np.flatnonzero(there.failed | back.failed))
-    return FrictionState(at, balls, torque, closing_speeds(scene, at, balls, drive), bare, unsettled, coupled)
+    return FrictionState(at, balls, torque, closing_speeds(scene, at, balls, drive), bare, unsettled, change, coupled)

@@ -283,6 +283,7 @@ def test_feedback_on_a_ball_is_that_of_the_coupled_solver(mu, oversize, load):
     assert expected.converged
     scene, found = fed(groove, load, oversize, mu, Motion(5.0))
     assert not found.failed.any()
+    assert found.change <= 1e-5
     assert np.allclose(found.at.force[0], expected.load.force[0], rtol=0.0, atol=2e-4 * load)
     assert found.friction.power == pytest.approx(expected.motion.motion.loss, rel=2e-4)
     t = sum_up(scene, found.at, found.friction, Motion(5.0), coupled=True)
