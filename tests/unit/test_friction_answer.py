@@ -12,6 +12,7 @@ from compare.errors import InputError, SceneError
 from compare.friction_answer import Choices, describes_parts, run, solve_scene
 from compare.friction_command import as_table
 from compare.reference import key_of
+from lowfi.friction import ball_feedback
 from meshes.parts import Friction, Motion
 from tests.helpers import small_screw
 
@@ -193,6 +194,24 @@ def test_two_point_contact_on_a_helix_is_warned_of():
     assert warned()
     assert not warned(oversize=5e-6)
     assert not warned(lead=0.0, turns=5.0 / 6.0), "a ring's friction runs along its groove"
+
+
+def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
+    monkeypatch.setattr(ball_feedback, "ROUNDS", 1)
+    found = answer(mine())
+    assert not found.converged
+    assert found.data["status"].startswith("friction and place do not agree on 20 balls: 1, 2")
+    assert 'coupling = "none"' in found.data["status"]
+    assert (found.data["torque"]["drag_torque_Nmm"], found.data["drag_unknown"]) == (None, "no balance of friction found")
+    assert found.data["feedback"]["unsettled_balls"] == 20
+
+
+def test_flanks_without_contact_have_no_angle():
+    scene = replace(small_screw(force=(0.0, 0.0, 300.0)), friction=Friction(0.1, 0.1))
+    ball = answer(scene).data["balls"][0]
+    open_ = [side for side, load in ball["load_N"].items() if load == 0.0]
+    assert len(open_) == 2
+    assert all(ball["contact_angle_deg"][side] is None for side in open_)
 
 
 def test_large_pressure_is_warned_of():
