@@ -6,6 +6,7 @@ Static loads by the chosen model, then friction of every ball and the torques th
 from __future__ import annotations
 
 import difflib
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import pi
@@ -31,7 +32,8 @@ from compare.friction_output import (
 )
 from compare.models import DEFAULT, Options, run_model
 from compare.output import number
-from lowfi.friction.screw_state import FrictionState, friction_state
+from lowfi.friction.engine import cached
+from lowfi.friction.screw_state import FrictionState, friction_state, will_compile
 from lowfi.result import StaticResult
 from meshes.parts import Friction, Motion, Scene
 
@@ -43,6 +45,7 @@ NO_SPEED = (
     "The scene has no [motion]: the screw turns once a second. Losses and speeds are proportional to that, torques and "
     "efficiencies do not depend on it."
 )
+COMPILING = "rollbench: compiling the friction kernels, once on this machine: some 20 s\n"
 #: What no friction result of a whole screw holds.
 LEFT_OUT = (
     "feedback of friction on how the balls share the load: each keeps the axial load that it carries without friction",
@@ -83,7 +86,10 @@ def run(
             given = "--model, --mu, --member or --condensed"
             raise InputError("command line", given, f"with {name}", "with the scene of a whole screw or bearing", advice)
         return run_friction(name, as_json, show, print_json)
-    answer = solve_scene(catalogue.scene(name), choices)
+    scene = catalogue.scene(name)
+    if any(will_compile(scene, pair) for pair in coefficients(scene, choices.mu)) and not cached():
+        sys.stderr.write(COMPILING)
+    answer = solve_scene(scene, choices)
     if as_json:
         print_json(answer.data)
     else:

@@ -17,8 +17,8 @@ from .screw_losses import BallFriction, ball_friction, closing_speeds
 from .screw_torque import ScrewTorque, sum_up
 from .static_contacts import StaticContacts, contacts_of
 
-#: Balls from which compiling the kernels pays for a single solve.
-COMPILE_ABOVE = 1000
+#: Balls from which compiling the kernels (20 s, once) pays for a single solve, without feedback and with it.
+COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,16 @@ class FrictionState:
         return bool(np.any(self.at.force > 0.0))
 
 
+def feeds_back(scene: Scene, friction: Friction) -> bool:
+    """Whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
+    return friction.coupling == "ball" and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
+
+
+def will_compile(scene: Scene, friction: Friction) -> bool:
+    """Whether so many balls are solved that the kernels are compiled, unless machine code lies on disk (``cached``)."""
+    return scene.ball_count > (COUPLED_ABOVE if feeds_back(scene, friction) else COMPILE_ABOVE)
+
+
 def friction_state(
     scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0
 ) -> FrictionState:
@@ -54,8 +64,8 @@ def friction_state(
     which say what they refuse.
     """
     at = contacts_of(scene, result, member)
-    coupled = friction.coupling == "ball" and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
-    fast = scene.ball_count > COMPILE_ABOVE or (coupled and cached())
+    coupled = feeds_back(scene, friction)
+    fast = will_compile(scene, friction) or (coupled and cached())
     balls = ball_friction(scene, at, friction, drive, fast)
     torque = bare = sum_up(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()

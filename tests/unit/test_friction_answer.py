@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue, cli, scene_file
+from compare import catalogue, cli, friction_answer, scene_file
 from compare.errors import InputError, SceneError
 from compare.friction_answer import Choices, describes_parts, run, solve_scene
 from compare.friction_command import as_table
@@ -204,6 +204,15 @@ def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
     assert 'coupling = "none"' in found.data["status"]
     assert (found.data["torque"]["drag_torque_Nmm"], found.data["drag_unknown"]) == (None, "no balance of friction found")
     assert found.data["feedback"]["unsettled_balls"] == 20
+
+
+def test_compiling_is_said_where_it_happens(monkeypatch, tmp_path, capsys):
+    path = tmp_path / "my.toml"
+    for count, code_on_disk, said in ((20, False, True), (20, True, False), (8, False, False)):
+        monkeypatch.setattr(friction_answer, "cached", lambda here=code_on_disk: here)
+        path.write_text(MINE.replace("count = 20", f"count = {count}"))
+        assert run(str(path), Choices("lin"), True, print, lambda data: None) == 0
+        assert ("compiling" in capsys.readouterr().err) == said
 
 
 def test_flanks_without_contact_have_no_angle():
