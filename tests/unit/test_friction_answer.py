@@ -211,7 +211,7 @@ def test_compiling_is_said_where_it_happens(monkeypatch, tmp_path, capsys):
     for count, code_on_disk, said in ((20, False, True), (20, True, False), (8, False, False)):
         monkeypatch.setattr(friction_answer, "cached", lambda here=code_on_disk: here)
         path.write_text(MINE.replace("count = 20", f"count = {count}"))
-        assert run(str(path), Choices("lin"), True, print, lambda data: None) == 0
+        assert run(str(path), Choices("lin"), True, print, [].append) == 0
         assert ("compiling" in capsys.readouterr().err) == said
 
 
