@@ -406,17 +406,37 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
 
 
 @app.command
-def friction(scene: str, *, as_json: Json = False) -> int:
-    """Solve a friction scene: balls of a rotary or linear bearing, two balls or a whole ball screw, bearings in pairs.
+def friction(
+    scene: str,
+    *,
+    model: str = "",
+    mu: Annotated[list[float] | None, Parameter(negative="")] = None,
+    member: int = 0,
+    condensed: Path | None = None,
+    as_json: Json = False,
+) -> int:
+    """Friction of a screw or bearing at its static loads: ball motion, losses, friction torque, efficiency, drag.
+
+    Also solves friction scenes of a kind of their own: balls of a rotary or linear bearing, two balls or a whole ball
+    screw in time, bearings in pairs; these take no further options.
 
     Parameters
     ----------
     scene
-        Name of a shipped friction scene, or a scene file.
+        Name of a shipped scene of either sort, or a scene file.
+    model
+        Model of the contact loads: refined unless given, or "condensed" where its file is given; see: rollbench list.
+    mu
+        Coefficient of friction in place of the scene's; several: a table over them, with the balls of the first.
+    member
+        Which specimen of a scene with random errors.
+    condensed
+        File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
     """
-    from compare.friction_command import run_friction
+    from compare.friction_answer import Choices, run
 
-    return run_friction(scene, as_json, _show, _print_json)
+    choices = Choices(model, tuple(mu or ()), member, condensed)
+    return run(scene, choices, as_json, _show, _print_json)
 
 
 @app.command

@@ -281,8 +281,8 @@ def as_table(answer: Answer) -> list[RenderableType]:
             table.add_row(*(cell(row[name], form) for name, _, form in columns))
         parts.append(table)
     parts += answer.lines
-    for heading, key in (("warning", "warnings"), ("assumed", "assumed")):
-        parts += [f"{heading}: {line}" for line in data[key]]
+    for heading, key in (("warning", "warnings"), ("assumed", "assumed"), ("left out", "left_out")):
+        parts += [f"{heading}: {line}" for line in data.get(key, ())]
     return parts
 
 

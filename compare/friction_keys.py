@@ -2,68 +2,26 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
-from math import pi
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, GetJsonSchemaHandler
+from pydantic import Field
 
-from compare import units
+from compare.quantity import Quantity, Rate, key
 from compare.scene_schema import (
     Conformity,
     ContactAngle,
     Modulus,
     Poisson,
-    Quantity,
     Radius,
     Sentence,
     Size,
     Table,
-    key,
 )
 from lowfi.friction.linear_loads import Loads
 from lowfi.friction.rotary import Mode
 
 Law = Literal["coulomb", "regularised", "sigmoid"]
 Kind = Literal["rotary bearing", "linear pair", "linear chain", "screw pair", "screw run", "bearing pair"]
-_NUMBER = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(\S.*)?")
-#: Units of speeds, angular speeds and times, as factors to SI.
-RATES = {
-    "speed": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "m/min": 1.0 / 60.0},
-    "angular speed": {"rad/s": 1.0, "deg/s": pi / 180.0, "rps": 2.0 * pi, "rpm": pi / 30.0},
-    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0},
-}
-
-
-@dataclass(frozen=True)
-class Rate(Quantity):
-    """Range of a speed, an angular speed or a time."""
-
-    def read(self, value: object) -> float:
-        """SI value; raises pydantic's error carrying ``allowed`` and ``advice``."""
-        number, low, high = (self._number(v) for v in (value, self.low, self.high))
-        if low <= number <= high and not (self.above and number == low):
-            return number
-        side = "large" if number > high else "small"
-        raise self._refused(self.allowed, f"the value is too {side}; a usual one is {units.show(self.example)}")
-
-    def _number(self, value: object) -> float:
-        rates = RATES[self.dimension]
-        match = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) else None
-        unit = units.tidy(match[2] or "") if match else ""
-        if match is None or unit not in rates:
-            advice = f"write a number and one of {', '.join(rates)}, e.g. {units.show(self.example)}"
-            article = "an" if self.dimension[0] == "a" else "a"
-            raise self._refused(f"{article} {self.dimension}, {self.allowed}", advice)
-        return float(match[1]) * rates[unit]
-
-    def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Text with a unit."""
-        found = {"type": "string", "examples": [self.example]}
-        return found | {"x-dimension": self.dimension, "x-allowed": self.allowed}
-
-
 Speed = Annotated[float, Rate("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
 Creep = Annotated[float, Rate("speed", "0 m/s", "1 m/s", "0.1 mm/s", above=True)]
 Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "10 rps")]

@@ -30,7 +30,7 @@ from compare.friction_keys import (
     RotaryKeys,
 )
 from compare.scene_checks import Fault, mm
-from compare.scene_file import _toml, read_text
+from compare.scene_file import read_text, read_toml
 from compare.scene_refusal import _allowed, _node, refuse
 from compare.scene_schema import (
     _without_null,
@@ -114,7 +114,7 @@ def loads(text: str, origin: str) -> FrictionScene:
     """The scene in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
     from compare import friction_screw_scene
 
-    raw = _toml(text, origin)
+    raw = read_toml(text, origin)
     kind = raw.get("kind")
     if not isinstance(kind, str) or kind not in kinds():
         found = units.show(kind) if "kind" in raw else "nothing"

@@ -18,13 +18,13 @@ from compare.friction_keys import (
     LinearBearingKeys,
     Play,
     Pressing,
-    Rate,
     Rubbing,
     Turning,
 )
 from compare.friction_scene import FrictionScene, groove_faults, groove_radius
+from compare.quantity import Quantity, Rate, key
 from compare.scene_checks import Fault, mm
-from compare.scene_schema import Azimuth, Quantity, Size, Table, Turns, key
+from compare.scene_schema import Azimuth, Size, Table, Turns
 from lowfi.friction.bearing_pairs import ALL, DIAGONAL, OTHER, BearingCase, Row
 from lowfi.friction.linear import Array
 from lowfi.friction.screw_groove import ScrewGroove

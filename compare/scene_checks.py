@@ -53,6 +53,9 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
             yield Fault((f"{name}.groove_radius",), "one of groove_radius and conformity", advice, found)
     yield from _ball_choice_faults(keys)
     yield from _support_faults(keys)
+    if keys.motion is not None and keys.motion.speed == 0.0:
+        advice = "friction at rest may have any value up to its limit: give the speed at which the part turns"
+        yield Fault(("motion.speed",), "any angular speed but zero", advice)
 
 
 def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:

@@ -18,6 +18,7 @@ from compare.scene_checks import choice_faults, geometry_faults
 from compare.scene_refusal import refuse, refuse_keys
 from compare.scene_schema import (
     BallKeys,
+    FrictionKeys,
     MaterialKeys,
     SceneKeys,
     SideKeys,
@@ -31,9 +32,11 @@ from meshes.parts import (
     Balls,
     Errors,
     FourierTerm,
+    Friction,
     Ingredients,
     Load,
     Material,
+    Motion,
     Nut,
     Scene,
     Screw,
@@ -43,7 +46,7 @@ from meshes.parts import (
     Track,
 )
 
-__all__ = ["json_schema", "load", "loads", "read_text", "scene_hash", "template"]
+__all__ = ["json_schema", "load", "loads", "read_text", "read_toml", "scene_hash", "template"]
 
 MAX_BYTES = 16_000_000
 
@@ -55,7 +58,7 @@ def load(path: str | Path) -> Scene:
 
 def loads(text: str, origin: str) -> Scene:
     """The scene in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
-    raw = _toml(text, origin)
+    raw = read_toml(text, origin)
     try:
         keys = SceneKeys.model_validate(raw)
     except ValidationError as error:
@@ -104,7 +107,8 @@ def scene_hash(text: str) -> str:
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
-def _toml(text: str, origin: str) -> dict[str, Any]:
+def read_toml(text: str, origin: str) -> dict[str, Any]:
+    """Tables and keys of a TOML text; ``origin`` is the file named in errors. Raises SceneError."""
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -161,7 +165,14 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
         source=keys.source,
         assumed=tuple(keys.assumed),
         members=keys.members,
+        friction=None if keys.friction is None else _friction(keys.friction),
+        motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
     )
+
+
+def _friction(keys: FrictionKeys) -> Friction:
+    screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
+    return Friction(screw, nut, tuple(keys.assumed), keys.coupling)
 
 
 def _material(own: MaterialKeys | None, default: MaterialKeys) -> Material:

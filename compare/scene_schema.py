@@ -2,77 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import PydanticCustomError, core_schema
+from pydantic import BaseModel, ConfigDict, Field
 
-from compare import units
+from compare.quantity import Quantity, Rate, key
 from meshes.parts import NutHeld
 
 MAX_BALLS = 100_000
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """Range of a quantity, ends as in a scene (``above``, ``below``: without that end), and an example."""
-
-    dimension: str
-    low: str | float
-    high: str | float
-    example: str | float
-    above: bool = False
-    below: bool = False
-
-    @property
-    def allowed(self) -> str:
-        """The range in words: ``0.01 mm to 1 m``, ``above 0 deg, below 90 deg``."""
-        if not (self.above or self.below):
-            return f"{self.low} to {self.high}"
-        low = f"{'above' if self.above else 'from'} {self.low}"
-        return f"{low}, {'below' if self.below else 'up to'} {self.high}"
-
-    def read(self, value: object) -> float:
-        """SI value of ``value``; raises pydantic's error carrying ``allowed`` and ``advice``."""
-        try:
-            number = units.parse(value, self.dimension)
-        except units.UnitError as error:
-            allowed = f"{units.expected(self.dimension).split(',')[0]}, {self.allowed}"
-            raise self._refused(allowed, f"the value {error.reason}: {error.advice}") from None
-        low, high = (units.parse(end, self.dimension) for end in (self.low, self.high))
-        too_low = number <= low if self.above else number < low
-        too_high = number >= high if self.below else number > high
-        if too_low or too_high:
-            side = "small" if too_low else "large"
-            advice = f"the value is too {side}; a usual one is {units.show(self.example)}"
-            raise self._refused(self.allowed, advice)
-        return number
-
-    @staticmethod
-    def _refused(allowed: str, advice: str) -> PydanticCustomError:
-        return PydanticCustomError("quantity", "{advice}", {"allowed": allowed, "advice": advice})
-
-    def __get_pydantic_core_schema__(self, _source: object, _handler: GetCoreSchemaHandler) -> Any:
-        """Validate with ``read``."""
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, _schema: Any, _handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """A number, or text with a unit."""
-        kind = "number" if self.dimension == "number" else "string"
-        schema: dict[str, Any] = {"type": kind, "examples": [self.example]}
-        schema |= {"x-dimension": self.dimension, "x-allowed": self.allowed}
-        if kind == "number":
-            low = "exclusiveMinimum" if self.above else "minimum"
-            high = "exclusiveMaximum" if self.below else "maximum"
-            return schema | {low: self.low, high: self.high}
-        return schema | {"x-unit": units.DIMENSIONS[self.dimension][0], "pattern": r"^\s*[+-]?[0-9.].*\S$"}
-
-
-def key(description: str, default: Any = ..., example: Any = None) -> Any:
-    """A key of the file. ``default`` is written as in a scene; without it the key is required."""
-    examples = None if example is None else [example]
-    return Field(default=default, description=description, examples=examples)
 
 
 Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
@@ -94,6 +31,8 @@ Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
 Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
 Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
 Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
+Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
+Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
 Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
 Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
@@ -305,6 +244,30 @@ class SolidKeys(Table):
     nut: Literal["elastic", "rigid"] = key("nut elastic, or rigid beyond its contact patches", "elastic", "elastic")
 
 
+class FrictionKeys(Table):
+    """Coulomb friction of the balls on the grooves, for: rollbench friction. Static loads do not depend on it."""
+
+    coefficient: Coefficient = key("coefficient of friction of ball on groove; zero is allowed")
+    screw: Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
+    nut: Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
+    coupling: Literal["none", "ball"] = key(
+        "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone",
+        "ball", "none",
+    )  # fmt: skip
+    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
+        "sentences on where the coefficients come from", [], ["Grease-lubricated steel, assumed."]
+    )
+
+
+class MotionKeys(Table):
+    """Which part turns and how fast, for: rollbench friction."""
+
+    speed: Turning = key("angular speed of the part that turns, about +z; negative: the other way")
+    turns: Literal["screw", "nut"] = key(
+        "the part that turns; the other one does not, and they move apart along the axis by the lead", "screw", "nut"
+    )
+
+
 class SceneKeys(Table):
     """One load case of one ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
 
@@ -330,6 +293,8 @@ class SceneKeys(Table):
     )
     ingredients: IngredientKeys = key("parts of the low-order model", IngredientKeys(), {"screw": "rigid"})
     solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_held": "left face"})
+    friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
+    motion: MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
 
 
 def json_schema() -> dict[str, Any]:

@@ -213,8 +213,33 @@ class Solid:
 
 
 @dataclass(frozen=True)
+class Friction:
+    """Coulomb coefficients of the balls on the grooves of screw and nut; ``assumed``: where they come from.
+
+    coupling: whether friction moves each ball across its grooves (``"ball"``) or leaves the contact loads alone.
+    """
+
+    screw: float
+    nut: float
+    assumed: tuple[str, ...] = ()
+    coupling: Literal["none", "ball"] = "none"
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Which part turns, and its angular speed about +z [rad/s]; the other part does not turn."""
+
+    speed: float
+    turns: Literal["screw", "nut"] = "screw"
+
+
+@dataclass(frozen=True)
 class Scene:
-    """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open."""
+    """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open.
+
+    ``friction`` and ``motion`` say nothing about the static loads: they are no part of the ``repr``, by which stored
+    static results are keyed.
+    """
 
     name: str
     title: str
@@ -230,6 +255,8 @@ class Scene:
     source: str = ""
     assumed: tuple[str, ...] = ()
     members: int = 1
+    friction: Friction | None = field(default=None, repr=False)
+    motion: Motion | None = field(default=None, repr=False)
 
     @property
     def ball_count(self) -> int:

@@ -24,6 +24,11 @@ def compiled() -> ModuleType:
     return load_compiled(NAME, Path(__file__).parent / "kernel")
 
 
+def cached() -> bool:
+    """Whether machine code of the kernels lies on disk, so that the compiled ones cost no half minute of compiling."""
+    return any((Path(__file__).parent / "kernel" / "__pycache__").glob("*.nbi"))
+
+
 def engine(fast: bool) -> ModuleType:
     """The compiled kernels if ``fast``, else the interpreted ones."""
     return compiled() if fast else interpreted()

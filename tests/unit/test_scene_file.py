@@ -300,6 +300,11 @@ def to_toml(scene: Scene) -> str:
             for k, v in asdict(scene.solid).items() if v is not None
         ),
     ]
+    if scene.friction is not None:
+        f = scene.friction
+        lines.append(f"[friction]\ncoefficient = {f.screw!r}\nnut = {f.nut!r}\nassumed = {json.dumps(f.assumed)}")
+    if scene.motion is not None:
+        lines.append(f'[motion]\nspeed = "{scene.motion.speed!r} rad/s"\nturns = "{scene.motion.turns}"')
     return "\n".join(lines)
 
 

@@ -1,0 +1,78 @@
+"""Friction of random screws and rings: power in is power lost, no contact gains, mirror and reversal."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from lowfi.friction.screw_state import friction_state
+from lowfi.static import solve_static
+from meshes.parts import FourierTerm, Friction, Load, Motion
+from tests.helpers import small_screw
+
+
+@st.composite
+def scenes(draw):
+    """Right-hand screws of one to three starts and rings, two- to four-point contact, unlike grooves, pitch errors."""
+    ring = draw(st.booleans())
+    count, starts = draw(st.integers(3, 9)), 1 if ring else draw(st.integers(1, 3))
+    lead = 0.0 if ring else draw(st.sampled_from((8e-3, 20e-3, 40e-3))) * starts
+    turns = (count - 1) / count if ring else 0.8
+    oversize = draw(st.sampled_from((0.0, 2e-6, 8e-6)))
+    side = [draw(st.integers(-8, 8)) * 25.0 for _ in range(2)]
+    force = (*side, draw(st.sampled_from((-900.0, 60.0, 700.0))))
+    beta = math.radians(draw(st.integers(15, 75)))
+    scene = small_screw(count, turns, lead=lead, beta=beta, oversize=oversize, force=force)
+    scene = replace(scene, track=replace(scene.track, starts=starts))
+    wave = FourierTerm(2.0, 1e-6 * draw(st.integers(0, 3)), 1e-6)
+    errors = replace(scene.errors, SL=replace(scene.errors.SL, pitch=(wave,)))
+    grooves = [2.778e-3 * draw(st.sampled_from((1.02, 1.06, 1.17, 3.0))) for _ in range(2)]
+    screw, nut = replace(scene.screw, groove_radius=grooves[0]), replace(scene.nut, groove_radius=grooves[1])
+    return replace(scene, errors=errors, screw=screw, nut=nut)
+
+
+coefficient = st.sampled_from((1e-4, 0.01, 0.1, 0.5))
+turning = st.builds(Motion, st.sampled_from((-300.0, 1e-3, 20.0)), st.sampled_from(("screw", "nut")))
+
+
+def mirrored(scene):
+    """The scene in a mirror that turns y."""
+    track = replace(scene.track, hand="left")
+    (x, y, z), at = scene.loads[0].force, scene.loads[0].at
+    term = scene.errors.SL.pitch[0]
+    errors = replace(scene.errors, SL=replace(scene.errors.SL, pitch=(replace(term, sin=-term.sin),)))
+    balls = replace(scene.balls, azimuths=tuple(-a for a in scene.balls.azimuths))
+    return replace(scene, track=track, errors=errors, balls=balls, loads=(Load(at, (x, -y, z)),))
+
+
+@settings(max_examples=20, derandomize=True, deadline=None)
+@given(scenes(), coefficient, coefficient, turning)
+def test_energy_and_reversal(scene, screw, nut, motion):
+    result = solve_static(scene)
+    assume(result.converged)
+    friction = Friction(screw, nut)
+    found = friction_state(scene, result, friction, motion)
+    t = found.torque
+    assert found.balls.converged, found.balls.status
+    assert t.input_power == pytest.approx(t.power, rel=1e-8)
+    assert t.on_screw * t.speed + t.load * t.ratio * t.speed == pytest.approx(t.power, rel=1e-8)
+    assert found.balls.loss.min() >= -1e-9 * t.power
+    full = found.at.force * np.array([screw, screw, nut, nut])
+    assert np.all(np.hypot(*np.moveaxis(found.balls.force, -1, 0)) <= full * (1.0 + 1e-6)), "no more than mu F"
+    back = friction_state(scene, result, friction, replace(motion, speed=-motion.speed))
+    assert back.torque.friction == pytest.approx(t.friction, rel=1e-7)
+
+
+@settings(max_examples=10, derandomize=True, deadline=None)
+@given(scenes(), coefficient, turning)
+def test_mirror(scene, mu, motion):
+    result, other = solve_static(scene), mirrored(scene)
+    assume(result.converged)
+    friction = Friction(mu, mu)
+    one = friction_state(scene, result, friction, motion)
+    two = friction_state(other, solve_static(other), friction, replace(motion, speed=-motion.speed))
+    assert two.torque.friction == pytest.approx(one.torque.friction, rel=1e-6)
+    assert two.torque.load == pytest.approx(one.torque.load, rel=1e-6, abs=1e-9 * one.torque.carried)
