@@ -179,9 +179,10 @@ def pool(values: ArrayLike, sizes: ArrayLike, method: tuple[float, float] | None
     small by chance too often. The order is believed where it lies in the range, or above it by no more than chance allows
     (then it is 2); values are extrapolated by it unless an order below the range is allowed too.
 
-    method: interval of orders of the method, from many scenes together (`common_order`). It takes the place of the
-    quantities' own interval unless they contradict it (F test, ``CONTRADICTION``): where little but scatter is left between
-    the levels they allow any order, and one that is too low makes errors of scatter.
+    method: interval of orders of the method, from many scenes together (`common_order`); its lower end, at most 2, is
+    the least order that is looked at unless all orders that the quantities allow lie below it (F test,
+    ``CONTRADICTION``): where little but scatter is left between the levels they allow any order, and one that is too
+    low makes errors of scatter.
 
     Two levels: a band of three times the difference, or three times the RMS difference of all where that is larger.
     Quantities that are the same on every level are held: they take no part, and have no uncertainty.
@@ -198,10 +199,10 @@ def pool(values: ArrayLike, sizes: ArrayLike, method: tuple[float, float] | None
     data_allow = interval = allowed(data, h, free)
     order, by_method = free.order, False
     if method is not None:
-        low, high = allowed(data, h, free, CONTRADICTION)
-        if max(low, method[0]) <= min(high, method[1]):
-            interval, by_method = method, True
-            order = min(max(order, method[0]), method[1])
+        least = min(method[0], ORDERS[1])
+        if allowed(data, h, free, CONTRADICTION)[1] >= least:
+            interval, by_method = (least, max(method[1], least)), True
+            order = min(max(order, interval[0]), interval[1])
     if interval[1] < ORDERS[0]:
         fits, factor = [min(fixed(data, h, both=True), key=lambda f: f.deviation)], CAREFUL
     else:

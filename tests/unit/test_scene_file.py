@@ -72,7 +72,7 @@ def test_case_3_supports():
 @pytest.mark.parametrize("name", ["lin-case3", "lin-case3-offset"])
 def test_readings_of_case_3_differ_in_the_right_end_alone_and_say_which_is_the_text_s(name):
     def bare(scene):
-        return replace(scene, name="", title="", assumed=(), supports=scene.supports[:1])
+        return replace(scene, name="", title="", assumed=(), supports=scene.supports[:1], friction=None)
 
     ours, text = catalogue.scene(name), catalogue.scene(f"{name}-ux")
     assert bare(ours) == bare(text) == bare(catalogue.scene(f"{name}-clamped"))
