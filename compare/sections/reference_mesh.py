@@ -96,13 +96,13 @@ def convergence_table(found: References) -> Table:
     )  # fmt: skip
     note = (
         "Least squares after Eca and Hoekstra (2014), one order p for all contacts of a scene, limit and slope each "
-        "contact's own. The uncertainty is the largest, over all orders from 0.5 to 2 that the data allow, of 1.25 times "
-        "the difference from the limit, plus the scatter (its own or that of all, the larger), plus the residual of the "
-        "finest level. Labels say whether a contact has an order of its own and why not; contacts that are zero on every "
-        "level are held. Where a scene's values allow the order of the method, found from the contacts of all shipped scenes "
-        "together, that order counts (2 if it is above): where hardly more than scatter is left between the levels, a scene "
-        "alone allows any order. Two levels give a band of three times their difference (of the RMS difference of all where that "
-        "is larger)."
+        "contact's own. The uncertainty is the largest, over all orders from 0.5 to 2 that the data allow, of 1.25 "
+        "times the difference from the limit, plus the scatter (its own or that of all, the larger), plus the "
+        "residual of the finest level. Labels say whether a contact has an order of its own and why not; contacts "
+        "that are zero on every level are held. Where a scene's values allow the order of the method, found from the "
+        "contacts of all shipped scenes together, that order counts (2 if it is above): where hardly more than "
+        "scatter is left between the levels, a scene alone allows any order. Two levels give a band of three times "
+        "their difference (of the RMS difference of all where that is larger)."
     )
     return Table("reference-convergence", "Grid convergence of the contact loads", columns, rows, note)
 
