@@ -87,6 +87,8 @@ def time_points(name: str, found: Reference, study: Study, stores: Sequence[Any]
     for contender in (*suited(scene), *FURTHER):
         if contender.model == "condensed" and bodies is None:
             continue
+        if contender.model == "source" and scene.ingredients.screw != "beam":
+            continue  # its equations are those of a beam
         step(f"{name}, {contender.label}: cold and warm")
         out.append(_model_point(name, contender, found, scene, bodies if contender.model == "condensed" else None))
     runs = [(f"3D reference, level {r.level}", r) for r in found.runs]
