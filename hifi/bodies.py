@@ -38,9 +38,10 @@ class Socket:
 
 
 #: Sizes of the elliptic pressures that `patch_modes` has to carry, over the contact zone, and their places along each of
-#: its axes, over the room that is left beside them; weight of everything else.
-REST = 1e-3
+#: its axes, over the room that is left beside them.
 SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
+#: Weight of all other forces beside them; strength over the largest that is round-off.
+REST, ROUND_OFF = 1e-3, 1e-13
 
 
 def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
@@ -49,11 +50,11 @@ def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
 
     Those are elliptic pressures of several sizes and places in the contact zone (`contact_pressures`), so that the
     modes do not depend on the grid and few are needed; then, weighted by ``REST``, those of single hats, so that H is
-    exact with all modes. Fewer where the rest is round-off, 1e-8 of the strongest.
+    exact with all modes. Fewer where the rest is ``ROUND_OFF`` of the strongest.
     """
     snapshots = patch.H.T @ np.hstack([contact_pressures(patch), REST * np.eye(len(patch.H))])
     U, strength, _ = np.linalg.svd(snapshots, full_matrices=False)
-    U = U[:, : min(count, int((strength > 1e-8 * strength[0]).sum()))]
+    U = U[:, : min(count, int((strength > ROUND_OFF * strength[0]).sum()))]
     V, R = np.linalg.qr(patch.H @ U)
     return V, R @ U.T
 
