@@ -24,11 +24,12 @@ from meshes.parts import Scene
 
 Array = NDArray[np.float64]
 
-#: Screws and a bearing that were not used while the refined model was developed.
-UNSEEN = (
-    "unseen-thin-nut", "unseen-short-nut", "unseen-hollow", "unseen-flange", "unseen-lead10", "unseen-16x5", "unseen-25x5",
-    "unseen-32x10", "unseen-40x10", "unseen-63x20", "unseen-four-point",
+#: Screws and a bearing that were not used while the refined model was developed: changed parts, and catalogue sizes.
+CHANGED = ("unseen-thin-nut", "unseen-short-nut", "unseen-hollow", "unseen-flange", "unseen-lead10")
+CATALOGUE = (
+    "unseen-16x5", "unseen-25x5", "unseen-32x10", "unseen-40x10", "unseen-63x20", "unseen-four-point",
 )  # fmt: skip
+UNSEEN = (*CHANGED, *CATALOGUE)
 #: Those of most contacts, whose finest level takes six minutes and 6 GB: two levels.
 LARGE = ("unseen-25x5", "unseen-40x10", "unseen-lead10")
 #: Rungs by model name, with what each adds.

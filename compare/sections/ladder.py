@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from compare.comparison import REFERENCED
-from compare.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one, points
+from compare.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, points
 from compare.measure import error_percent, load_error
 from compare.model_form import save_points
 from compare.reference import reference
@@ -174,8 +174,11 @@ def section(
         headline(rungs),
     )
     items: list[Any] = [Text(text), ladder_table(rungs)]
-    for names, key, title_of in ((REFERENCED, "ladder-cases", "Error by rung: the case studies"),
-                                 (UNSEEN, "ladder-unseen", "Error by rung: screws not used before")):  # fmt: skip
+    for names, key, title_of in (
+        (REFERENCED, "ladder-cases", "Error by rung: the case studies"),
+        (CHANGED, "ladder-unseen", "Error by rung: screws not used before"),
+        (CATALOGUE, "ladder-catalogue", "Error by rung: catalogue sizes, not used before"),
+    ):
         figure = ladder_figure(rungs, names, key, title_of)
         items += [figure] if figure is not None else []
     items.append(choices_table(study, stores, step))
