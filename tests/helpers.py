@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from lowfi import jit
-from lowfi.problem import build
-from lowfi.static import prepare, solve_static
+from lowfi.statics.problem import build
+from lowfi.statics.static import prepare, solve_static
 from meshes.errors import specimen
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec
@@ -71,7 +71,7 @@ def prepared(scene, engine="interpreted", *, everything=False):
     """The scene as the kernels take it, with all four flanks built."""
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool), everything=everything)
-    return prepare(problem, jit.compiled() if engine == "compiled" else jit.interpreted())
+    return prepare(problem, jit.kernels(jit.STATICS, compiled=engine == "compiled"))
 
 
 def solved(scene, **options):

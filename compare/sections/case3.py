@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from compare.measure import load_error
-from compare.models import DEFAULT
-from compare.reference import reference
-from compare.study import Study
+from compare.models.registry import DEFAULT
+from compare.models.study import Study
+from compare.reference.runs import reference
 from reports.records import Cell, Column, Table
 
 

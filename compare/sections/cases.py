@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.findings import Finding, collect, entry, share
 from compare.measure import error_percent, load_error
+from compare.models.study import Study, with_groove
+from compare.printed.findings import Finding, collect, entry, share
 from compare.sections.case3 import READINGS, readings_table
 from compare.sections.hertz import TABLE_CONFORMITY
-from compare.study import Study, with_groove
-from lowfi.result import Array, StaticResult
+from lowfi.statics.result import Array, StaticResult
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.partition import fixed_partition

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from compare.crosscheck_data import CrossData, load, shipped
-from compare.crosscheck_fit import Extrapolation, extrapolate
-from compare.crosscheck_rows import agreement, columns, contact_rows
-from compare.crosscheck_study import STUDIES, scene_key
+from compare.crosscheck.data import CrossData, load, shipped
+from compare.crosscheck.fit import Extrapolation, extrapolate
+from compare.crosscheck.rows import agreement, columns, contact_rows
+from compare.crosscheck.study import STUDIES, scene_key
 from compare.measure import error_percent, load_error
-from compare.reference import Reference, reference
-from compare.study import Study
+from compare.models.study import Study
+from compare.reference.runs import Reference, reference
 from reports.records import Cell, Column, Section, Table, Text
 
 ABOUT = (

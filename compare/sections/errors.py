@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from compare.ensemble import EnsembleResult, run_ensemble
-from compare.findings import Finding, collect, entry, share
 from compare.measure import load_error
+from compare.models.ensemble import EnsembleResult, run_ensemble
+from compare.models.study import Study
+from compare.printed.findings import Finding, collect, entry, share
 from compare.sections.cases import FINDING_COLUMNS, finding_rows, loads, ratio
-from compare.study import Study
 from meshes.parts import SIDES
 from meshes.section import groove_section
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from compare.measure import load_error
-from compare.study import Study
-from lowfi.source import SourceSolution, solve_source
+from compare.models.study import Study
+from lowfi.as_source.static import SourceSolution, solve_source
 from meshes.parts import Scene
 from reports.records import Cell, Column, Section, Table, Text
 

@@ -10,9 +10,7 @@ from math import degrees, radians
 
 import numpy as np
 
-from compare.findings import Finding, entry, sentences
-from compare.measure import error_percent
-from compare.sections.friction_values import (
+from compare.evidence.rotary_linear import (
     AXIAL,
     CASES,
     LINEAR,
@@ -29,12 +27,10 @@ from compare.sections.friction_values import (
     pair,
     right,
 )
-from compare.study import Study
-from lowfi.friction.chain import Chain, prepare, solve
-from lowfi.friction.ellipse import Array
-from lowfi.friction.linear_pair import PairMaps, maps, pair_state
-from lowfi.friction.motion import balance_by_root, least_dissipation
-from lowfi.friction.rotary import (
+from compare.measure import error_percent
+from compare.models.study import Study
+from compare.printed.findings import Finding, entry, sentences
+from lowfi.friction.bearing.rotary import (
     SIDES,
     Solution,
     Sweep,
@@ -42,6 +38,10 @@ from lowfi.friction.rotary import (
     source_law,
     sweep,
 )
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.contact.motion import balance_by_root, least_dissipation
+from lowfi.friction.linear.chain import Chain, prepare, solve
+from lowfi.friction.linear.pair import PairMaps, maps, pair_state
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 # --- tables

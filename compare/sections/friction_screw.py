@@ -9,10 +9,7 @@ from math import degrees, radians
 
 import numpy as np
 
-from compare.findings import entry, sentences
-from compare.measure import error_percent
-from compare.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
-from compare.sections.friction_screw_values import (
+from compare.evidence.screw import (
     AMPLITUDES,
     ANGLES,
     ENDS,
@@ -31,8 +28,12 @@ from compare.sections.friction_screw_values import (
     settled,
     variation,
 )
-from compare.study import Study
-from lowfi.friction.bearing_pairs import (
+from compare.measure import error_percent
+from compare.models.study import Study
+from compare.printed.findings import entry, sentences
+from compare.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
+from lowfi.as_source.run import simulate_by_root
+from lowfi.friction.bearing.pairs import (
     DIAGONAL,
     OTHER,
     BearingCase,
@@ -41,8 +42,8 @@ from lowfi.friction.bearing_pairs import (
     four_point,
     torque_curve,
 )
-from lowfi.friction.screw_groove import Mode
-from lowfi.friction.screw_pair import (
+from lowfi.friction.screw.groove import Mode
+from lowfi.friction.screw.pair import (
     INFERRED_OVERSIZE,
     SHIFTED,
     Pair,
@@ -51,8 +52,7 @@ from lowfi.friction.screw_pair import (
     solve_pair,
     table_3_6,
 )
-from lowfi.friction.screw_run import Run, RunResult, RunSummary, groups, lin_3_4_4, simulate, summarise
-from lowfi.friction.source_run import simulate_by_root
+from lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, lin_3_4_4, simulate, summarise
 from reports.records import Cell, Column, Section, Table, Text
 
 # --- tables

@@ -8,8 +8,8 @@ from math import radians
 
 import numpy as np
 
-from compare.findings import entry
-from compare.sections.friction_screw_values import (
+from compare.evidence.rotary_linear import numbers
+from compare.evidence.screw import (
     ANGLES,
     THETA,
     curve,
@@ -17,17 +17,17 @@ from compare.sections.friction_screw_values import (
     run,
     variation,
 )
-from compare.sections.friction_values import numbers
-from lowfi.friction.bearing_pairs import (
+from compare.printed.findings import entry
+from lowfi.friction.bearing.pairs import (
     TorqueCurve,
 )
-from lowfi.friction.ellipse import Array
-from lowfi.friction.screw_motion import Coupling
-from lowfi.friction.screw_pair import (
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.motion import Coupling
+from lowfi.friction.screw.pair import (
     inferred,
     oversize_map,
 )
-from lowfi.friction.screw_run import Run, RunResult, deviation, groups, summarise
+from lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
 from reports.records import Figure, Panel, Series
 
 

@@ -8,11 +8,11 @@ from functools import partial
 
 import numpy as np
 
-from compare.findings import Finding, collect, entry
 from compare.measure import error_percent
-from compare.study import Study, with_groove
+from compare.models.study import Study, with_groove
+from compare.printed.findings import Finding, collect, entry
 from lowfi.hertz import PrintedHertz, contact_modulus, printed_hertz
-from lowfi.problem import nominal_hertz
+from lowfi.statics.problem import nominal_hertz
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import Errors, Scene

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from compare.comparison import REFERENCED
-from compare.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, points
 from compare.measure import error_percent, load_error
-from compare.model_form import save_points
-from compare.reference import reference
-from compare.study import Study
+from compare.models.comparison import REFERENCED
+from compare.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, points
+from compare.models.model_form import save_points
+from compare.models.study import Study
+from compare.reference.runs import reference
 from lowfi.compliance.bodies import REFINED, Backend
-from lowfi.elastic import solve_elastic
+from lowfi.statics.elastic import solve_elastic
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Choices of the refined model that its derivation leaves open, varied one at a time.

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.findings import Finding, collect, entry, share
+from compare.models.study import Study
+from compare.printed.findings import Finding, collect, entry, share
 from compare.sections.cases import FINDING_COLUMNS, finding_rows, loads
-from compare.study import Study
-from lowfi.result import StaticResult
+from lowfi.statics.result import StaticResult
 from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Errors, Scene, SideErrors, Support
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text

@@ -6,9 +6,9 @@ import tomllib
 from collections.abc import Callable, Sequence
 from importlib import resources
 
-from compare.findings import TAKEN, WITHIN, Finding
-from compare.study import Study
-from lowfi.summary import MODEL_ASSUMPTIONS
+from compare.models.study import Study
+from compare.printed.findings import TAKEN, WITHIN, Finding
+from lowfi.statics.summary import MODEL_ASSUMPTIONS
 from reports.records import Cell, Column, Section, Table, Text
 
 

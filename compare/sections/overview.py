@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from compare.findings import TAKEN, WITHIN, Finding
-from compare.printed_data import KINDS
+from compare.printed.findings import TAKEN, WITHIN, Finding
+from compare.printed.printed_data import KINDS
 from compare.sections.cases import FINDING_COLUMNS, finding_rows
 from reports.records import Cell, Column, Section, Table, Text
 

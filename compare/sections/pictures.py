@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.reference import settings_of
-from compare.study import Study
+from compare.models.study import Study
+from compare.reference.runs import settings_of
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import SIDES, Scene

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from compare.comparison import (
+from compare.measure import LoadError, error_percent, load_error
+from compare.models.comparison import (
     CONTENDERS,
     PRINTED,
     REFERENCED,
@@ -20,15 +21,14 @@ from compare.comparison import (
     suited,
     summary,
 )
-from compare.findings import Finding, entry
-from compare.grid_summary import uncertainty_percent
-from compare.ladder import UNSEEN
-from compare.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from compare.measure import LoadError, error_percent, load_error
-from compare.modelling import VARIED, Modelling, combined, modelling_percent, varied
-from compare.reference import Reference, Run, load, reference
+from compare.models.ladder import UNSEEN
+from compare.models.study import Study
+from compare.printed.findings import Finding, entry
+from compare.reference.grid_summary import uncertainty_percent
+from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
+from compare.reference.modelling import VARIED, Modelling, combined, modelling_percent, varied
+from compare.reference.runs import Reference, Run, load, reference
 from compare.sections.reference_time import time_items
-from compare.study import Study
 from meshes.parts import SIDES, Scene
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
@@ -311,7 +311,7 @@ def exceedance_table(found: References, study: Study, stores: Sequence[Any] | No
 def section(
     study: Study, step: Callable[[str], None], stores: Sequence[Any] | None = None, quick: bool = False
 ) -> Section:
-    """Section of the report; reads runs that ``compare.jobs`` computed."""
+    """Section of the report; reads runs that ``compare.reference.jobs`` computed."""
     step("low-order models against the 3D reference")
     found = references(study, stores)
     title = "Low-order models against the 3D reference"

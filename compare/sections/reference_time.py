@@ -10,14 +10,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from compare.cold import measure
-from compare.comparison import CONTENDERS, REFERENCED, Contender, suited
-from compare.ladder import UNSEEN, finest_bodies
-from compare.levels import SOURCE_LEVEL
+from compare.costs.cold import measure
 from compare.measure import error_percent, load_error
-from compare.models import Options, run_model
-from compare.reference import Array, Reference, load
-from compare.study import Study
+from compare.models.comparison import CONTENDERS, REFERENCED, Contender, suited
+from compare.models.ladder import UNSEEN, finest_bodies
+from compare.models.registry import Options, run_model
+from compare.models.study import Study
+from compare.reference.levels import SOURCE_LEVEL
+from compare.reference.runs import Array, Reference, load
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Series, Table
 

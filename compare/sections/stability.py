@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from compare.friction_stability import table_section_items
-from compare.stability import FORMULATIONS, OURS, table
-from compare.stability_command import tally, wide_rows
+from compare.commands.stability import tally, wide_rows
+from compare.extremes.friction import table_section_items
+from compare.extremes.static import FORMULATIONS, OURS, table
 from reports.records import Cell, Column, Section, Table, Text
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import asdict
 
-from compare.bench import run_bench
-from compare.findings import entry
-from compare.friction_bench import jobs
-from compare.printed_data import load_table
+from compare.costs.bench import run_bench
+from compare.costs.friction_bench import jobs
+from compare.printed.findings import entry
+from compare.printed.printed_data import load_table
 from reports.records import Cell, Column, Section, Table, Text
 
 

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded, qr
 
-from lowfi.jit import interpreted
-from lowfi.kernel.beam import add_element
-from lowfi.problem import Problem
-from lowfi.shape import rigid_transport
+from lowfi.statics.kernel.beam import add_element
+from lowfi.statics.problem import Problem
+from lowfi.statics.shape import rigid_transport
 
 Array = NDArray[np.float64]
 #: Right-hand sides solved at a time.
@@ -79,7 +78,6 @@ def shaft_of(problem: Problem) -> Shaft:
         motions = np.eye(6)[:, loose]
         none = np.zeros(0, dtype=np.int64)
         return Shaft(problem, motions, problem.load[0, loose], arms, 0, none, np.zeros((1, 0)), np.zeros((1, 6)))
-    interpreted()
     n = problem.nodes.size
     band = np.zeros((6 * n, 12))
     s = problem.section

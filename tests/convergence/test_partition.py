@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from tests.helpers import relative, solved, with_ingredients
 
 CASES = ("lin-case1", "lin-case2", "lin-case3-offset")

@@ -6,11 +6,11 @@ from math import degrees, radians
 import numpy as np
 import pytest
 
-from compare.printed_data import Printed, load_table
-from lowfi.friction.linear import LinearBearing
-from lowfi.friction.linear_analytic import velocity_deviation
-from lowfi.friction.linear_loads import Loads
-from lowfi.friction.linear_pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
+from compare.printed.printed_data import Printed, load_table
+from lowfi.friction.linear.analytic import velocity_deviation
+from lowfi.friction.linear.bearing import LinearBearing
+from lowfi.friction.linear.loads import Loads
+from lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
 
 TABLES = ("lin-3.3", "lin-3.4", "lin-3.5")
 ROWS: dict[str, Printed] = {f"{r.table}:{r.key}": r for t in TABLES for r in load_table(t)}

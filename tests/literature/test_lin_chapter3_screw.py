@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.printed_data import Printed, load_table
-from lowfi.friction.screw_pair import (
+from compare.printed.printed_data import Printed, load_table
+from lowfi.friction.screw.pair import (
     BOTH,
     INFERRED_OVERSIZE,
     SHIFTED,
@@ -21,7 +21,7 @@ from lowfi.friction.screw_pair import (
     solve_pair,
     table_3_6,
 )
-from lowfi.friction.screw_run import RunSummary, groups, lin_3_4_4, simulate, summarise
+from lowfi.friction.screw.run import RunSummary, groups, lin_3_4_4, simulate, summarise
 
 THETA = {"a": np.radians(2.0), "b": np.radians(3.0)}
 AMPLITUDES = (2.0, 3.0)

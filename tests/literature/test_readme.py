@@ -34,9 +34,9 @@ def test_table_is_the_report_s() -> None:
 
 
 def test_report_s_tables_are_what_the_models_give_now() -> None:
+    from compare.models.study import Study
     from compare.sections.cases import choices
     from compare.sections.reference import error_table, references
-    from compare.study import Study
 
     study = Study()
     for row, old in zip(choices(study), stored("cases-choices"), strict=True):

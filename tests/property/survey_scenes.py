@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare import catalogue
-from compare.study import with_groove
+from compare.models.study import with_groove
+from compare.scenes import catalogue
 from hifi.expected import hertz_units
 from meshes.parts import Load, Scene, Support
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compare import catalogue
-from lowfi.static import run, solve_static
+from compare.scenes import catalogue
+from lowfi.statics.static import run, solve_static
 from meshes.parts import BallErrors
 from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw, with_ingredients
 

@@ -6,14 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from lowfi import jit
 from lowfi.compliance.bodies import LADDER, REFINED, held_at
-from lowfi.elastic import run, solve_elastic
-from lowfi.elastic_system import Rebuild, ready
-from lowfi.kernel import elastic as kernel
-from lowfi.mechanism import free_motions
-from lowfi.static import pin
+from lowfi.statics.elastic import run, solve_elastic
+from lowfi.statics.elastic_system import Rebuild, ready
+from lowfi.statics.kernel import elastic as kernel
+from lowfi.statics.mechanism import free_motions
+from lowfi.statics.static import pin
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, Errors, Load, Support
@@ -58,8 +58,9 @@ def solved(seed, backend):
 def assembled(scene, backend):
     layout = ball_layout(scene)
     drawn, use = specimen(scene, layout), np.ones(4, dtype=bool)
-    problem = Rebuild(scene, drawn, layout, use, None, backend, None, jit.interpreted(), False, 1).problem()
-    return ready(pin(problem, free_motions(problem)), backend, jit.interpreted(), layout)
+    plain = jit.kernels(jit.STATICS, compiled=False)
+    problem = Rebuild(scene, drawn, layout, use, None, backend, None, plain, False, 1).problem()
+    return ready(pin(problem, free_motions(problem)), backend, plain, layout)
 
 
 @pytest.mark.parametrize("backend", LADDER)

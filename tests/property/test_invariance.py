@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from meshes.parts import BallErrors, Errors, Load, Material, SideErrors, Support
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, prepared, relative, small_screw, solved, with_ingredients
 

@@ -6,13 +6,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from compare import catalogue
 from compare.errors import Refusal
-from compare.levels import BALL
 from compare.measure import load_error
-from compare.models import Options, run_model
-from compare.reference import Task, compute, needed_sides, settings_of
-from compare.study import with_groove
+from compare.models.registry import Options, run_model
+from compare.models.study import with_groove
+from compare.reference.levels import BALL
+from compare.reference.runs import Task, compute, needed_sides, settings_of
+from compare.scenes import catalogue
 from hifi.fit import (
     Settings,
     ball_place,

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import minimize
 
 from lowfi import jit
-from lowfi.problem import hertz_C, pack_geometry
+from lowfi.statics.problem import hertz_C, pack_geometry
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, Errors, SideErrors
@@ -41,7 +41,7 @@ class Ball:
 
     def settle(self, shift, engine="interpreted"):
         """Energy, centre and contact rows of the kernel."""
-        kernels = jit.compiled() if engine == "compiled" else jit.interpreted()
+        kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled")
         p, contact = np.zeros(2), np.zeros((4, 5))
         energy = kernels.settle(
             p, shift, self.geometry, self.closure, self.radius, self.drawn.profile, 1e-9, contact
@@ -116,7 +116,7 @@ def test_minimum_of_the_energy(state, profile):
 def test_starting_centre_of_a_two_point_contact_is_its_solution(pair):
     """One diagonal pair closed: nothing is left to iterate, however the flanks move."""
     b = ball("arcs", -1e-6)
-    kernels, p, contact = jit.interpreted().ball, np.zeros(2), np.zeros((4, 5))
+    kernels, p, contact = jit.kernels(jit.STATICS, compiled=False).ball, np.zeros(2), np.zeros((4, 5))
     for shift in random_shifts(3e-6, 10):
         shift[pair] += 1e-5 * np.array([1.0, 1.0 if pair == 0 else -1.0])
         shift[1 - pair] -= 3e-5
@@ -160,7 +160,7 @@ def test_gradient_and_hessian_of_the_minimised_energy(state, profile):
             continue
         checked += 1
         hessian = np.empty((4, 4))
-        jit.interpreted().ball.reduced_hessian(contact, hessian)
+        jit.kernels(jit.STATICS, compiled=False).ball.reduced_hessian(contact, hessian)
         gradient = -(contact[:2, :1] * contact[:2, 1:3]).ravel()
         for k in range(4):
             sides = []
@@ -190,8 +190,8 @@ def test_both_engines_give_the_same_numbers(state, profile):
         assert np.array_equal(loaded, other[2][:, 0] > 0)
         assert one[2][loaded] == pytest.approx(other[2][loaded], rel=1e-9)
         hessians = np.empty((2, 4, 4))
-        jit.interpreted().ball.reduced_hessian(one[2], hessians[0])
-        jit.compiled().ball.reduced_hessian(other[2], hessians[1])
+        jit.kernels(jit.STATICS, compiled=False).ball.reduced_hessian(one[2], hessians[0])
+        jit.kernels(jit.STATICS, compiled=True).ball.reduced_hessian(other[2], hessians[1])
         assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9 * np.abs(hessians[1]).max())
 
 
@@ -214,7 +214,7 @@ def two_flanks(b, shift):
     geometry = b.geometry.copy()
     geometry[[1, 2], 5] = 0.0
     p, contact = np.zeros(2), np.zeros((4, 5))
-    jit.interpreted().settle(p, shift, geometry, b.closure, b.radius, b.drawn.profile, 0.0, contact)
+    jit.kernels(jit.STATICS, compiled=False).settle(p, shift, geometry, b.closure, b.radius, b.drawn.profile, 0.0, contact)
     return contact
 
 
@@ -239,6 +239,7 @@ def test_flank_without_profile_is_the_arc(motion):
     row = ball("arcs", 0.0).geometry[0]
     moved = motion * np.array([-0.6, -0.8])
     wx, wz, size, approach = row[:4]
-    expected = jit.interpreted().contact.arc(*moved, wx, wz, size, approach)
-    found = jit.interpreted().contact.flank(*moved, wx, wz, 2.778e-3, 3.254e-3, np.zeros(2), -1.0, -1.0)
+    expected = jit.kernels(jit.STATICS, compiled=False).contact.arc(*moved, wx, wz, size, approach)
+    flank = jit.kernels(jit.STATICS, compiled=False).contact.flank
+    found = flank(*moved, wx, wz, 2.778e-3, 3.254e-3, np.zeros(2), -1.0, -1.0)
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-17)

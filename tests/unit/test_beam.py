@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from lowfi import jit
-from lowfi.kernel import banded, beam
-from lowfi.shape import motion_matrix, rigid_transport, shape_matrix, shape_polynomials, shear_ratio
-from lowfi.source import element_stiffness
+from lowfi.as_source.static import element_stiffness
+from lowfi.statics.kernel import banded, beam
+from lowfi.statics.shape import motion_matrix, rigid_transport, shape_matrix, shape_polynomials, shear_ratio
 from meshes.helix import ball_layout
 from meshes.partition import beam_nodes, contact_stations, fixed_partition
 from meshes.section import tube_section
@@ -171,7 +171,7 @@ def test_motion_beyond_the_ends_is_rigid():
 @pytest.mark.parametrize("engine", ["interpreted", "compiled"])
 def test_banded_solver(engine):
     """Both engines against a dense solution of a random band, well conditioned and scaled like the beam."""
-    solve = (jit.compiled() if engine == "compiled" else jit.interpreted()).newton.solve_banded
+    solve = jit.kernels(jit.STATICS, compiled=engine == "compiled").newton.solve_banded
     rng = np.random.default_rng(1)
     for n, width in ((1, 1), (5, 5), (12, 12), (60, 12), (60, 24)):
         band = rng.uniform(-1.0, 1.0, (n, width))
@@ -190,7 +190,7 @@ def test_banded_solver(engine):
 
 @pytest.mark.parametrize("engine", ["interpreted", "compiled"])
 def test_banded_solver_refuses_an_indefinite_matrix(engine):
-    solve = (jit.compiled() if engine == "compiled" else jit.interpreted()).newton.solve_banded
+    solve = jit.kernels(jit.STATICS, compiled=engine == "compiled").newton.solve_banded
     assert not solve(np.array([[1.0, 2.0], [1.0, 0.0]]), np.ones(2))
 
 

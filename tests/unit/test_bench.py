@@ -5,9 +5,9 @@ from dataclasses import asdict
 
 import pytest
 
-import compare.bench as bench
-from compare.bench import Job, Ours, Source, command_line_job, run_bench, timed
-from compare.catalogue import scene as shipped
+import compare.costs.bench as bench
+from compare.costs.bench import Job, Ours, Source, command_line_job, run_bench, timed
+from compare.scenes.catalogue import scene as shipped
 
 
 def test_timing_is_a_median_after_an_uncounted_run():

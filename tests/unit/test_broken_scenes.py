@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compare import scene_file
 from compare.errors import SceneError
+from compare.scenes import scene_file
 
 GOOD = scene_file.template()
 BEARING = {'lead = "20 mm"': 'lead = "0 mm"', "turns = 2": "turns = 1", "count = 32": "count = 16"}

@@ -58,7 +58,7 @@ def test_the_table_shows_loads_and_assumptions(capsys: pytest.CaptureFixture[str
 
 
 def test_a_scene_without_equilibrium_is_said_and_exits_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    from compare.catalogue import scene_text
+    from compare.scenes.catalogue import scene_text
 
     text = scene_text("lin-case1").replace('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux"]')
     (tmp_path / "free.toml").write_text(text)

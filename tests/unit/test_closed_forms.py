@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from compare import catalogue
-from lowfi.problem import drawn_hertz
-from lowfi.static import solve_static
+from compare.scenes import catalogue
+from lowfi.statics.problem import drawn_hertz
+from lowfi.statics.static import solve_static
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Balls, Load, Support

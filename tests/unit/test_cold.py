@@ -2,8 +2,8 @@
 
 import pytest
 
-from compare import cold
-from compare.cold import measure
+from compare.costs import cold
+from compare.costs.cold import measure
 
 
 def test_a_new_process_pays_for_imports_and_first_solve() -> None:

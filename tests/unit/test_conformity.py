@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 
-from lowfi.conformity import curvature_changes, oblique_term
 from lowfi.hertz import HertzConstants, hertz_constants
-from lowfi.problem import drawn_hertz, hertz_C, nominal_hertz
+from lowfi.statics.conformity import curvature_changes, oblique_term
+from lowfi.statics.problem import drawn_hertz, hertz_C, nominal_hertz
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, Errors, SideErrors

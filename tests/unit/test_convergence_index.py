@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compare.convergence import (
+from compare.reference.convergence import (
     HELD,
     MONOTONE,
     NOT_MONOTONE,
@@ -14,7 +14,7 @@ from compare.convergence import (
     pool,
     representative_size,
 )
-from compare.grid_fits import fixed, searched
+from compare.reference.grid_fits import fixed, searched
 
 SIZES = {3: 1.0 / np.array([1.6, 2.2, 3.0]), 4: 1.0 / np.array([1.6, 2.2, 3.0, 4.1])}
 

@@ -7,18 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare import cli, crosscheck_command
-from compare.ccx import digest, read_cvg, read_dat
-from compare.convergence import observe
-from compare.crosscheck_data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
-from compare.crosscheck_fit import LENGTHS, element_error, extrapolate
-from compare.crosscheck_rows import agreement, contact_rows, series
-from compare.crosscheck_study import STUDIES, checked_scene, label, run_study, scene_key
+from compare import cli
+from compare.commands import crosscheck as crosscheck_command
+from compare.crosscheck.calculix import digest, read_cvg, read_dat
+from compare.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
+from compare.crosscheck.fit import LENGTHS, element_error, extrapolate
+from compare.crosscheck.rows import agreement, contact_rows, series
+from compare.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
 from compare.errors import InputError
 from compare.measure import load_error
-from compare.reference import Reference
+from compare.models.study import Study
+from compare.reference.convergence import observe
+from compare.reference.runs import Reference
 from compare.sections import crosscheck
-from compare.study import Study
 
 DAT = """
  displacements (vx,vy,vz) for set BALL1_WEAK and time  0.1000000E+01
@@ -204,7 +205,7 @@ def test_stored_results_are_those_of_the_shipped_scenes(name):
 def test_the_key_is_of_what_a_scene_says(monkeypatch):
     before = scene_key("two-balls")
     text = crosscheck_command.checked_scene("two-balls").title
-    from compare import catalogue
+    from compare.scenes import catalogue
 
     original = catalogue.scene_text("two-balls")
     monkeypatch.setattr(catalogue, "scene_text", lambda _: original + "# a remark\n")
@@ -222,8 +223,9 @@ def test_only_checked_scenes_are_known():
 
 
 def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
-    from compare import ccx, crosscheck_study
-    from compare.deck import DeckOptions
+    from compare.crosscheck import calculix as ccx
+    from compare.crosscheck import study as crosscheck_study
+    from compare.crosscheck.deck import DeckOptions
 
     def solved(text: str, _: Path):
         names = [x.split("SLAVE=")[1].split(",")[0] for x in text.splitlines() if x.startswith("*CONTACT PRINT")]

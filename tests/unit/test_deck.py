@@ -10,12 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compare import catalogue, cli
-from compare.ccx import find_ccx, run
-from compare.deck import DeckOptions, build_deck, without_turning
-from compare.deck_command import DeckChoices, run_deck
-from compare.deck_cut import cut_scene, parse_balls
+from compare import cli
+from compare.commands.deck import DeckChoices, run_deck
+from compare.crosscheck.calculix import find_ccx, run
+from compare.crosscheck.deck import DeckOptions, build_deck, without_turning
+from compare.crosscheck.deck_cut import cut_scene, parse_balls
 from compare.errors import InputError
+from compare.scenes import catalogue
 from meshes.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
 from meshes.helix import ball_layout
 from meshes.parts import FourierTerm, Material

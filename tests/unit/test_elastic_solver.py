@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue
-from lowfi import elastic_system as model
+from compare.scenes import catalogue
 from lowfi import jit
+from lowfi.as_source.static import beam_matrix
 from lowfi.compliance.bodies import LADDER, REFINED, geometry_only, grooved_section
 from lowfi.compliance.shaft import flank_response, node_motions, shaft_of
-from lowfi.elastic import contacts_of, flank_shifts, run, solve_elastic
-from lowfi.elastic_system import Rebuild, ready
-from lowfi.kernel import elastic_balls
-from lowfi.mechanism import free_motions
-from lowfi.problem import build
-from lowfi.source import beam_matrix
-from lowfi.static import pin, solve_static
+from lowfi.statics import elastic_system as model
+from lowfi.statics.elastic import contacts_of, flank_shifts, run, solve_elastic
+from lowfi.statics.elastic_system import Rebuild, ready
+from lowfi.statics.kernel import elastic_balls
+from lowfi.statics.mechanism import free_motions
+from lowfi.statics.problem import build
+from lowfi.statics.static import pin, solve_static
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, Load, Support
@@ -47,7 +47,7 @@ def assembled(scene, backend=REFINED, use=ALL, engine=None):
     """A scene's problem for the kernels, with the sides ``use``."""
     layout = ball_layout(scene)
     drawn = specimen(scene, layout)
-    engine = engine or jit.interpreted()
+    engine = engine or jit.kernels(jit.STATICS, compiled=False)
     rebuild = Rebuild(scene, drawn, layout, np.array(use), None, backend, None, engine, False, 1)
     problem = rebuild.problem()
     return ready(pin(problem, free_motions(problem)), backend, engine, layout)
@@ -229,7 +229,8 @@ def test_contact_law_is_the_same_in_both_engines():
     for law in LAWS:
         for delta in np.geomspace(1e-9, 1e-4, 15):
             own = elastic_balls.contact_law(delta, *law)
-            assert jit.compiled().contact_law(delta, *law) == pytest.approx(own, rel=1e-13, abs=0.0)
+            compiled = jit.kernels(jit.STATICS, compiled=True).contact_law
+            assert compiled(delta, *law) == pytest.approx(own, rel=1e-13, abs=0.0)
 
 
 def energy_hessian(elastic, i, v, step=3e-9):

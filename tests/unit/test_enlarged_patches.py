@@ -6,8 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from compare import catalogue, reference
-from compare.reference import BEYOND, ENLARGE, Task, compute_with_bodies, enlarged, settings_of
+from compare.reference import runs as reference
+from compare.reference.runs import BEYOND, ENLARGE, Task, compute_with_bodies, enlarged, settings_of
+from compare.scenes import catalogue
 from hifi.expected import expected_contacts
 from hifi.fit import patch_lines, socket_size
 from hifi.reference import AT_RIM

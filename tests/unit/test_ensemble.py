@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.catalogue import scene as shipped
-from compare.ensemble import (
+from compare.models.ensemble import (
     GENERAL_PATH,
     RADII_PATH,
     _radii,
@@ -16,7 +15,8 @@ from compare.ensemble import (
     run_ensemble,
     share_touching,
 )
-from lowfi.static import solve_static
+from compare.scenes.catalogue import scene as shipped
+from lowfi.statics.static import solve_static
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, FourierTerm, Load, SideErrors

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue
-from compare.study import with_groove
+from compare.models.study import with_groove
+from compare.scenes import catalogue
 from hifi.expected import ExpectedContacts, expected_contacts, hertz_units
 from hifi.fit import Settings, expected_reach, expected_semi_axes, socket_size
 from hifi.hertz import hertz

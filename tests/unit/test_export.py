@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-from compare import catalogue, export_command
+from compare.commands import export as export_command
+from compare.commands.export import parts_of, run_export
 from compare.errors import InputError
-from compare.export_command import parts_of, run_export
+from compare.scenes import catalogue
 from hifi.assembly import assemble
 from hifi.forms import elasticity
 from meshes import bridge

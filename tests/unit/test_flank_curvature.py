@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ive
 
-from compare import catalogue
+from compare.scenes import catalogue
 from lowfi.compliance.bodies import flank_of, geometry_only
 from lowfi.compliance.groove import (
     NARROW,

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from scipy.interpolate import BarycentricInterpolator
 from scipy.sparse.linalg import spsolve
 
-from compare import catalogue
+from compare.scenes import catalogue
 from lowfi.compliance.bodies import REFINED, contact_frames, geometry_only, smooth_body, smooth_compliance
 from lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, tube_grid
 from lowfi.compliance.groove import half_space

@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue, cli, friction_answer, scene_file
+from compare import cli
+from compare.commands import friction as friction_answer
+from compare.commands.friction import Choices, describes_parts, run, solve_scene
+from compare.commands.friction_kinds import as_table
 from compare.errors import InputError, SceneError
-from compare.friction_answer import Choices, describes_parts, run, solve_scene
-from compare.friction_command import as_table
-from compare.reference import key_of
-from lowfi.friction import ball_feedback
+from compare.reference.runs import key_of
+from compare.scenes import catalogue, scene_file
+from lowfi.friction.whole import feedback as ball_feedback
 from meshes.parts import Friction, Motion
 from tests.helpers import small_screw
 

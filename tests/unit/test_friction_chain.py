@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from lowfi.friction.chain import prepare, solve
-from lowfi.friction.chain_motion import run
-from lowfi.friction.ellipse import contacts, friction
-from lowfi.friction.linear import LinearBearing, deviations, directions, semi_axes
-from lowfi.friction.linear_loads import balanced_loads, diagonal_loads
-from lowfi.friction.linear_pair import maps, pair_state, solve_pair
+from lowfi.friction.contact.ellipse import contacts, friction
+from lowfi.friction.linear.bearing import LinearBearing, deviations, directions, semi_axes
+from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.chain_motion import run
+from lowfi.friction.linear.loads import balanced_loads, diagonal_loads
+from lowfi.friction.linear.pair import maps, pair_state, solve_pair
 
 BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
 ANGLES, LOADS = pair_state(BEARING, np.radians(2.0), -0.6, 100.0)
@@ -84,7 +84,7 @@ def test_equilibrium_with_much_friction_between_balls(count, mu):
 
 def test_contact_slip_is_that_of_rigid_bodies():
     """(3.22), (F.1)-(F.3) against v + omega x r in space, and only there where a contact carries load."""
-    result = solve(prepare(BEARING, ANGLES, LOADS), kernels="interpreted")
+    result = solve(prepare(BEARING, ANGLES, LOADS), fast=False)
     for j, i in np.ndindex(2, 4):
         n, omega = np.array([*directions(ANGLES)[j, i], 0.0]), np.array([*result.rotation[j], 0.0])
         slide = result.velocity[j] + np.cross(omega, BEARING.ball_radius * n)[2] - (0.01 if i > 1 else 0.0)
@@ -250,7 +250,7 @@ def test_unloaded_ball_is_pushed_along():
 
 def test_both_engines_agree():
     angles, loads = random_chain(3, 6)
-    one, two = (solve(prepare(BEARING, angles, loads), kernels=k) for k in ("interpreted", "compiled"))
+    one, two = (solve(prepare(BEARING, angles, loads), fast=k) for k in (False, True))
     np.testing.assert_allclose(one.ball_force, two.ball_force, rtol=1e-10, atol=1e-12)
     np.testing.assert_allclose(one.velocity, two.velocity, rtol=1e-12)
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lowfi.friction.chain import CREEP, prepare, solve
-from lowfi.friction.chain_kernels import band, coupled, energy, newton, path
-from lowfi.friction.linear import LinearBearing
-from lowfi.friction.linear_loads import balanced_loads
+from lowfi.friction.linear.bearing import LinearBearing
+from lowfi.friction.linear.chain import CREEP, prepare, solve
+from lowfi.friction.linear.kernel import band, coupled, energy, newton, path
+from lowfi.friction.linear.loads import balanced_loads
 
 BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.3, 2.1e11, 0.28)
 
@@ -143,6 +143,6 @@ def test_two_solutions_and_the_one_taken():
 
 def test_both_engines_agree_on_the_path():
     chain = random_chain(6, 2)
-    one, two = (solve(chain, kernels=k) for k in ("interpreted", "compiled"))
+    one, two = (solve(chain, fast=k) for k in (False, True))
     assert one.status == two.status == "converged"
     np.testing.assert_allclose(one.ball_force, two.ball_force, rtol=1e-9, atol=1e-12)

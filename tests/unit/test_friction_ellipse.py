@@ -5,8 +5,7 @@ import pytest
 from scipy.integrate import quad_vec
 from scipy.special import ellipe, elliprd
 
-from lowfi.friction import engine
-from lowfi.friction.ellipse import (
+from lowfi.friction.contact.ellipse import (
     about_point,
     contacts,
     cubic_factor,
@@ -17,9 +16,9 @@ from lowfi.friction.ellipse import (
     pure_sliding_force,
     pure_spin_moment,
 )
-from lowfi.friction.kernel.carlson import rd_and_slope
-from lowfi.friction.kernel.confocal import coordinate, far, near
-from lowfi.friction.laws import Coulomb, Regularised, Sigmoid
+from lowfi.friction.contact.kernel.carlson import rd_and_slope
+from lowfi.friction.contact.kernel.confocal import coordinate, far, near
+from lowfi.friction.contact.laws import Coulomb, Regularised, Sigmoid
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 RATIOS = (1.0, 1.0 - 1e-9, 0.97, 0.6, 0.17, 1.0 / 30.0)
@@ -217,8 +216,6 @@ def test_both_engines_agree():
         slow, quick = dissipation(at, m, speed), dissipation(at, m, speed, fast=True)
         assert quick.value == pytest.approx(slow.value, rel=1e-13)
         assert quick.hessian == pytest.approx(slow.hessian, rel=1e-9, abs=1e-12 * np.max(np.abs(slow.hessian)))
-    assert engine.compiled().__all__ == engine.interpreted().__all__
-    assert hasattr(engine.compiled().dissipation, "py_func")
 
 
 @pytest.mark.parametrize("b", [0.9, 0.3, 0.12])

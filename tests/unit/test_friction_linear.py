@@ -7,13 +7,13 @@ import pytest
 from scipy.optimize import fsolve
 from scipy.special import ellipe
 
-from lowfi.friction import linear_analytic as analytic
-from lowfi.friction.chain_kernels import law as kernel
-from lowfi.friction.ellipse import contacts, dissipation
-from lowfi.friction.linear import LinearBearing, deviations, directions, mated_top, semi_axes
-from lowfi.friction.linear_loads import balanced_loads, diagonal_loads, elastic_loads
-from lowfi.friction.linear_pair import pair_formulas
-from lowfi.friction.linear_quadrature import contact_shape, node_count, nodes
+from lowfi.friction.contact.ellipse import contacts, dissipation
+from lowfi.friction.linear import analytic
+from lowfi.friction.linear.bearing import LinearBearing, deviations, directions, mated_top, semi_axes
+from lowfi.friction.linear.kernel import law as kernel
+from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+from lowfi.friction.linear.pair import pair_formulas
+from lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
 
 BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
 
@@ -211,10 +211,10 @@ def test_rubbing_speed_and_loss():
 
 
 def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
-    from lowfi.friction.chain import prepare, solve
+    from lowfi.friction.linear.chain import prepare, solve
 
     loads = diagonal_loads(100.0, np.array([0.2]))
-    numerical = solve(prepare(BEARING, np.full((1, 4), BEARING.contact_angle), loads), kernels="interpreted")
+    numerical = solve(prepare(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
     assert analytic.spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
 
 

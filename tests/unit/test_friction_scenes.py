@@ -5,14 +5,14 @@ import json
 import numpy as np
 import pytest
 
-from compare import friction_scene
+from compare.commands.friction_kinds import run_friction, solve_scene
 from compare.errors import InputError, SceneError
-from compare.friction_command import run_friction, solve_scene
-from compare.friction_scene import LinearScene, RotaryScene
-from lowfi.friction.chain import prepare, solve
-from lowfi.friction.linear import LinearBearing
-from lowfi.friction.linear_pair import solve_pair
-from lowfi.friction.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed
+from compare.scenes import friction_scene
+from compare.scenes.friction_scene import LinearScene, RotaryScene
+from lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed
+from lowfi.friction.linear.bearing import LinearBearing
+from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.pair import solve_pair
 
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
 LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)

@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from lowfi.friction.ellipse import dissipation
-from lowfi.friction.linear import LinearBearing
-from lowfi.friction.linear_pair import pair_state
-from lowfi.friction.linear_pair import solve_pair as solve_linear_pair
-from lowfi.friction.rotary import Bearing, solve_ball
-from lowfi.friction.screw_chain import Chain, solve_chain
-from lowfi.friction.screw_coupled import coupled_ball
-from lowfi.friction.screw_engine import engine
-from lowfi.friction.screw_groove import ON_SCREW, ScrewGroove, frame
-from lowfi.friction.screw_load import load_arrays, load_state, screw_rows, settle
-from lowfi.friction.screw_motion import (
+from lowfi import jit
+from lowfi.friction.bearing.rotary import Bearing, solve_ball
+from lowfi.friction.contact.ellipse import dissipation
+from lowfi.friction.linear.bearing import LinearBearing
+from lowfi.friction.linear.pair import pair_state
+from lowfi.friction.linear.pair import solve_pair as solve_linear_pair
+from lowfi.friction.screw.chain import Chain, solve_chain
+from lowfi.friction.screw.coupled import coupled_ball
+from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
+from lowfi.friction.screw.load import load_arrays, load_state, screw_rows, settle
+from lowfi.friction.screw.motion import (
     ball_cell,
     ball_motion,
     ball_motion_by_root,
     source_law,
 )
-from lowfi.friction.screw_pair import inferred, plain, table_3_6
+from lowfi.friction.screw.pair import inferred, plain, table_3_6
 from tests.helpers import SCREW_STATES as STATES
 
 SCREW = table_3_6()
@@ -137,7 +137,7 @@ def test_loads_are_the_least_energy() -> None:
     scale, arrays, state = 1e-6, load_arrays(cell), load_state(cell)
 
     def energy_at(p, u):
-        return engine(True).evaluate(arrays, p, u, state) - np.sum(cell.push * p) - cell.force @ u
+        return jit.kernels(jit.SCREW, compiled=True).evaluate(arrays, p, u, state) - np.sum(cell.push * p) - cell.force @ u
 
     def energy(x):
         return energy_at(scale * x[:4].reshape(2, 2), scale * x[4:]) / (50.0 * scale)

@@ -5,14 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lowfi.friction.screw_chain import Chain, Search, solve_chain
-from lowfi.friction.screw_engine import engine, groove_arrays
-from lowfi.friction.screw_groove import ScrewGroove
-from lowfi.friction.screw_joint import solve_joint, system_of
-from lowfi.friction.screw_kernels import band, contacts, joint
-from lowfi.friction.screw_load import settle
-from lowfi.friction.screw_motion import hold_screw
-from lowfi.friction.screw_pair import inferred, plain, table_3_6
+from lowfi.friction.screw.arrays import groove_arrays
+from lowfi.friction.screw.chain import Chain, Search, solve_chain
+from lowfi.friction.screw.groove import ScrewGroove
+from lowfi.friction.screw.joint import solve_joint, system_of
+from lowfi.friction.screw.kernel import band, contacts, joint
+from lowfi.friction.screw.load import settle
+from lowfi.friction.screw.motion import hold_screw
+from lowfi.friction.screw.pair import inferred, plain, table_3_6
+from lowfi.jit import SCREW, kernels
 
 RNG = np.random.default_rng(8)
 TWO = np.radians(2.0)
@@ -106,7 +107,7 @@ def test_jacobian_of_the_joint_system_against_differences() -> None:
     def residual(z, fast=False):
         own, m = z[:14].reshape(2, 7), blank()
         at = own[:, :2] * length, z[14:] * length, own[:, 2:6].copy(), own[:, 6].copy()
-        engine(fast).assemble(system, at, 0.7, 1e-2, 0, m)
+        kernels(SCREW, compiled=fast).assemble(system, at, 0.7, 1e-2, 0, m)
         return np.append(m[0], m[1]), m
 
     x = s.alone() * (1.0 + 0.1 * RNG.normal(size=(2, 4)))

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from lowfi.friction.ellipse import dissipation
-from lowfi.friction.screw_chain import Chain, Search, solve_chain
-from lowfi.friction.screw_engine import engine
-from lowfi.friction.screw_groove import SIGN_X, SIGN_Z
-from lowfi.friction.screw_kernels.balance import HALF
-from lowfi.friction.screw_load import Cell, settle
-from lowfi.friction.screw_motion import (
+from lowfi import jit
+from lowfi.friction.contact.ellipse import dissipation
+from lowfi.friction.screw.chain import Chain, Search, solve_chain
+from lowfi.friction.screw.groove import SIGN_X, SIGN_Z
+from lowfi.friction.screw.kernel.balance import HALF
+from lowfi.friction.screw.load import Cell, settle
+from lowfi.friction.screw.motion import (
     screw_contacts,
 )
-from lowfi.friction.screw_pair import BOTH, Pair, inferred, oversize_map, plain, solve_pair, table_3_6
+from lowfi.friction.screw.pair import BOTH, Pair, inferred, oversize_map, plain, solve_pair, table_3_6
 from tests.helpers import SCREW_STATES as STATES
 
 SCREW = table_3_6()
@@ -110,7 +110,7 @@ def test_chain_jacobian_against_differences() -> None:
 
     z, h = np.column_stack([x, f]).ravel(), 1e-6
     residual(z)
-    engine(False).jacobian(s.groove, s.balls, x, f, s.parts, eps, 0, band)
+    jit.kernels(jit.SCREW, compiled=False).jacobian(s.groove, s.balls, x, f, s.parts, eps, 0, band)
     full = np.zeros((20, 20))
     for i, j in np.ndindex(20, 20):
         full[i, j] = band[i, HALF + j - i] if abs(j - i) <= HALF else 0.0

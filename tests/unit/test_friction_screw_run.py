@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from lowfi.friction.screw_motion import ball_motion
-from lowfi.friction.screw_run import (
+from lowfi.friction.screw.motion import ball_motion
+from lowfi.friction.screw.run import (
     RunResult,
     deviation,
     groups,

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import friction_scene
+from compare.commands.friction_kinds import run_friction, solve_scene
 from compare.errors import SceneError
-from compare.friction_command import run_friction, solve_scene
-from compare.friction_screw_scene import BearingPairScene, ScrewPairScene, ScrewRunScene
-from lowfi.friction.bearing_pairs import DIAGONAL, OTHER, double_row, four_point, torque_curve
-from lowfi.friction.screw_pair import SHIFTED, Pair, inferred, plain, solve_pair
-from lowfi.friction.screw_run import lin_3_4_4, simulate, summarise
+from compare.scenes import friction_scene
+from compare.scenes.friction_screw_scene import BearingPairScene, ScrewPairScene, ScrewRunScene
+from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, double_row, four_point, torque_curve
+from lowfi.friction.screw.pair import SHIFTED, Pair, inferred, plain, solve_pair
+from lowfi.friction.screw.run import lin_3_4_4, simulate, summarise
 
 THETA = {"a": 2.0, "b": 3.0}
 PAIRS = [f"lin-screw-pair-{case}{end}" for case in THETA for end in ("", "-inferred")]

@@ -6,11 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import friction_bench, friction_stability
-from compare.friction_tally import Record, Tally
-from compare.printed_data import load_table
-from compare.sections import friction_screw, friction_screw_values
-from compare.study import Study
+from compare.costs import friction_bench
+from compare.evidence import screw as friction_screw_values
+from compare.extremes import friction as friction_stability
+from compare.extremes.tally import Record, Tally
+from compare.models.study import Study
+from compare.printed.printed_data import load_table
+from compare.sections import friction_screw
 from reports.figures import draw
 from reports.records import Figure, Section, Table, Text
 

@@ -5,9 +5,10 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from compare.printed_data import load_table
-from compare.sections import friction, friction_values
-from compare.study import Study
+from compare.evidence import rotary_linear as friction_values
+from compare.models.study import Study
+from compare.printed.printed_data import load_table
+from compare.sections import friction
 from reports.figures import draw
 from reports.records import Figure, Section, Table
 

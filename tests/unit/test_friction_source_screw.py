@@ -5,15 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lowfi.friction import source_run, source_screw
-from lowfi.friction.screw_load import settle
-from lowfi.friction.screw_motion import source_law
-from lowfi.friction.screw_pair import inferred, plain, solve_pair, table_3_6
-from lowfi.friction.screw_run import Run, lin_3_4_4, run_cell, simulate
-from lowfi.friction.source_chain import solve_by_root
-from lowfi.friction.source_loads import Places, contact_forces, first_place, loads_by_root
-from lowfi.friction.source_run import simulate_by_root
-from lowfi.friction.source_screw import rolling, screw_balls, screw_pair_by_root, state_of
+from lowfi.as_source import run as source_run
+from lowfi.as_source import screw as source_screw
+from lowfi.as_source.chain import solve_by_root
+from lowfi.as_source.loads import Places, contact_forces, first_place, loads_by_root
+from lowfi.as_source.run import simulate_by_root
+from lowfi.as_source.screw import rolling, screw_balls, screw_pair_by_root, state_of
+from lowfi.friction.screw.load import settle
+from lowfi.friction.screw.motion import source_law
+from lowfi.friction.screw.pair import inferred, plain, solve_pair, table_3_6
+from lowfi.friction.screw.run import Run, lin_3_4_4, run_cell, simulate
 
 TWO = np.radians(2.0)
 

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
-from compare import friction_scene
-from lowfi.friction.ball_feedback import feed_back, seats
-from lowfi.friction.bearing_pairs import solve_bearing
-from lowfi.friction.screw_coupled import coupled_ball
-from lowfi.friction.screw_groove import ScrewGroove
-from lowfi.friction.screw_losses import CAUSES, ball_friction, ball_path
-from lowfi.friction.screw_motion import ball_cell, ball_motion
-from lowfi.friction.screw_pair import table_3_6
-from lowfi.friction.screw_state import friction_state
-from lowfi.friction.screw_torque import about_axis, sum_up
-from lowfi.friction.static_contacts import StaticContacts, contacts_of
-from lowfi.problem import drawn_hertz
+from compare.scenes import friction_scene
+from lowfi.friction.bearing.pairs import solve_bearing
+from lowfi.friction.screw.coupled import coupled_ball
+from lowfi.friction.screw.groove import ScrewGroove
+from lowfi.friction.screw.motion import ball_cell, ball_motion
+from lowfi.friction.screw.pair import table_3_6
+from lowfi.friction.whole.contacts import StaticContacts, contacts_of
+from lowfi.friction.whole.feedback import feed_back, seats
+from lowfi.friction.whole.losses import CAUSES, ball_friction, ball_path
+from lowfi.friction.whole.state import friction_state
+from lowfi.friction.whole.torque import about_axis, sum_up
+from lowfi.statics.problem import drawn_hertz
 from meshes.errors import specimen
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Support, Track

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from compare import gate
-from compare.study import Study
+from compare.gate import gate
+from compare.models.study import Study
 
 
 def test_passes() -> None:
@@ -23,10 +23,10 @@ def test_every_kind_of_check_is_there() -> None:
 
 
 def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    import lowfi.problem
+    import lowfi.statics.problem
 
-    right = lowfi.problem.hertz_C
-    monkeypatch.setattr(lowfi.problem, "hertz_C", lambda *parts: 1.2 * right(*parts))
+    right = lowfi.statics.problem.hertz_C
+    monkeypatch.setattr(lowfi.statics.problem, "hertz_C", lambda *parts: 1.2 * right(*parts))
     failed = [row.name for row in gate.closed_form_rows(Study(), 7.0) if not row.passed]
     assert any("oversize" in name for name in failed)
 

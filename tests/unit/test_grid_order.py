@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue, grid_order
-from compare.reference import reference, reference_of, shipped_store
+from compare.reference import grid_order
+from compare.reference.runs import reference, reference_of, shipped_store
+from compare.scenes import catalogue
 
 SIZES = {1: 1.8, 2: 2.4, 3: 3.2}
 

@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from compare.catalogue import scene
+from compare.scenes.catalogue import scene
 from meshes import shell as shells
 from meshes.ball_body import BallSocket, ball_depth, ball_points, build_ball, directions, rays
 from meshes.fem import nodes_on

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from hifi.cell import homogenise, with_core
 from lowfi.compliance import cell
 from lowfi.compliance.bodies import flank_of, geometry_only, grooved_section

@@ -5,8 +5,8 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from compare.levels import BALL, BEYOND, LEVELS, PRODUCTION, SOURCE_LEVEL, SOURCE_MESH, scaled
-from compare.variants import VARIANTS
+from compare.reference.levels import BALL, BEYOND, LEVELS, PRODUCTION, SOURCE_LEVEL, SOURCE_MESH, scaled
+from compare.reference.variants import VARIANTS
 from hifi.fit import Settings
 
 #: Lengths; all other settings are counts and ratios.

@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.catalogue import scene
-from lowfi.mei import solve_mei
-from lowfi.problem import nominal_hertz
+from compare.scenes.catalogue import scene
+from lowfi.statics.mei import solve_mei
+from lowfi.statics.problem import nominal_hertz
 from meshes.helix import lead_angle
 from meshes.parts import Material
 

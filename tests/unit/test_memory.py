@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare import memory
-from compare.memory import peak_MB, reset_peak
+from compare.reference import memory
+from compare.reference.memory import peak_MB, reset_peak
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the record can be started anew on Linux only")

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from skfem import MeshHex
 
-from compare import catalogue
-from compare.modelling import VARIED, combined, effect, modelling_percent, varied
-from compare.models import DEFAULT, Options, run_model
-from compare.reference import Run, save, settings_of
-from compare.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
+from compare.models.registry import DEFAULT, Options, run_model
+from compare.reference.modelling import VARIED, combined, effect, modelling_percent, varied
+from compare.reference.runs import Run, save, settings_of
+from compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
+from compare.scenes import catalogue
 from hifi.setup import nut_transform
 from meshes.parts import Solid, Support
 from meshes.solid import dimensions

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from hifi.mounting import Stretch, beam_stretch, mount, unheld
 from hifi.response import transport
 from hifi.shaft import beam_stiffness, round_section

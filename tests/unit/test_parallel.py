@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare import parallel
 from compare.errors import InputError
-from compare.parallel import as_done, run
+from compare.reference import parallel
+from compare.reference.parallel import as_done, run
 
 
 class Stubborn(Exception):

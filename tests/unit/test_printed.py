@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from compare import catalogue, printed_data
 from compare.errors import InputError
-from compare.findings import Finding, sentences
+from compare.printed import printed_data
+from compare.printed.findings import Finding, sentences
+from compare.scenes import catalogue
 from compare.sections import overview
-from lowfi.friction.screw_run import Run
+from lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
 ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "hard"\n'

@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 from scipy.linalg import block_diag
 
-from compare import catalogue
+from compare.scenes import catalogue
 from hifi import condensed, grid_wave, part_meshes, reference, setup
 from hifi.assembly import assemble
 from hifi.balls import solve_balls

@@ -6,13 +6,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare import catalogue, comparison, gate, jobs, reference
-from compare.comparison import CONTENDERS, from_model, gate_points, reference_answers, rows
+from compare.commands.study import parse_levels, study_table, unconverged
 from compare.errors import InputError
-from compare.grid_summary import summarise
-from compare.ladder import LARGE, UNSEEN
-from compare.levels import LEVELS
-from compare.reference import (
+from compare.gate import gate
+from compare.models import comparison
+from compare.models.comparison import CONTENDERS, from_model, gate_points, reference_answers, rows
+from compare.models.ladder import LARGE, UNSEEN
+from compare.models.study import Study
+from compare.reference import jobs
+from compare.reference import runs as reference
+from compare.reference.grid_summary import summarise
+from compare.reference.levels import LEVELS
+from compare.reference.runs import (
     Run,
     Task,
     bodies_path,
@@ -26,9 +31,8 @@ from compare.reference import (
     serves,
     settings_of,
 )
-from compare.study import Study
-from compare.study_command import parse_levels, study_table, unconverged
-from compare.variants import VARIANTS
+from compare.reference.variants import VARIANTS
+from compare.scenes import catalogue
 from meshes.condensed import CondensedBodies, geometry_digest, load_condensed
 from meshes.parts import Scene
 from meshes.solid import dimensions
@@ -274,22 +278,22 @@ def test_shipped_runs_are_converged_and_in_balance(name: str) -> None:
 def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     """The gate sees a low-order shaft, or a low-order contact, whose stiffness is off by 20 per cent."""
     assert [row.name for row in gate.reference_rows(Study(), 7.0) if not row.passed] == []
-    import lowfi.elastic_system
-    import lowfi.problem
+    import lowfi.statics.elastic_system
+    import lowfi.statics.problem
     from meshes.section import BeamSection
 
-    right = lowfi.elastic_system.grooved_section
+    right = lowfi.statics.elastic_system.grooved_section
 
     def soft(geometry, screw):  # type: ignore[no-untyped-def]
         s = right(geometry, screw)
         return BeamSection(0.8 * s.EA, 0.8 * s.EI, 0.8 * s.GJ, 0.8 * s.kGA)
 
     with monkeypatch.context() as patch:
-        patch.setattr(lowfi.elastic_system, "grooved_section", soft)
+        patch.setattr(lowfi.statics.elastic_system, "grooved_section", soft)
         assert any(not row.passed for row in gate.reference_rows(Study(), 7.0))
-    stiff = lowfi.problem.hertz_C
+    stiff = lowfi.statics.problem.hertz_C
     with monkeypatch.context() as patch:
-        patch.setattr(lowfi.problem, "hertz_C", lambda *parts: 0.8 * stiff(*parts))
+        patch.setattr(lowfi.statics.problem, "hertz_C", lambda *parts: 0.8 * stiff(*parts))
         assert any(not row.passed for row in gate.reference_rows(Study(), 7.0))
 
 
@@ -403,7 +407,7 @@ def test_levels_of_one_order_are_extrapolated(tmp_path: Path) -> None:
 
 
 def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from compare.report import Source, compute_references
+    from compare.commands.report import Source, compute_references
 
     asked: list[list[Task]] = []
     monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.comparison import REFERENCED
-from compare.convergence import LABELS
-from compare.ladder import UNSEEN
-from compare.levels import LEVELS
-from compare.reference import reference_of
+from compare.models.comparison import REFERENCED
+from compare.models.ladder import UNSEEN
+from compare.models.study import Study
+from compare.reference.convergence import LABELS
+from compare.reference.levels import LEVELS
+from compare.reference.runs import reference_of
 from compare.sections import reference_mesh, reference_time
 from compare.sections.reference import LABELS as NAMES
 from compare.sections.reference import references
 from compare.sections.reference_time import FLOOR, TimePoint, error_range, time_figures, time_panel, time_table
-from compare.study import Study
 from reports.figures import draw
 from reports.records import Figure, Panel, Series
 
@@ -91,8 +91,8 @@ def test_unseen_scenes_have_a_figure() -> None:
 
 
 def test_models_of_the_list_take_part() -> None:
-    from compare.comparison import suited
-    from compare.models import MODELS
+    from compare.models.comparison import suited
+    from compare.models.registry import MODELS
 
     own = {c.model for c in (*suited(STUDY.scene("lin-case1")), *reference_time.FURTHER)}
     assert own == set(MODELS)

@@ -7,15 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare import catalogue, ladder, model_form
 from compare.cli import main
 from compare.errors import InputError
-from compare.models import DEFAULT, Options, run_model
-from compare.reference import bodies_path, load, reference, shipped_store
-from compare.study import Study
+from compare.models import ladder, model_form
+from compare.models.registry import DEFAULT, Options, run_model
+from compare.models.study import Study
+from compare.reference.runs import bodies_path, load, reference, shipped_store
+from compare.scenes import catalogue
 from lowfi.compliance.bodies import LADDER, REFINED
 from lowfi.compliance.imported import Condensed
-from lowfi.elastic import solve_elastic
+from lowfi.statics.elastic import solve_elastic
 from meshes.condensed import load_condensed
 from meshes.helix import ball_layout
 
@@ -168,8 +169,8 @@ def test_an_estimate_grows_with_the_distance_and_ends_where_nothing_was_compared
 
 def test_a_bearing_with_a_closed_form_gets_no_invented_error() -> None:
     """Two opposite balls in rigid rings: the model is exact (Hertz alone), and nothing like it was compared."""
-    from compare.closed_forms import two_opposite_balls
-    from compare.output import as_json, as_table
+    from compare.commands.solve_output import as_json, as_table
+    from compare.gate.closed_forms import two_opposite_balls
 
     found, closed = two_opposite_balls(catalogue.scene("lin-case1"))
     assert found == pytest.approx(closed, rel=1e-9)

@@ -11,9 +11,9 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from compare import catalogue, scene_file
 from compare.errors import InputError
-from compare.scene_schema import SceneKeys
+from compare.scenes import catalogue, scene_file
+from compare.scenes.schema import SceneKeys
 from meshes.parts import FREEDOMS, SIDES, FourierTerm, Scene
 
 NAMES = catalogue.scene_names()
@@ -143,7 +143,7 @@ def model_keys(model: type) -> set[str]:
     for name, field in model.model_fields.items():
         found.add(name)
         for inner in re.findall(r"scene_schema\.(\w+Keys)", repr(field.annotation)):
-            found |= model_keys(getattr(sys.modules["compare.scene_schema"], inner))
+            found |= model_keys(getattr(sys.modules["compare.scenes.schema"], inner))
     return found
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from meshes.section import groove_section, nut_groove_range, screw_section, tube_section, volume_ratio
 from tests.helpers import STEEL, small_screw, with_ingredients
 

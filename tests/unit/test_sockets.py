@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from compare.catalogue import scene
+from compare.scenes.catalogue import scene
 from meshes.groove_map import GrooveMap
 from meshes.helix import ball_layout
 from meshes.sockets import (

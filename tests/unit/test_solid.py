@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from compare import catalogue
+from compare.scenes import catalogue
 from hifi import response
 from hifi.cell import homogenise, with_core
 from hifi.shaft import round_section

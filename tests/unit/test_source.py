@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue
-from lowfi.problem import build, nominal_hertz
-from lowfi.source import System, beam_matrix, equations, initial_state, solve_source, solve_source_result
+from compare.scenes import catalogue
+from lowfi.as_source.static import System, beam_matrix, equations, initial_state, solve_source, solve_source_result
+from lowfi.statics.problem import build, nominal_hertz
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors

@@ -5,9 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.catalogue import scene as shipped
-from compare.scene_checks import geometry_faults
-from compare.stability import (
+from compare.extremes.static import (
     BACKENDS,
     BALANCE,
     CONVERGED,
@@ -24,8 +22,10 @@ from compare.stability import (
     shaft_scaled,
     table,
 )
-from lowfi.problem import nominal_hertz
-from lowfi.static import solve_static
+from compare.scenes.catalogue import scene as shipped
+from compare.scenes.checks import geometry_faults
+from lowfi.statics.problem import nominal_hertz
+from lowfi.statics.static import solve_static
 from meshes.section import screw_section
 
 CASES = {c.name: c for c in cases()}

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue
-from lowfi.kernel import newton
-from lowfi.shape import shape_matrix, shear_ratio
-from lowfi.source import element_stiffness
+from compare.scenes import catalogue
+from lowfi.as_source.static import element_stiffness
+from lowfi.statics.kernel import newton
+from lowfi.statics.shape import shape_matrix, shear_ratio
 from meshes.partition import contact_stations
 from meshes.parts import SIDES, BallErrors
 from tests.helpers import FLANK_ERRORS, dense, prepared, small_screw, with_ingredients

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from compare import catalogue
+from compare.commands.solve_output import as_json, as_table
 from compare.errors import Refusal
-from compare.models import Options, run_model
-from compare.output import as_json, as_table
+from compare.models.registry import Options, run_model
+from compare.scenes import catalogue
 from lowfi.compliance.bodies import LADDER
-from lowfi.elastic import solve_elastic
-from lowfi.problem import nominal_hertz
-from lowfi.static import solve_static
+from lowfi.statics.elastic import solve_elastic
+from lowfi.statics.problem import nominal_hertz
+from lowfi.statics.static import solve_static
 from meshes.helix import lead_angle
 from meshes.parts import Support
 from tests.helpers import small_screw, solved, with_ingredients
@@ -77,7 +77,7 @@ def test_elastic_flanks_at_the_apex_are_refused_in_full_words():
 @pytest.mark.parametrize("model", ["lin", "elastic"])
 def test_a_screw_that_is_not_held_has_no_loads(monkeypatch, status, model):
     """Whatever the kernel's last state was: a status of no equilibrium comes without numbers."""
-    from lowfi import elastic, static
+    from lowfi.statics import elastic, static
 
     module = static if model == "lin" else elastic
     real = module.run

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue
 from compare.errors import InputError, SceneError
-from compare.models import run_model
-from compare.scene_file import loads
-from lowfi.elastic import solve_elastic
-from lowfi.static import solve_static
-from lowfi.supports import contradiction
+from compare.models.registry import run_model
+from compare.scenes import catalogue
+from compare.scenes.scene_file import loads
+from lowfi.statics.elastic import solve_elastic
+from lowfi.statics.static import solve_static
+from lowfi.statics.supports import contradiction
 from meshes.parts import Load, Support
 from tests.helpers import small_screw, solved, with_ingredients
 

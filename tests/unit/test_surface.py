@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lowfi.kernel.contact import flank
+from lowfi.statics.kernel.contact import flank
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle, reduced_lead
 from meshes.parts import SIDES, Errors

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from compare import units
+from compare.scenes import units
 
 
 @pytest.mark.parametrize(
@@ -122,5 +122,5 @@ def test_nearest_unit_is_suggested():
 
 
 def test_common_units_do_not_import_pint():
-    code = "import sys, compare.units as u; u.parse('2 mm', 'length'); sys.exit('pint' in sys.modules)"
+    code = "import sys, compare.scenes.units as u; u.parse('2 mm', 'length'); sys.exit('pint' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
