@@ -240,9 +240,17 @@ def mesh_study(
     from compare.reference.jobs import Engine
 
     return run_mesh_study(
-        scenes, levels, store, Engine(backend, scheduler, workers, _cache()), spread=spread, source=source_mesh,
-        json_out=as_json, show=_show, print_json=_print_json, fresh=fresh,
-    )  # fmt: skip
+        scenes,
+        levels,
+        store,
+        Engine(backend, scheduler, workers, _cache()),
+        spread=spread,
+        source=source_mesh,
+        json_out=as_json,
+        show=_show,
+        print_json=_print_json,
+        fresh=fresh,
+    )
 
 
 @app.command
@@ -283,9 +291,16 @@ def compare(
     from compare.reference.jobs import Engine
 
     return run_compare(
-        scenes, model or (), None if levels is None else parse_levels(levels), store,
-        Engine(backend, scheduler, workers, _cache()), json_out=as_json, show=_show, print_json=_print_json, fresh=fresh,
-    )  # fmt: skip
+        scenes,
+        model or (),
+        None if levels is None else parse_levels(levels),
+        store,
+        Engine(backend, scheduler, workers, _cache()),
+        json_out=as_json,
+        show=_show,
+        print_json=_print_json,
+        fresh=fresh,
+    )
 
 
 @app.command
@@ -382,9 +397,16 @@ def crosscheck(
     from compare.reference.jobs import Engine
 
     return run_crosscheck(
-        scene, run=run, data=data, work=work, store=store, engine=Engine(cache=_cache()),
-        json_out=as_json, show=_show, print_json=_print_json,
-    )  # fmt: skip
+        scene,
+        run=run,
+        data=data,
+        work=work,
+        store=store,
+        engine=Engine(cache=_cache()),
+        json_out=as_json,
+        show=_show,
+        print_json=_print_json,
+    )
 
 
 @app.command

@@ -133,9 +133,7 @@ def _copy_name(package: str) -> str:
 def _load(package: str) -> ModuleType:
     """The files of a package loaded as another package. Raises ImportError where the folder holds no package."""
     folder, name = _folder(package), _copy_name(package)
-    spec = importlib.util.spec_from_file_location(
-        name, folder / "__init__.py", submodule_search_locations=[str(folder)]
-    )
+    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
     if spec is None or spec.loader is None:
         raise ImportError(f"cannot load the kernels from {folder}")
     module = importlib.util.module_from_spec(spec)

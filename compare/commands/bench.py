@@ -32,8 +32,12 @@ def run_bench_command(*, as_json: bool, show: Callable[..., None], print_json: C
 
     for job in jobs:
         table.add_row(
-            job.job, cell(job.seconds, ".3g"), cell(job.ratio, ".4g"), cell(job.unknowns, "d"),
-            cell(job.peak_MB, ".0f"), job.note,
-        )  # fmt: skip
+            job.job,
+            cell(job.seconds, ".3g"),
+            cell(job.ratio, ".4g"),
+            cell(job.unknowns, "d"),
+            cell(job.peak_MB, ".0f"),
+            job.note,
+        )
     show(table)
     return 0

@@ -21,9 +21,17 @@ Show = Callable[..., None]
 
 
 def run_crosscheck(
-    name: str, *, run: bool, data: Path | None, work: Path, store: Path, engine: Engine, json_out: bool, show: Show,
+    name: str,
+    *,
+    run: bool,
+    data: Path | None,
+    work: Path,
+    store: Path,
+    engine: Engine,
+    json_out: bool,
+    show: Show,
     print_json: Callable[[Any], None],
-) -> int:  # fmt: skip
+) -> int:
     """Print a scene's contact loads by the 3D reference and by CalculiX.
 
     run: solve the decks with CalculiX first and rewrite the stored results in the folder ``data`` (None: that of the
@@ -64,9 +72,12 @@ def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
         found = reference(scene, stores)
     if found is None:
         raise InputError(
-            scene.name, "3D reference", "no converged run", "a scene whose contact problem has a solution",
+            scene.name,
+            "3D reference",
+            "no converged run",
+            "a scene whose contact problem has a solution",
             "see the status of the runs in the store",
-        )  # fmt: skip
+        )
     return found
 
 

@@ -35,9 +35,16 @@ def parts_of(scene: Scene) -> tuple[str, ...]:
 
 
 def run_export(
-    scene: Scene, part: str, form: str, out: Path | None, level: int, *, cache: Path | None = None, show: Show = print,
+    scene: Scene,
+    part: str,
+    form: str,
+    out: Path | None,
+    level: int,
+    *,
+    cache: Path | None = None,
+    show: Show = print,
     ball: int | None = None,
-) -> int:  # fmt: skip
+) -> int:
     """Write the mesh of a part, with the sockets, contact zones and end faces as named groups; lengths in m.
 
     ball: solve the scene and add displacement [m], stress and von Mises stress [Pa] of that ball's parts (from 1), or of
@@ -88,9 +95,7 @@ def run_export(
     return 0
 
 
-_LABELS = {
-    "P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra",
-}  # fmt: skip
+_LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
 
 
 def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) -> MeshData:

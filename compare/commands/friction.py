@@ -76,9 +76,7 @@ class Drag:
     reason: str = ""
 
 
-def run(
-    name: str, choices: Choices, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]
-) -> int:
+def run(name: str, choices: Choices, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
     """Solve a shipped scene or a file of either sort and print it; 1 where it did not converge. Raises InputError."""
     if not describes_parts(name):
         if choices != Choices():
@@ -218,27 +216,39 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
     e = state.torque
     data = head | {
-        "status": status, "converged": good, "law": "coulomb", "coupled": state.coupled,
+        "status": status,
+        "converged": good,
+        "law": "coulomb",
+        "coupled": state.coupled,
         "friction": {"screw": friction.screw, "nut": friction.nut},
         "motion": {"turns": motion.turns, "speed_rad_s": number(motion.speed)},
-        "balls": rows, "torque": torque, "drag_unknown": drag.reason or None, "over_friction": over,
+        "balls": rows,
+        "torque": torque,
+        "drag_unknown": drag.reason or None,
+        "over_friction": over,
         "losses": {"total_W": number(e.power), "by_contact_W": losses},
         "energy": {
-            "input_power_W": number(e.input_power), "loss_W": number(e.power),
+            "input_power_W": number(e.input_power),
+            "loss_W": number(e.power),
             "balance_W": number(e.input_power - e.power),
             "axial_load_power_W": number(e.load * e.ratio * e.speed),
             "torque_power_W": number(e.on_screw * e.speed),
         },
         "feedback": {
-            "friction_torque_without_Nmm": number(1e3 * state.bare.friction), "unsettled_balls": len(state.unsettled),
-            "axial_friction_on_screw_N": number(e.pull), "friction_over_load": number(e.tilt),
+            "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
+            "unsettled_balls": len(state.unsettled),
+            "axial_friction_on_screw_N": number(e.pull),
+            "friction_over_load": number(e.tilt),
         },
         "solver": {
-            "static_residual": number(result.solver.residual), "friction_imbalance": number(state.balls.left),
+            "static_residual": number(result.solver.residual),
+            "friction_imbalance": number(state.balls.left),
             "feedback_change": number(state.change),
         },
-        "assumed": assumed, "left_out": list(LEFT_OUT), "warnings": warnings_of(scene, friction, state, result.warnings),
-    }  # fmt: skip
+        "assumed": assumed,
+        "left_out": list(LEFT_OUT),
+        "warnings": warnings_of(scene, friction, state, result.warnings),
+    }
     tables: list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]] = []
     if state.loaded:
         tables = [("per ball", BALL_COLUMNS, flat_rows(rows)), ("losses by contact and cause", LOSS_COLUMNS, losses)]

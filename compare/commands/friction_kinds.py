@@ -16,13 +16,7 @@ from compare.scenes.friction_scene import FrictionScene, LinearScene, RotaryScen
 from lowfi.friction.bearing.rotary import SIDES, ball_contacts, bearing_load, inner_torque, motion_problem, source_law
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.contact.laws import Regularised
-from lowfi.friction.contact.motion import (
-    Motion,
-    Problem,
-    balance_by_root,
-    balance_by_sharpening,
-    least_dissipation,
-)
+from lowfi.friction.contact.motion import Motion, Problem, balance_by_root, balance_by_sharpening, least_dissipation
 from lowfi.friction.linear.bearing import CONTACTS, directions
 from lowfi.friction.linear.chain import ChainResult, prepare, solve
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
@@ -50,9 +44,7 @@ class Answer:
     converged: bool
 
 
-def run_friction(
-    scene: str, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]
-) -> int:
+def run_friction(scene: str, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
     """Solve a shipped friction scene or a file and print it; 1 where it did not converge. Raises InputError."""
     answer = solve_scene(friction_scene.scene(scene))
     if as_json:
@@ -84,8 +76,9 @@ def balance(power: float, loss: float, bound: float) -> dict[str, Any]:
 
 def balance_line(energy: dict[str, Any]) -> str:
     """The energy balance in words."""
-    power, loss, off = (cell(energy[k], f) for k, f in
-                        (("input_power_W", ".6g"), ("loss_W", ".6g"), ("balance_percent", "+.1e")))  # fmt: skip
+    power, loss, off = (
+        cell(energy[k], f) for k, f in (("input_power_W", ".6g"), ("loss_W", ".6g"), ("balance_percent", "+.1e"))
+    )
     return f"energy: input power {power} W, dissipation {loss} W ({off} %)"
 
 
@@ -124,26 +117,44 @@ def solve_rotary(scene: RotaryScene) -> Answer:
     status = rotary_status(loaded, load.converged, motion.status)
     contacts = [
         {
-            "side": side, "force_N": number(load.force[i]), "angle_deg": number(degrees(load.angle[i])),
-            "a_um": number(1e6 * at.a[i]), "b_um": number(1e6 * at.b[i]),
-            "slide_mm_s": number(1e3 * motion.motion[i, 1]), "spin_rad_s": number(motion.motion[i, 2]),
-            "friction_N": number(motion.friction.force[i, 1]), "moment_Nmm": number(1e3 * motion.friction.moment[i]),
-            "loss_W": number(motion.friction.loss[i]), "at_rest": bool(motion.rest[i]),
+            "side": side,
+            "force_N": number(load.force[i]),
+            "angle_deg": number(degrees(load.angle[i])),
+            "a_um": number(1e6 * at.a[i]),
+            "b_um": number(1e6 * at.b[i]),
+            "slide_mm_s": number(1e3 * motion.motion[i, 1]),
+            "spin_rad_s": number(motion.motion[i, 2]),
+            "friction_N": number(motion.friction.force[i, 1]),
+            "moment_Nmm": number(1e3 * motion.friction.moment[i]),
+            "loss_W": number(motion.friction.loss[i]),
+            "at_rest": bool(motion.rest[i]),
         }
-        for i, side in enumerate(SIDES) if load.force[i] > 0.0
-    ]  # fmt: skip
+        for i, side in enumerate(SIDES)
+        if load.force[i] > 0.0
+    ]
     torque, speed = inner_torque(scene.bearing, load, motion), scene.bearing.speed
     energy = balance(torque * speed, motion.loss, float(at.strength.sum()) * abs(speed) * scene.bearing.pitch_radius)
     ball = dict(zip(("orbit_rad_s", "omega_x_rad_s", "omega_y_rad_s"), map(number, motion.q), strict=True))
     by_loss = number(1e3 * motion.loss / speed) if speed != 0.0 else None
     data = head(scene, "rotary bearing", status, converged) | {
-        "law": scene.law, "hertz": scene.hertz, "coupled": False, "contacts": contacts,
-        "force_sum_N": number(load.force.sum()), "ball": ball, "torque_Nmm": number(1e3 * torque),
-        "torque_from_loss_Nmm": by_loss, "energy": energy,
-        "solver": {"load_imbalance_N": number(load.imbalance), "friction_imbalance_N": number(motion.imbalance),
-                   "load_steps": load.steps, "motion_steps": motion.steps},
-        "assumed": list(scene.assumed), "warnings": size_warnings(at.a[load.force > 0.0], scene.bearing.ball_radius),
-    }  # fmt: skip
+        "law": scene.law,
+        "hertz": scene.hertz,
+        "coupled": False,
+        "contacts": contacts,
+        "force_sum_N": number(load.force.sum()),
+        "ball": ball,
+        "torque_Nmm": number(1e3 * torque),
+        "torque_from_loss_Nmm": by_loss,
+        "energy": energy,
+        "solver": {
+            "load_imbalance_N": number(load.imbalance),
+            "friction_imbalance_N": number(motion.imbalance),
+            "load_steps": load.steps,
+            "motion_steps": motion.steps,
+        },
+        "assumed": list(scene.assumed),
+        "warnings": size_warnings(at.a[load.force > 0.0], scene.bearing.ball_radius),
+    }
     lines = [
         f"sum of contact forces {load.force.sum():.6g} N, friction torque on the inner ring {1e3 * torque:.6g} N mm"
         + ("" if by_loss is None else f" (dissipation over speed: {by_loss:.6g} N mm)"),
@@ -156,12 +167,18 @@ def solve_rotary(scene: RotaryScene) -> Answer:
 
 
 CONTACT_COLUMNS = (
-    ("side", "contact", "s"), ("force_N", "force N", ".4f"), ("angle_deg", "angle deg", ".4f"),
-    ("a_um", "a um", ".1f"), ("b_um", "b um", ".1f"),
-    ("slide_mm_s", "sliding mm/s", ".4f"), ("spin_rad_s", "spin rad/s", ".4f"),
-    ("friction_N", "friction N", ".5f"), ("moment_Nmm", "moment N mm", ".5f"), ("loss_W", "loss W", ".6f"),
+    ("side", "contact", "s"),
+    ("force_N", "force N", ".4f"),
+    ("angle_deg", "angle deg", ".4f"),
+    ("a_um", "a um", ".1f"),
+    ("b_um", "b um", ".1f"),
+    ("slide_mm_s", "sliding mm/s", ".4f"),
+    ("spin_rad_s", "spin rad/s", ".4f"),
+    ("friction_N", "friction N", ".5f"),
+    ("moment_Nmm", "moment N mm", ".5f"),
+    ("loss_W", "loss W", ".6f"),
     ("at_rest", "at rest", "s"),
-)  # fmt: skip
+)
 
 
 def size_warnings(a: Array, radius: float) -> list[str]:
@@ -222,27 +239,42 @@ def solve_linear(scene: LinearScene) -> Answer:
     balls = ball_rows(scene, angles, force, apart, near)
     sliding = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
     pairs = [
-        {"balls": f"{k + 1}-{k + 2}", "gap_um": number(1e6 * gap), "force_N": number(near.ball_force[k]),
-         "loss_mW": number(1e3 * near.ball_loss[k])}
+        {
+            "balls": f"{k + 1}-{k + 2}",
+            "gap_um": number(1e6 * gap),
+            "force_N": number(near.ball_force[k]),
+            "loss_mW": number(1e3 * near.ball_loss[k]),
+        }
         for k, gap in enumerate(scene.gap)
-    ]  # fmt: skip
+    ]
     energy = balance(near.power, near.loss, sliding)
     rise = number(float(error_percent(near.loss, apart.loss))) if apart.loss > NOTHING * sliding else None
     semi = np.asarray(scene.bearing.hertz().C_a * np.cbrt(force))
     data = head(scene, scene.kind, status, converged) | {
-        "law": "coulomb", "distribution": scene.distribution, "coupled": False, "balls": balls, "pairs": pairs,
-        "drive_N": number(near.drive), "drive_apart_N": number(apart.drive), "friction_increase_percent": rise,
-        "ball_to_ball_loss_W": number(near.ball_loss.sum()), "energy": energy,
-        "solver": {"load_imbalance": number(left), "residual": number(near.residual), "lag": number(near.lag),
-                   "iterations": near.iterations},
-        "assumed": list(scene.assumed), "warnings": size_warnings(semi, scene.bearing.ball_radius),
-    }  # fmt: skip
+        "law": "coulomb",
+        "distribution": scene.distribution,
+        "coupled": False,
+        "balls": balls,
+        "pairs": pairs,
+        "drive_N": number(near.drive),
+        "drive_apart_N": number(apart.drive),
+        "friction_increase_percent": rise,
+        "ball_to_ball_loss_W": number(near.ball_loss.sum()),
+        "energy": energy,
+        "solver": {
+            "load_imbalance": number(left),
+            "residual": number(near.residual),
+            "lag": number(near.lag),
+            "iterations": near.iterations,
+        },
+        "assumed": list(scene.assumed),
+        "warnings": size_warnings(semi, scene.bearing.ball_radius),
+    }
     lines = [
         f"force on the carriage {near.drive:.6g} N, {apart.drive:.6g} N with the balls apart"
         + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
         balance_line(energy),
-        f"solver: loads out of balance by {left:.1e} of the vertical force, friction by {near.residual:.1e} of its "
-        "bound",
+        f"solver: loads out of balance by {left:.1e} of the vertical force, friction by {near.residual:.1e} of its bound",
         f"law coulomb, loads {scene.distribution}; loads do not depend on friction",
     ]
     flat = [row | {f"{c} N": row["load_N"][c] for c in CONTACTS} for row in balls]
@@ -251,15 +283,21 @@ def solve_linear(scene: LinearScene) -> Answer:
 
 
 BALL_COLUMNS = (
-    ("ball", "ball", "s"), *((f"{c} N", f"{c} N", ".3f") for c in CONTACTS),
-    ("velocity_apart_mm_s", "v apart mm/s", ".5f"), ("deviation_apart_percent", "epsilon apart %", ".4f"),
-    ("velocity_touching_mm_s", "v mm/s", ".5f"), ("omega_x_rad_s", "omega_x rad/s", ".4f"),
-    ("omega_y_rad_s", "omega_y rad/s", ".4f"), ("groove_loss_mW", "groove loss mW", ".5f"),
-)  # fmt: skip
+    ("ball", "ball", "s"),
+    *((f"{c} N", f"{c} N", ".3f") for c in CONTACTS),
+    ("velocity_apart_mm_s", "v apart mm/s", ".5f"),
+    ("deviation_apart_percent", "epsilon apart %", ".4f"),
+    ("velocity_touching_mm_s", "v mm/s", ".5f"),
+    ("omega_x_rad_s", "omega_x rad/s", ".4f"),
+    ("omega_y_rad_s", "omega_y rad/s", ".4f"),
+    ("groove_loss_mW", "groove loss mW", ".5f"),
+)
 PAIR_COLUMNS = (
-    ("balls", "balls", "s"), ("gap_um", "gap um", ".3f"), ("force_N", "force N", ".4f"),
+    ("balls", "balls", "s"),
+    ("gap_um", "gap um", ".3f"),
+    ("force_N", "force N", ".4f"),
     ("loss_mW", "loss mW", ".5f"),
-)  # fmt: skip
+)
 
 
 # --- printing

@@ -39,17 +39,24 @@ def ball_rows(result: StaticResult, state: FrictionState) -> list[dict[str, Any]
     angle = np.degrees(np.where(at.force > 0.0, at.angle, np.nan))
     return [
         {
-            "index": i + 1, "azimuth_deg": number(math.degrees(result.azimuth[i])), "z_mm": number(1e3 * result.z[i]),
-            "load_N": _sides(at.force[i]), "contact_angle_deg": _sides(angle[i]),
-            "orbit_rad_s": number(f.orbit[i]), "rotation_rad_s": [number(w) for w in f.rotation[i]],
+            "index": i + 1,
+            "azimuth_deg": number(math.degrees(result.azimuth[i])),
+            "z_mm": number(1e3 * result.z[i]),
+            "load_N": _sides(at.force[i]),
+            "contact_angle_deg": _sides(angle[i]),
+            "orbit_rad_s": number(f.orbit[i]),
+            "rotation_rad_s": [number(w) for w in f.rotation[i]],
             "closing_mm_s": number(1e3 * state.closing[i]),
-            "sliding_mm_s": _vectors(1e3 * f.motion[i, :, :2]), "spin_rad_s": _sides(f.motion[i, :, 2]),
-            "friction_N": _vectors(f.force[i]), "moment_Nmm": _sides(1e3 * f.moment[i]),
+            "sliding_mm_s": _vectors(1e3 * f.motion[i, :, :2]),
+            "spin_rad_s": _sides(f.motion[i, :, 2]),
+            "friction_N": _vectors(f.force[i]),
+            "moment_Nmm": _sides(1e3 * f.moment[i]),
             "loss_mW": _sides(1e3 * f.loss[i].sum(axis=1)),
-            "at_rest": {s: bool(r) for s, r in zip(SIDES, f.rest[i], strict=True)}, "status": f.status[i],
+            "at_rest": {s: bool(r) for s, r in zip(SIDES, f.rest[i], strict=True)},
+            "status": f.status[i],
         }
         for i in range(at.force.shape[0])
-    ]  # fmt: skip
+    ]
 
 
 def flat_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -67,14 +74,19 @@ def flat_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 BALL_COLUMNS: tuple[Column, ...] = (
-    ("index", "ball", "s"), ("azimuth_deg", "azimuth deg", ".2f"), ("orbit_rad_s", "orbit rad/s", ".6g"),
-    *((f"omega {n}", f"omega_{n}", ".5g") for n in "xyz"), ("closing_mm_s", "closing mm/s", ".3g"),
-    *((f"{s} N", f"{s} N", ".2f") for s in SIDES), *((f"{s} mW", f"{s} mW", ".4g") for s in SIDES),
-)  # fmt: skip
+    ("index", "ball", "s"),
+    ("azimuth_deg", "azimuth deg", ".2f"),
+    ("orbit_rad_s", "orbit rad/s", ".6g"),
+    *((f"omega {n}", f"omega_{n}", ".5g") for n in "xyz"),
+    ("closing_mm_s", "closing mm/s", ".3g"),
+    *((f"{s} N", f"{s} N", ".2f") for s in SIDES),
+    *((f"{s} mW", f"{s} mW", ".4g") for s in SIDES),
+)
 LOSS_COLUMNS: tuple[Column, ...] = (
-    ("contact", "contact", "s"), ("loss_W", "loss W", ".5g"),
+    ("contact", "contact", "s"),
+    ("loss_W", "loss W", ".5g"),
     *((name, f"{name.replace('_', ' ')} W", ".4g") for name in CAUSES),
-)  # fmt: skip
+)
 
 
 def loss_rows(state: FrictionState) -> list[dict[str, Any]]:
@@ -110,7 +122,7 @@ def sums(state: FrictionState, drag: float | None) -> dict[str, Any]:
         "efficiency_forward_percent": _percent(forward),
         "efficiency_backward_percent": None if t.locking else _percent(backward),
         "self_locking": t.locking if screw else None,
-    }  # fmt: skip
+    }
 
 
 def moves(torque: ScrewTorque) -> str | None:
@@ -123,24 +135,35 @@ def moves(torque: ScrewTorque) -> str | None:
 def mu_row(friction: Friction, state: FrictionState, drag: float | None) -> dict[str, Any]:
     """The sums for one pair of coefficients."""
     found = sums(state, drag)
-    names = ("friction_torque_Nmm", "drag_torque_Nmm", "forward_torque_Nmm", "backward_torque_Nmm",
-             "efficiency_forward_percent", "efficiency_backward_percent", "self_locking")  # fmt: skip
+    names = (
+        "friction_torque_Nmm",
+        "drag_torque_Nmm",
+        "forward_torque_Nmm",
+        "backward_torque_Nmm",
+        "efficiency_forward_percent",
+        "efficiency_backward_percent",
+        "self_locking",
+    )
     return {"screw": friction.screw, "nut": friction.nut} | {name: found[name] for name in names}
 
 
 def mu_columns(kind: str) -> tuple[Column, ...]:
     """Columns over the coefficient of friction."""
     first: tuple[Column, ...] = (
-        ("screw", "coefficient", ".4g"), ("friction_torque_Nmm", "friction torque N mm", ".5g"),
+        ("screw", "coefficient", ".4g"),
+        ("friction_torque_Nmm", "friction torque N mm", ".5g"),
         ("drag_torque_Nmm", "drag torque N mm", ".5g"),
-    )  # fmt: skip
+    )
     if kind == "bearing":
         return first
     return (
-        *first, ("forward_torque_Nmm", "forward N mm", ".6g"), ("backward_torque_Nmm", "backward N mm", ".6g"),
+        *first,
+        ("forward_torque_Nmm", "forward N mm", ".6g"),
+        ("backward_torque_Nmm", "backward N mm", ".6g"),
         ("efficiency_forward_percent", "efficiency forward %", ".2f"),
-        ("efficiency_backward_percent", "backward %", ".2f"), ("self_locking", "self-locking", "s"),
-    )  # fmt: skip
+        ("efficiency_backward_percent", "backward %", ".2f"),
+        ("self_locking", "self-locking", "s"),
+    )
 
 
 def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[str]) -> list[str]:
@@ -170,7 +193,7 @@ def _torque_lines(t: ScrewTorque, drag: tuple[float | None, str]) -> list[str]:
     inner = "inner ring" if t.ratio == 0.0 else "screw"
     without = "unknown: " + drag[1] if drag[0] is None else f"{1e3 * drag[0]:.6g} N mm"
     lines = [
-        f"friction torque {1e3 * t.friction:.6g} N mm, against the {inner}'s motion; drag torque without loads {without}",
+        f"friction torque {1e3 * t.friction:.6g} N mm, against the {inner}'s motion; drag torque without loads {without}"
     ]
     if t.ratio == 0.0:
         return lines

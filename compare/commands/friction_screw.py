@@ -54,13 +54,19 @@ def pair_rows(r: PairResult) -> list[dict[str, Any]]:
     for state, chain in (("apart", r.free), ("touching", r.touching)):
         for k in range(2):
             q, loss = chain.motion.q[k], chain.motion.groove_loss[k]
-            rows.append({
-                "ball": k + 1, "state": state,
-                "load_N": {s: number(f) for s, f in zip(SIDES, chain.load.force[k], strict=True)},
-                "angle_deg": {s: number(degrees(a)) for s, a in zip(SIDES, chain.load.angle[k], strict=True)},
-                "orbit_rad_s": number(q[0]), "omega_x_rad_s": number(q[1]), "omega_y_rad_s": number(q[2]),
-                "omega_z_rad_s": number(q[3]), "groove_loss_mW": number(1e3 * loss.sum()),
-            })  # fmt: skip
+            rows.append(
+                {
+                    "ball": k + 1,
+                    "state": state,
+                    "load_N": {s: number(f) for s, f in zip(SIDES, chain.load.force[k], strict=True)},
+                    "angle_deg": {s: number(degrees(a)) for s, a in zip(SIDES, chain.load.angle[k], strict=True)},
+                    "orbit_rad_s": number(q[0]),
+                    "omega_x_rad_s": number(q[1]),
+                    "omega_y_rad_s": number(q[2]),
+                    "omega_z_rad_s": number(q[3]),
+                    "groove_loss_mW": number(1e3 * loss.sum()),
+                }
+            )
     return rows
 
 
@@ -84,19 +90,30 @@ def solve_screw_pair(scene: ScrewPairScene) -> Answer:
     rise = number(float(error_percent(m.loss, r.free.motion.loss))) if rubs else None
     chains = (r.free, r.touching)
     data = head(scene, "screw pair", pair_status(r), r.converged) | {
-        "law": "coulomb", "hertz": pair.groove.hertz, "coupling": pair.coupling,
-        "coupled": pair.coupling != "none", "deviation_deg": [number(degrees(t)) for t in pair.theta],
-        "oversize_um": number(1e6 * pair.oversize), "balls": rows, "ball_force_N": number(r.force),
-        "contact_load_N": [number(f) for f in r.load], "closing_rad_s": number(r.closing),
-        "loss_apart_W": number(r.free.motion.loss), "friction_increase_percent": rise,
+        "law": "coulomb",
+        "hertz": pair.groove.hertz,
+        "coupling": pair.coupling,
+        "coupled": pair.coupling != "none",
+        "deviation_deg": [number(degrees(t)) for t in pair.theta],
+        "oversize_um": number(1e6 * pair.oversize),
+        "balls": rows,
+        "ball_force_N": number(r.force),
+        "contact_load_N": [number(f) for f in r.load],
+        "closing_rad_s": number(r.closing),
+        "loss_apart_W": number(r.free.motion.loss),
+        "friction_increase_percent": rise,
         "ball_to_ball_percent": number(100.0 * r.rubbing_ratio) if rubs else None,
-        "ball_to_ball_loss_W": number(m.ball_loss.sum()), "energy": energy,
-        "solver": {"load_imbalance_N": number(max(c.load.left for c in chains)),
-                   "friction_imbalance_N": number(max(c.motion.left for c in chains)),
-                   "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
-                   "rounds": max(c.rounds for c in chains)},
-        "assumed": list(scene.assumed), "warnings": screw_warnings(pair.groove, r.touching.load.force),
-    }  # fmt: skip
+        "ball_to_ball_loss_W": number(m.ball_loss.sum()),
+        "energy": energy,
+        "solver": {
+            "load_imbalance_N": number(max(c.load.left for c in chains)),
+            "friction_imbalance_N": number(max(c.motion.left for c in chains)),
+            "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
+            "rounds": max(c.rounds for c in chains),
+        },
+        "assumed": list(scene.assumed),
+        "warnings": screw_warnings(pair.groove, r.touching.load.force),
+    }
     solver = data["solver"]
     lines = [
         f"ball-to-ball force {r.force:.6g} N, loss there {cell(data['ball_to_ball_loss_W'], '.6g')} W"
@@ -112,11 +129,15 @@ def solve_screw_pair(scene: ScrewPairScene) -> Answer:
 
 
 PAIR_COLUMNS = (
-    ("ball", "ball", "s"), ("state", "state", "s"), *((f"{s} N", f"{s} N", ".3f") for s in SIDES),
-    ("orbit_rad_s", "orbit rad/s", ".6f"), ("omega_x_rad_s", "omega_x rad/s", ".4f"),
-    ("omega_y_rad_s", "omega_y rad/s", ".4f"), ("omega_z_rad_s", "omega_z rad/s", ".4f"),
+    ("ball", "ball", "s"),
+    ("state", "state", "s"),
+    *((f"{s} N", f"{s} N", ".3f") for s in SIDES),
+    ("orbit_rad_s", "orbit rad/s", ".6f"),
+    ("omega_x_rad_s", "omega_x rad/s", ".4f"),
+    ("omega_y_rad_s", "omega_y rad/s", ".4f"),
+    ("omega_z_rad_s", "omega_z rad/s", ".4f"),
     ("groove_loss_mW", "groove loss mW", ".5f"),
-)  # fmt: skip
+)
 
 
 # --- a whole screw
@@ -134,28 +155,36 @@ def run_summary(r: RunResult) -> dict[str, Any]:
     met = bool(touch.any())
     closing, radius = r.closing_torque, r.run.groove.radius
     return {
-        "largest_ball_to_groove_percent": number(100.0 * s.largest), "largest_at_deg": number(s.at) if met else None,
+        "largest_ball_to_groove_percent": number(100.0 * s.largest),
+        "largest_at_deg": number(s.at) if met else None,
         "contact_begins_deg": number(nut[np.argmax(touch)]) if met else None,
-        "contact_ends_deg": number(s.none_at) if met else None, "largest_groups": s.groups,
+        "contact_ends_deg": number(s.none_at) if met else None,
+        "largest_groups": s.groups,
         "mean_torque_Nmm": number(1e3 * r.torque.mean()),
         "mean_groove_torque_Nmm": number(1e3 * r.groove_torque.mean()),
         "mean_ball_torque_Nmm": number(1e3 * (r.ball_torque + closing).mean()),
         "mean_closing_torque_Nmm": number(1e3 * closing.mean()),
         "groove_variation_percent": number(100.0 * s.groove_variation),
-        "largest_ball_force_N": number(r.ball_force.max()), "order_kept": order_kept(r),
-        "smallest_gap_um": number(1e6 * radius * r.gap.min()), "occupation_percent": number(100.0 * r.run.occupation),
-    }  # fmt: skip
+        "largest_ball_force_N": number(r.ball_force.max()),
+        "order_kept": order_kept(r),
+        "smallest_gap_um": number(1e6 * radius * r.gap.min()),
+        "occupation_percent": number(100.0 * r.run.occupation),
+    }
 
 
 def run_series(r: RunResult) -> dict[str, list[Any]]:
     """Time series, one entry per step; time and nut angle at its start."""
     speed, radius = r.run.groove.speed, r.run.groove.radius
     values = {
-        "time_s": r.nut_angle / speed, "nut_angle_deg": np.degrees(r.nut_angle),
-        "groove_torque_Nmm": 1e3 * r.groove_torque, "ball_torque_Nmm": 1e3 * (r.ball_torque + r.closing_torque),
-        "ball_to_groove_percent": 100.0 * r.ratio, "largest_ball_force_N": r.ball_force.max(axis=1),
-        "smallest_gap_um": 1e6 * radius * r.gap.min(axis=1), "balance_percent": 100.0 * r.imbalance,
-    }  # fmt: skip
+        "time_s": r.nut_angle / speed,
+        "nut_angle_deg": np.degrees(r.nut_angle),
+        "groove_torque_Nmm": 1e3 * r.groove_torque,
+        "ball_torque_Nmm": 1e3 * (r.ball_torque + r.closing_torque),
+        "ball_to_groove_percent": 100.0 * r.ratio,
+        "largest_ball_force_N": r.ball_force.max(axis=1),
+        "smallest_gap_um": 1e6 * radius * r.gap.min(axis=1),
+        "balance_percent": 100.0 * r.imbalance,
+    }
     counts = {"contacts": r.contact.sum(axis=1), "groups": groups(r.contact)}
     out: dict[str, list[Any]] = {name: [number(v) for v in row] for name, row in values.items()}
     out |= {name: [int(v) for v in row] for name, row in counts.items()}
@@ -174,14 +203,22 @@ def solve_run(scene: ScrewRunScene) -> Answer:
     energy["largest_step_balance_percent"] = number(100.0 * np.abs(r.imbalance).max())
     summary = run_summary(r)
     data = head(scene, "screw run", status, failed == 0) | {
-        "law": "coulomb", "hertz": run.groove.hertz, "coupling": run.coupling, "coupled": run.coupling != "none",
-        "balls": run.count, "steps": run.steps, "duration_s": number(run.duration),
-        "amplitude_deg": number(degrees(run.amplitude)), "oversize_um": number(1e6 * run.oversize),
-        "summary": summary, "energy": energy, "series": run_series(r),
-        "solver": {"failed_steps": failed,
-                   "feedback_change_N": number(r.change.max()) if run.coupling != "none" else 0.0},
-        "assumed": list(scene.assumed), "warnings": screw_warnings(run.groove, r.load),
-    }  # fmt: skip
+        "law": "coulomb",
+        "hertz": run.groove.hertz,
+        "coupling": run.coupling,
+        "coupled": run.coupling != "none",
+        "balls": run.count,
+        "steps": run.steps,
+        "duration_s": number(run.duration),
+        "amplitude_deg": number(degrees(run.amplitude)),
+        "oversize_um": number(1e6 * run.oversize),
+        "summary": summary,
+        "energy": energy,
+        "series": run_series(r),
+        "solver": {"failed_steps": failed, "feedback_change_N": number(r.change.max()) if run.coupling != "none" else 0.0},
+        "assumed": list(scene.assumed),
+        "warnings": screw_warnings(run.groove, r.load),
+    }
     lines = [
         f"{run.count} balls, {run.steps} steps over {run.duration:.6g} s, nut turns by "
         f"{degrees(speed * run.duration):.6g} deg on the screw",
@@ -200,13 +237,16 @@ RUN_LINES = (
     ("contact_begins_deg", "nut angle where contact begins deg", ".4g"),
     ("contact_ends_deg", "nut angle of the first step without contact after the largest deg", ".4g"),
     ("largest_groups", "groups of touching balls at most", "d"),
-    ("mean_torque_Nmm", "mean torque N mm", ".5g"), ("mean_groove_torque_Nmm", "of ball to groove N mm", ".5g"),
+    ("mean_torque_Nmm", "mean torque N mm", ".5g"),
+    ("mean_groove_torque_Nmm", "of ball to groove N mm", ".5g"),
     ("mean_ball_torque_Nmm", "of ball to ball N mm", ".5g"),
     ("mean_closing_torque_Nmm", "of which by gaps that close N mm", ".3g"),
     ("groove_variation_percent", "variation of the grooves' torque %", ".4g"),
-    ("largest_ball_force_N", "largest ball-to-ball force N", ".5g"), ("order_kept", "order of balls kept", "s"),
-    ("smallest_gap_um", "smallest gap um", ".3g"), ("occupation_percent", "loaded track filled by all balls %", ".4g"),
-)  # fmt: skip
+    ("largest_ball_force_N", "largest ball-to-ball force N", ".5g"),
+    ("order_kept", "order of balls kept", "s"),
+    ("smallest_gap_um", "smallest gap um", ".3g"),
+    ("occupation_percent", "loaded track filled by all balls %", ".4g"),
+)
 
 
 # --- bearings in pairs
@@ -231,8 +271,9 @@ def bearing_data(states: list[BearingState]) -> dict[str, Any]:
     return {
         "torque_Nmm": [number(t) for t in torque],
         "balls_beyond_two_contacts": [int(np.sum(s.points > 2)) for s in states],
-        "ratio": over(max(torque), min(torque)), "converged": [s.converged for s in states],
-    }  # fmt: skip
+        "ratio": over(max(torque), min(torque)),
+        "converged": [s.converged for s in states],
+    }
 
 
 def solve_bearings(scene: BearingPairScene) -> Answer:
@@ -245,36 +286,50 @@ def solve_bearings(scene: BearingPairScene) -> Answer:
     ratios = [over(f.torque, d.torque) for f, d in zip(*both, strict=True)]
     states = [s for one in both for s in one]
     bounds = [sliding(c.groove, s.load.force) for c, one in zip(cases, both, strict=True) for s in one]
-    power, loss, bound = (float(np.mean(v)) for v in
-                          ([s.input_power for s in states], [s.loss.sum() for s in states], bounds))  # fmt: skip
+    power, loss, bound = (
+        float(np.mean(v)) for v in ([s.input_power for s in states], [s.loss.sum() for s in states], bounds)
+    )
     energy, case, angle = balance(power, loss, bound), scene.four_point, [number(a) for a in np.degrees(scene.angle)]
-    large = [f"{name}: {w}" for name, c, one in zip(("four-point", "double row"), cases, both, strict=True)
-             for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))]  # fmt: skip
+    large = [
+        f"{name}: {w}"
+        for name, c, one in zip(("four-point", "double row"), cases, both, strict=True)
+        for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
+    ]
     data = head(scene, "bearing pair", status, all(good)) | {
-        "law": "coulomb", "hertz": case.groove.hertz, "coupled": False, "force_N": number(case.force),
-        "tilt": case.tilt, "angle_deg": angle, "four_point": four, "double_row": double,
-        "four_over_double": ratios, "energy": energy,
+        "law": "coulomb",
+        "hertz": case.groove.hertz,
+        "coupled": False,
+        "force_N": number(case.force),
+        "tilt": case.tilt,
+        "angle_deg": angle,
+        "four_point": four,
+        "double_row": double,
+        "four_over_double": ratios,
+        "energy": energy,
         "solver": {"load_imbalance_N": number(max(s.load.left for s in states))},
-        "assumed": list(scene.assumed), "warnings": large,
-    }  # fmt: skip
+        "assumed": list(scene.assumed),
+        "warnings": large,
+    }
     rows = [
         dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True))
-        for row in zip(angle, four["torque_Nmm"], double["torque_Nmm"], ratios, four["balls_beyond_two_contacts"], good,
-                       strict=True)
-    ]  # fmt: skip
+        for row in zip(
+            angle, four["torque_Nmm"], double["torque_Nmm"], ratios, four["balls_beyond_two_contacts"], good, strict=True
+        )
+    ]
     lines = [
-        f"largest over smallest torque: four-point {cell(four['ratio'], '.5g')}, double row "
-        f"{cell(double['ratio'], '.5g')}",
+        f"largest over smallest torque: four-point {cell(four['ratio'], '.5g')}, double row {cell(double['ratio'], '.5g')}",
         f"mean {balance_line(energy)}",
         f"solver: loads out of balance by {data['solver']['load_imbalance_N']:.1e} N",
-        f"law coulomb, Hertz constants {case.groove.hertz}, "
-        f"inner ring {'free to tilt' if case.tilt else 'held upright'}",
+        f"law coulomb, Hertz constants {case.groove.hertz}, inner ring {'free to tilt' if case.tilt else 'held upright'}",
     ]
     return Answer(data, [("over the load's angle", BEARING_COLUMNS, rows)], lines, all(good))
 
 
 BEARING_COLUMNS = (
-    ("angle", "load angle deg", ".4g"), ("four", "four-point N mm", ".5g"), ("double", "double row N mm", ".5g"),
-    ("over", "four-point over double row", ".4g"), ("beyond", "balls of the four-point beyond two contacts", "d"),
+    ("angle", "load angle deg", ".4g"),
+    ("four", "four-point N mm", ".5g"),
+    ("double", "double row N mm", ".5g"),
+    ("over", "four-point over double row", ".4g"),
+    ("beyond", "balls of the four-point beyond two contacts", "d"),
     ("converged", "converged", "s"),
-)  # fmt: skip
+)

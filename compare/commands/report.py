@@ -27,9 +27,24 @@ Step = Callable[[str], None]
 LONG = ("pictures", "stability", "timing")
 #: Sections by name, in order.
 SECTIONS = (
-    "overview", "ladder", "reference", "reference-mesh", "crosscheck", "pictures", "hertz", "cases", "errors",
-    "manufacturing", "friction", "friction-screw", "formulations", "verification", "stability", "timing", "notes",
-)  # fmt: skip
+    "overview",
+    "ladder",
+    "reference",
+    "reference-mesh",
+    "crosscheck",
+    "pictures",
+    "hertz",
+    "cases",
+    "errors",
+    "manufacturing",
+    "friction",
+    "friction-screw",
+    "formulations",
+    "verification",
+    "stability",
+    "timing",
+    "notes",
+)
 #: Sections that show runs of the 3D reference.
 WITH_RUNS = ("overview", "ladder", "reference", "reference-mesh", "crosscheck", "notes")
 
@@ -164,14 +179,17 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
         made["overview"] = overview.section(found)
         headline += overview.counts(found)
     simple: dict[str, Callable[[Study, Step], Section]] = {
-        "hertz": hertz.section, "cases": cases.section, "formulations": formulations.section,
+        "hertz": hertz.section,
+        "cases": cases.section,
+        "formulations": formulations.section,
         "ladder": partial(ladder.section, stores=source.stores, keep=source.stores[0] if source.stores else None),
         "reference": partial(reference.section, stores=source.stores, quick=source.quick),
         "reference-mesh": partial(reference_mesh.section, stores=source.stores),
         "crosscheck": partial(crosscheck.section, stores=source.stores),
-        "pictures": partial(pictures.section, cache=source.engine.cache), "friction": friction.section,
+        "pictures": partial(pictures.section, cache=source.engine.cache),
+        "friction": friction.section,
         "friction-screw": friction_screw.section,
-    }  # fmt: skip
+    }
     for name in wanted:
         if name in simple:
             progress.section(name)
@@ -195,9 +213,15 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
 
 
 def make_report(
-    only: Sequence[str], out: Path, *, quick: bool = False, stored: bool = False,
-    store: Path = Path("rollbench-reference"), engine: Engine | None = None, fresh: bool = False,
-) -> int:  # fmt: skip
+    only: Sequence[str],
+    out: Path,
+    *,
+    quick: bool = False,
+    stored: bool = False,
+    store: Path = Path("rollbench-reference"),
+    engine: Engine | None = None,
+    fresh: bool = False,
+) -> int:
     """Run, draw and write the report; returns the exit code.
 
     quick: coarsest meshes of the 3D reference only; stored: the runs that come with the package; store: folder in which
@@ -237,9 +261,11 @@ def make_report(
         title="rollbench validation report",
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
         + (f" (quick run: coarse meshes, cases 1 and 2 only, without {', '.join(LONG)})" if quick else ""),
-        headline=headline, provenance=facts, sections=sections,
+        headline=headline,
+        provenance=facts,
+        sections=sections,
         scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in sorted(study.scenes)},
-    )  # fmt: skip
+    )
     try:
         page = write(report, out, partial(progress.step))
     except (ValueError, OSError) as error:

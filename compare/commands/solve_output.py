@@ -65,8 +65,11 @@ def _model_form(result: StaticResult) -> dict[str, Any] | None:
         "covered": m.percent is not None,
         "largest_percent_of_mean": None if m.percent is None else number(m.percent),
         "rms_percent_of_mean": None if m.rms_percent is None else number(m.rms_percent),
-        "distance": number(m.distance), "nearest": m.nearest, "compared": m.compared, "words": list(m.words),
-    }  # fmt: skip
+        "distance": number(m.distance),
+        "nearest": m.nearest,
+        "compared": m.compared,
+        "words": list(m.words),
+    }
 
 
 def model_form_text(m: ModelForm) -> str:
@@ -109,12 +112,7 @@ def as_json(scene: Scene, result: StaticResult) -> dict[str, Any]:
         ],
         "summary": summary(result.load) if finite else {},
         "centreline": [
-            {
-                "z_mm": number(1e3 * z),
-                "ux_um": number(1e6 * u[0]),
-                "uy_um": number(1e6 * u[1]),
-                "uz_um": number(1e6 * u[2]),
-            }
+            {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
             for z, u in zip(result.centreline_z, result.centreline, strict=True)
         ],
         "equilibrium": _equilibrium(result),
@@ -193,7 +191,6 @@ def _summary_table(result: StaticResult) -> RenderableType:
         table.add_column(heading, justify="right")
     for side, row in summary(result.load).items():
         table.add_row(
-            side, f"{row['max_N']:.3f}", f"{row['min_N']:.3f}", f"{row['ratio']:.4f}", str(row["loaded"]),
-            str(row["lost"]),
-        )  # fmt: skip
+            side, f"{row['max_N']:.3f}", f"{row['min_N']:.3f}", f"{row['ratio']:.4f}", str(row["loaded"]), str(row["lost"])
+        )
     return table

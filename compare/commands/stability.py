@@ -19,9 +19,12 @@ def wide_rows(rows: Sequence[Row]) -> list[dict[str, Cell]]:
         line[row.formulation] = short(row)
         if row.formulation == OURS:
             line |= {
-                "iterations": row.iterations, "residual": row.residual, "bound": row.round_off_bound,
-                "seconds": row.seconds, "unknowns": row.unknowns,
-            }  # fmt: skip
+                "iterations": row.iterations,
+                "residual": row.residual,
+                "bound": row.round_off_bound,
+                "seconds": row.seconds,
+                "unknowns": row.unknowns,
+            }
     return list(by_case.values())
 
 

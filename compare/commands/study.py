@@ -86,9 +86,12 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
             pooled = found.convergence is not None and contact is not None
             c = found.convergence[contact[0]][contact[1]] if pooled else observe(values, found.sizes)  # type: ignore[index]
             row |= {
-                "order": c.order, "extrapolated": c.extrapolated, "uncertainty": c.uncertainty,
-                "uncertainty_percent": _percent(c.uncertainty, values[-1]), "kind": c.text,
-            }  # fmt: skip
+                "order": c.order,
+                "extrapolated": c.extrapolated,
+                "uncertainty": c.uncertainty,
+                "uncertainty_percent": _percent(c.uncertainty, values[-1]),
+                "kind": c.text,
+            }
         if base is not None and changed:
             moves = {v: abs(take(r) - take(base)) for v, r in changed.items()}
             row["modelling_spread"] = _root_of_squares(moves)
@@ -131,9 +134,18 @@ def on_terminal(text: str) -> None:
 
 
 def run_mesh_study(
-    names: Sequence[str], levels: int, store: Path, engine: Engine, *, spread: bool, source: bool, json_out: bool,
-    show: Show, print_json: Callable[[Any], None], fresh: bool = False,
-) -> int:  # fmt: skip
+    names: Sequence[str],
+    levels: int,
+    store: Path,
+    engine: Engine,
+    *,
+    spread: bool,
+    source: bool,
+    json_out: bool,
+    show: Show,
+    print_json: Callable[[Any], None],
+    fresh: bool = False,
+) -> int:
     """Compute what is missing (fresh: everything anew), print the table, write it as CSV and SVG into the store.
 
     Raises Refusal for a scene of which no run converged.
@@ -204,9 +216,17 @@ def parse_levels(text: str) -> tuple[int, ...]:
 
 
 def run_compare(
-    names: Sequence[str], models: Sequence[str], levels: tuple[int, ...] | None, store: Path, engine: Engine, *,
-    json_out: bool, show: Show, print_json: Callable[[Any], None], fresh: bool = False,
-) -> int:  # fmt: skip
+    names: Sequence[str],
+    models: Sequence[str],
+    levels: tuple[int, ...] | None,
+    store: Path,
+    engine: Engine,
+    *,
+    json_out: bool,
+    show: Show,
+    print_json: Callable[[Any], None],
+    fresh: bool = False,
+) -> int:
     """Rows of every scene and model against the reference; what is not stored is computed first.
 
     levels: None for the best stored reference (all levels are computed where there is none); else just those. fresh:
@@ -252,9 +272,14 @@ def _summary(scene: Scene, own: Sequence[Any]) -> Any:
     for row in own:
         if row.ball is None and not row.quantity.startswith("centreline"):
             table.add_row(
-                _label(row.model), row.quantity, _cell(row.value, ".3f") + f" {row.unit}", _cell(row.reference, ".3f"),
-                _cell(row.printed), _cell(row.reference_error, ".2f"), _cell(row.seconds, ".3g"),
-            )  # fmt: skip
+                _label(row.model),
+                row.quantity,
+                _cell(row.value, ".3f") + f" {row.unit}",
+                _cell(row.reference, ".3f"),
+                _cell(row.printed),
+                _cell(row.reference_error, ".2f"),
+                _cell(row.seconds, ".3g"),
+            )
     return table
 
 

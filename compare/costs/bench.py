@@ -356,8 +356,14 @@ def _interpreted_jobs(repeats: int) -> Iterator[Job]:
 
 
 GROUPS: tuple[Callable[[int], Iterator[Job]], ...] = (
-    _interpreted_jobs, _cold_jobs, _coarse_jobs, _warm_jobs, _ensemble_jobs, _size_jobs, _refined_jobs,
-)  # fmt: skip
+    _interpreted_jobs,
+    _cold_jobs,
+    _coarse_jobs,
+    _warm_jobs,
+    _ensemble_jobs,
+    _size_jobs,
+    _refined_jobs,
+)
 
 
 def _child(repeats: int) -> None:
@@ -372,9 +378,7 @@ def _child(repeats: int) -> None:
 # --- start-up, measured from outside
 
 
-def _launch(
-    arguments: list[str], extra: dict[str, str] | None = None
-) -> tuple[float, subprocess.CompletedProcess[str]]:
+def _launch(arguments: list[str], extra: dict[str, str] | None = None) -> tuple[float, subprocess.CompletedProcess[str]]:
     """Wall clock of a Python process [s], and what it left."""
     environment = {**os.environ, **SINGLE_THREAD, **(extra or {})}
     path = [str(ROOT), environment.get("PYTHONPATH", "")]

@@ -63,14 +63,23 @@ class Cold:
 
 
 def measure(
-    scene: str, model: str, *, engine: str = "interpreted", ingredients: tuple[tuple[str, object], ...] = (),
-    condensed: Path | None = None, repeats: int = REPEATS,
-) -> Cold:  # fmt: skip
+    scene: str,
+    model: str,
+    *,
+    engine: str = "interpreted",
+    ingredients: tuple[tuple[str, object], ...] = (),
+    condensed: Path | None = None,
+    repeats: int = REPEATS,
+) -> Cold:
     """Times of a shipped scene in a new process with empty caches. Raises RuntimeError where the process fails."""
     ask = {
-        "scene": scene, "model": model, "engine": engine, "ingredients": dict(ingredients), "repeats": repeats,
+        "scene": scene,
+        "model": model,
+        "engine": engine,
+        "ingredients": dict(ingredients),
+        "repeats": repeats,
         "condensed": str(condensed.resolve()) if condensed else "",
-    }  # fmt: skip
+    }
     with tempfile.TemporaryDirectory() as folder:
         own = {name: str(Path(folder) / name.lower()) for name in ("ROLLBENCH_CACHE", "NUMBA_CACHE_DIR")}
         for place in own.values():
@@ -78,9 +87,13 @@ def measure(
         code = CHILD.format(root=str(ROOT), ask=json.dumps(ask))
         begin = time()
         done = subprocess.run(
-            [sys.executable, "-I", "-c", code], capture_output=True, text=True, check=False, timeout=PATIENCE,
+            [sys.executable, "-I", "-c", code],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE,
             env={**os.environ, **SINGLE_THREAD, **own},
-        )  # fmt: skip
+        )
     if done.returncode != 0:
         last = done.stderr.strip().splitlines()[-1:] or ["no message"]
         raise RuntimeError(f"{model} on {scene}: the timing process failed: {last[0]}")

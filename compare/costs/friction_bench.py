@@ -81,9 +81,11 @@ def rotary_job(case: str, repeats: int) -> Row:
     s = solve_ball(ROTARY, AXIAL, CASES[case], fast=True)
     law, start = source_law(ROTARY, map_spacing=None), s.motion.q
     return against_root(
-        f"ball of the rotary bearing, case {case}", lambda: least_dissipation(s.problem, fast=True),
-        lambda: balance_by_root(s.problem, law, start, fast=True), repeats,
-    )  # fmt: skip
+        f"ball of the rotary bearing, case {case}",
+        lambda: least_dissipation(s.problem, fast=True),
+        lambda: balance_by_root(s.problem, law, start, fast=True),
+        repeats,
+    )
 
 
 def screw_job(name: str, pair: Pair, repeats: int) -> Row:
@@ -91,9 +93,11 @@ def screw_job(name: str, pair: Pair, repeats: int) -> Row:
     g, load = pair.groove, solve_pair(pair).free.load
     one, law = ball_motion(g, load.force[1], load.angle[1]), screw_law(pair.groove)
     return against_root(
-        f"ball of the screw, {name}", lambda: ball_motion(g, load.force[1], load.angle[1]),
-        lambda: ball_motion_by_root(one, law, one.motion.q), repeats,
-    )  # fmt: skip
+        f"ball of the screw, {name}",
+        lambda: ball_motion(g, load.force[1], load.angle[1]),
+        lambda: ball_motion_by_root(one, law, one.motion.q),
+        repeats,
+    )
 
 
 def ball_jobs(repeats: int) -> Iterator[Row]:
@@ -106,7 +110,7 @@ def ball_jobs(repeats: int) -> Iterator[Row]:
 
 def against_source(
     ours: float, theirs: Callable[[], SourceMotion], force: Array, repeats: int, begin: str = "from rolling"
-) -> tuple[float | None, str]:  # fmt: skip
+) -> tuple[float | None, str]:
     """Ratio of the source's root finding to ``ours`` [s], None unless it finds our ball-to-ball forces (N-1,) [N]; why.
 
     begin: where the source's search starts, in words.

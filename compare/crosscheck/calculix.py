@@ -54,9 +54,12 @@ def find_ccx() -> str:
     found = shutil.which("ccx")
     if found is None:
         raise InputError(
-            "this machine", "ccx", "not found", "CalculiX on the path",
+            "this machine",
+            "ccx",
+            "not found",
+            "CalculiX on the path",
             "install it (Debian: apt-get install calculix-ccx), or leave --run out",
-        )  # fmt: skip
+        )
     return found
 
 
@@ -94,9 +97,7 @@ def run(text: str, folder: Path) -> Outcome:
         kept.write_text(json.dumps(facts), encoding="utf-8")
     contacts, moved = read_dat((folder / f"{NAME}.dat").read_text(encoding="ascii"))
     iterations, correction = read_cvg((folder / f"{NAME}.cvg").read_text(encoding="ascii"))
-    return Outcome(
-        tuple(contacts), moved, iterations, correction, facts["seconds"], facts["date"], facts["version"]
-    )
+    return Outcome(tuple(contacts), moved, iterations, correction, facts["seconds"], facts["date"], facts["version"])
 
 
 def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
@@ -107,9 +108,14 @@ def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
         done = subprocess.run(
-            [program, "-i", NAME], cwd=folder, capture_output=True, text=True, check=False, timeout=LONGEST,
+            [program, "-i", NAME],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=LONGEST,
             env={**os.environ, "OMP_NUM_THREADS": "1"},
-        )  # fmt: skip
+        )
     except subprocess.TimeoutExpired:
         raise ValueError(f"CalculiX took longer than {LONGEST:.0f} s") from None
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

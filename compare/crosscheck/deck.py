@@ -31,14 +31,7 @@ from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_groove_c
 from meshes.parts import FREEDOMS, SIDES, Scene
 from meshes.sockets import SocketSize
 from meshes.solid import Dimensions, dimensions
-from meshes.whole_bodies import (
-    Refinement,
-    groove_points,
-    place_ball,
-    sphere_points,
-    whole_ball,
-    whole_body,
-)
+from meshes.whole_bodies import Refinement, groove_points, place_ball, sphere_points, whole_ball, whole_body
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -48,9 +41,11 @@ MOST_BALLS = 4
 MOST_NODES = 120_000
 #: Surfaces of the nut by where it is held.
 HELD = {
-    "left face": ("low end",), "right face": ("high end",), "both faces": ("low end", "high end"),
+    "left face": ("low end",),
+    "right face": ("high end",),
+    "both faces": ("low end", "high end"),
     "outer surface": ("outside",),
-}  # fmt: skip
+}
 #: Element sizes far from all contacts, over growth times the ball's radius: of screw and nut, of a ball.
 FAR = (2.0, 0.6)
 
@@ -86,9 +81,12 @@ def refuse_large(scene: Scene) -> None:
     """Raise InputError where a scene has too many balls for a deck of whole bodies."""
     if scene.ball_count > MOST_BALLS:
         raise InputError(
-            scene.name, "balls", str(scene.ball_count), f"1 to {MOST_BALLS} balls in a deck of whole bodies",
+            scene.name,
+            "balls",
+            str(scene.ball_count),
+            f"1 to {MOST_BALLS} balls in a deck of whole bodies",
             "cut the screw to a few neighbouring balls: --balls 3:5 keeps balls 3 to 5",
-        )  # fmt: skip
+        )
 
 
 def exact_errors(scene: Scene) -> Specimen:
@@ -116,9 +114,12 @@ def expected(scene: Scene) -> StaticResult:
     found = run_model(scene, "refined", Options(discretisation=False))
     if not found.converged or not (found.load > 0.0).any():
         raise InputError(
-            scene.name, "loads", found.status, "a scene with loaded contacts that the model refined solves",
+            scene.name,
+            "loads",
+            found.status,
+            "a scene with loaded contacts that the model refined solves",
             "meshes are refined at the contacts it finds: load or preload the scene",
-        )  # fmt: skip
+        )
     return found
 
 
@@ -152,14 +153,24 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
     count = sum(len(b.points) for b in bodies)
     if count > MOST_NODES:
         raise InputError(
-            scene.name, "deck", f"{count} nodes", f"at most {MOST_NODES} nodes",
+            scene.name,
+            "deck",
+            f"{count} nodes",
+            f"at most {MOST_NODES} nodes",
             "lower --b-over-h, raise --growth, or cut the screw: --balls",
-        )  # fmt: skip
+        )
     contacts = tuple(Contact(ball_faces(p), groove_faces(p)) for p in places)
     deck = Deck(
-        bodies, _sections(scene, dims), ("NUT_HELD",), contacts, options.stiffness, options.spring,
-        _heading(scene, dims, found, fine, count, options), f"{scene.name}: {scene.title}", options.nlgeom,
-    )  # fmt: skip
+        bodies,
+        _sections(scene, dims),
+        ("NUT_HELD",),
+        contacts,
+        options.stiffness,
+        options.spring,
+        _heading(scene, dims, found, fine, count, options),
+        f"{scene.name}: {scene.title}",
+        options.nlgeom,
+    )
     return Made(deck, found.load, fine, quality)
 
 
@@ -187,9 +198,11 @@ def _rings(
         made = whole_body(groove, BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse), size)
         faces = {groove_faces(p): flank_faces(groove, made, p, fine) for p in own}
         if screw:
-            held = {"SCREW_BORE": made.named["bore"]} if dims.screw_held == "bore" else {
-                "SCREW_LOW": made.named["low end"], "SCREW_HIGH": made.named["high end"]
-            }  # fmt: skip
+            held = (
+                {"SCREW_BORE": made.named["bore"]}
+                if dims.screw_held == "bore"
+                else {"SCREW_LOW": made.named["low end"], "SCREW_HIGH": made.named["high end"]}
+            )
         else:
             held = {"NUT_HELD": np.unique(np.concatenate([made.named[x] for x in HELD[dims.nut_held]]))}
         body = DeckBody(name, made.points, made.cells, part.material, held, faces)
@@ -245,9 +258,12 @@ def _sections(scene: Scene, dims: Dimensions) -> tuple[RigidSection, ...]:
     for z in stations:
         if min(abs(z - end) for end in ends.values()) > 1e-9:
             raise InputError(
-                scene.name, "supports, loads", f"a station at {1e3 * z:.6g} mm", allowed,
+                scene.name,
+                "supports, loads",
+                f"a station at {1e3 * z:.6g} mm",
+                allowed,
                 "a deck has no beams: cut the screw (--balls 3:5), or set solid.shaft and the stations to match",
-            )  # fmt: skip
+            )
     free = [k for k, name in enumerate(FREEDOMS) if not any(name == n for s in scene.supports for n, _ in s.fixed)]
     sections: list[RigidSection] = []
     for name, z in ends.items():

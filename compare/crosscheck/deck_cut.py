@@ -61,7 +61,9 @@ def cut_scene(scene: Scene, first: int, last: int) -> Scene:
 
     listed = tuple((n - first + 1, e) for n, e in scene.errors.balls.listed if first <= n <= last)
     return replace(
-        scene, name=f"{scene.name}-balls-{first}-{last}", title=f"Balls {first} to {last} of: {scene.title}",
+        scene,
+        name=f"{scene.name}-balls-{first}-{last}",
+        title=f"Balls {first} to {last} of: {scene.title}",
         track=replace(track, phase=float(0.5 * (azimuth[0] + azimuth[-1]))),
         nut=replace(scene.nut, position=middle, length=length),
         balls=replace(scene.balls, azimuths=tuple(azimuth.tolist())),
@@ -74,4 +76,4 @@ def cut_scene(scene: Scene, first: int, last: int) -> Scene:
             f"Cut of balls {first} to {last}: nut {NUT:g} ball radii beyond the outermost balls, screw {SHAFT:g} beyond "
             f"the nut; supports and loads moved to the nearer end, loads times {share:.4g}.",
         ),
-    )  # fmt: skip
+    )

@@ -91,9 +91,15 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
     shape = own[0].load.shape
     uniform = [name for name, x in (("element size", h), ("growth", g), ("contact stiffness", c)) if np.ptp(x) == 0.0]
     return Extrapolation(
-        best.limit.reshape(shape), np.hypot(spread, scatter).reshape(shape), best.order, best.length, best.misfit,
-        best.elements[near].reshape(shape), best.law[near].reshape(shape), tuple(uniform),
-    )  # fmt: skip
+        best.limit.reshape(shape),
+        np.hypot(spread, scatter).reshape(shape),
+        best.order,
+        best.length,
+        best.misfit,
+        best.elements[near].reshape(shape),
+        best.law[near].reshape(shape),
+        tuple(uniform),
+    )
 
 
 @dataclass(frozen=True)
@@ -110,9 +116,7 @@ class _Fit:
     residual: Array
 
 
-def _fit(
-    loads: Array, h: Array, g: Array, c: Array, half: Array, order: float, length: float, varied: bool
-) -> _Fit:
+def _fit(loads: Array, h: Array, g: Array, c: Array, half: Array, order: float, length: float, varied: bool) -> _Fit:
     limit, elements, law = np.zeros(loads.shape[1]), np.zeros_like(loads), np.zeros_like(loads)
     for k in range(loads.shape[1]):
         terms = [np.ones_like(h), element_error(h / (length * half[k]), g, order), *([c] if varied else [])]

@@ -40,9 +40,12 @@ class ContactRow:
         cells |= {f"level {k}": v for k, v in self.levels.items()}
         cells |= dict(self.decks)
         return cells | {
-            "ours": self.ours, "ours_percent": self.ours_percent, "theirs": self.theirs,
-            "theirs_percent": self.theirs_percent, "difference": self.difference,
-        }  # fmt: skip
+            "ours": self.ours,
+            "ours_percent": self.ours_percent,
+            "theirs": self.theirs,
+            "theirs_percent": self.theirs_percent,
+            "difference": self.difference,
+        }
 
 
 def series(data: CrossData) -> list[CrossRun]:
@@ -68,19 +71,25 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
         own = None if ours.uncertainty is None else float(error_percent(ours.uncertainty[i, s], 0.0, mean))
         rows.append(
             ContactRow(
-                int(i) + 1, SIDES[s], {r.level: float(r.load[i, s]) for r in ours.runs},
-                {deck_label(r): float(r.load[i, s]) for r in series(data)}, float(best[i, s]), own,
-                float(limit.load[i, s]), float(error_percent(limit.uncertainty[i, s], 0.0, mean)),
+                int(i) + 1,
+                SIDES[s],
+                {r.level: float(r.load[i, s]) for r in ours.runs},
+                {deck_label(r): float(r.load[i, s]) for r in series(data)},
+                float(best[i, s]),
+                own,
+                float(limit.load[i, s]),
+                float(error_percent(limit.uncertainty[i, s], 0.0, mean)),
                 float(error_percent(best[i, s], limit.load[i, s], mean)),
             )
-        )  # fmt: skip
+        )
     return rows
 
 
 def columns(data: CrossData, ours: Reference) -> list[Column]:
     """Columns of the table of contacts."""
     return [
-        Column("ball", "ball", "", "s"), Column("side", "side", "", "s"),
+        Column("ball", "ball", "", "s"),
+        Column("side", "side", "", "s"),
         *(Column(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
         Column("ours", "reference, extrapolated", "N", ".2f"),
         Column("ours_percent", "its uncertainty", "% of mean", ".2f"),
@@ -88,7 +97,7 @@ def columns(data: CrossData, ours: Reference) -> list[Column]:
         Column("theirs", "CalculiX, extrapolated", "N", ".2f"),
         Column("theirs_percent", "its uncertainty", "% of mean", ".2f"),
         Column("difference", "difference", "% of mean", "+.2f"),
-    ]  # fmt: skip
+    ]
 
 
 def agreement(name: str, rows: Sequence[ContactRow]) -> str:

@@ -38,12 +38,17 @@ def _choices(*rows: tuple[float, float, float], large: tuple[float, float, float
 #: Decks of every scene that is checked: element size at the contacts, growth and contact stiffness varied.
 STUDIES: dict[str, list[DeckOptions]] = {
     "two-balls": _choices(
-        (0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.1, 0.6, 2e8), (1.5, 0.6, 2e8), (1.1, 0.8, 2e8),
-        (0.8, 0.4, 2e8), (0.8, 0.6, 1e9), large=(0.6, 0.8, 2e8),
+        (0.6, 0.8, 2e8),
+        (0.8, 0.6, 2e8),
+        (1.2, 0.4, 2e8),
+        (1.1, 0.6, 2e8),
+        (1.5, 0.6, 2e8),
+        (1.1, 0.8, 2e8),
+        (0.8, 0.4, 2e8),
+        (0.8, 0.6, 1e9),
+        large=(0.6, 0.8, 2e8),
     ),
-    "lin-case1-cut": _choices(
-        (0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9),
-    ),
+    "lin-case1-cut": _choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
 }
 
 
@@ -103,8 +108,20 @@ def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> Cro
         held[i] = spring * np.sum(list(outcome.moved[f"BALL{i + 1}_WEAK"].values()), axis=0)
     loose = np.linalg.norm(resultant - held, axis=1)  # what is printed acts on the slave, the ball
     return CrossRun(
-        options.b_over_h, options.growth, options.stiffness, options.spring, options.nlgeom, made.fine, deck,
-        tuple(BodyMesh(b.name, len(b.points), len(b.cells), made.quality[b.name]) for b in made.deck.bodies), load,
-        float(np.linalg.norm(held, axis=1).max()), float(loose.max()), outcome.iterations, outcome.correction,
-        outcome.seconds, outcome.date, f"CalculiX {outcome.version}",
-    )  # fmt: skip
+        options.b_over_h,
+        options.growth,
+        options.stiffness,
+        options.spring,
+        options.nlgeom,
+        made.fine,
+        deck,
+        tuple(BodyMesh(b.name, len(b.points), len(b.cells), made.quality[b.name]) for b in made.deck.bodies),
+        load,
+        float(np.linalg.norm(held, axis=1).max()),
+        float(loose.max()),
+        outcome.iterations,
+        outcome.correction,
+        outcome.seconds,
+        outcome.date,
+        f"CalculiX {outcome.version}",
+    )

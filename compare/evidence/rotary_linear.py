@@ -13,14 +13,7 @@ from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.findings import Finding, collect, entry
 from compare.printed.printed_data import load_table
-from lowfi.friction.bearing.rotary import (
-    SIDES,
-    Bearing,
-    Mode,
-    Solution,
-    solve_ball,
-    solve_ball_as_printed,
-)
+from lowfi.friction.bearing.rotary import SIDES, Bearing, Mode, Solution, solve_ball, solve_ball_as_printed
 from lowfi.friction.contact.ellipse import Array, cubic_factor, linear_error, linear_factor
 from lowfi.friction.linear.analytic import velocity_deviation
 from lowfi.friction.linear.bearing import LinearBearing
@@ -85,10 +78,16 @@ def given_rotary() -> dict[str, Ours]:
     """Table 3.1: inputs."""
     b = ROTARY
     values = {
-        "R_B": 1e3 * b.ball_radius, "conformity": 0.5 * b.groove_radius / b.ball_radius, "R_P": 1e3 * b.pitch_radius,
-        "beta": degrees(b.contact_angle), "F_x": AXIAL, "omega_I": b.speed / (2.0 * np.pi), "mu": b.mu, "E": b.young,
+        "R_B": 1e3 * b.ball_radius,
+        "conformity": 0.5 * b.groove_radius / b.ball_radius,
+        "R_P": 1e3 * b.pitch_radius,
+        "beta": degrees(b.contact_angle),
+        "F_x": AXIAL,
+        "omega_I": b.speed / (2.0 * np.pi),
+        "mu": b.mu,
+        "E": b.young,
         "nu": b.poisson,
-    }  # fmt: skip
+    }
     return {key: Ours(right=float(v)) for key, v in values.items()}
 
 
@@ -131,18 +130,26 @@ def table_3_3() -> dict[str, Ours]:
     """Table 3.3: inputs, the worst case of 3.3.4.1 and its claims."""
     b, worst, m = LINEAR, pair(WORST), claim_maps()
     values = {
-        "ball_radius": 1e3 * b.ball_radius, "conformity": b.conformity, "psi": b.psi(), "vertical": VERTICAL,
-        "speed": 1e3 * b.speed, "mu": b.mu, "young": b.young, "poisson": b.poisson,
-        "contact_angle": degrees(b.contact_angle), "yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius,
-    }  # fmt: skip
+        "ball_radius": 1e3 * b.ball_radius,
+        "conformity": b.conformity,
+        "psi": b.psi(),
+        "vertical": VERTICAL,
+        "speed": 1e3 * b.speed,
+        "mu": b.mu,
+        "young": b.young,
+        "poisson": b.poisson,
+        "contact_angle": degrees(b.contact_angle),
+        "yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius,
+    }
     out = {key: Ours(right=v) for key, v in values.items()}
     total = 100.0 * worst.touching.loss / worst.free.loss
     added = float(error_percent(worst.rubbing_ratio, 1.0))
     out["worst_ratio"] = Ours(
-        100.0 * worst.rubbing_ratio, total,
+        100.0 * worst.rubbing_ratio,
+        total,
         evidence=f"an increase of {added:.1f} %, of {float(error_percent(total, 100.0)):.1f} % with the groove losses' "
         "change, which the right value counts",
-    )  # fmt: skip
+    )
     fields = (m.force[4:, 2::-1], m.ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
     top = float(error_percent(m.ratio.max(), 1.0))
@@ -154,7 +161,7 @@ def table_3_3() -> dict[str, Ours]:
         holds=inside < 0.02 and corner > 3.0 * inside,
         evidence=f"error of the formulas over the largest value: at most {inside:.1%} within half of both ranges, "
         f"at least {corner:.1%} at the corners",
-    )  # fmt: skip
+    )
     closing = m.difference > 1e-9
     apart = float(np.abs(m.force[~closing]).max())
     out["sign_region"] = Ours(
@@ -237,7 +244,7 @@ def appendix_g() -> dict[str, Ours]:
         "pressure": Ours(right=pressure),
         "a_over_R": Ours(cut, a_over_r, evidence="the printed digits are those of the exact value, cut off"),
         "eta": Ours(degrees(reach * cut), degrees(reach * a_over_r), evidence="from the value that was cut off"),
-    }  # fmt: skip
+    }
 
 
 @cache

@@ -13,24 +13,11 @@ from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.findings import Finding, collect, entry
 from compare.printed.printed_data import load_table
-from lowfi.friction.bearing.pairs import (
-    TorqueCurve,
-    double_row,
-    four_point,
-    torque_curve,
-)
+from lowfi.friction.bearing.pairs import TorqueCurve, double_row, four_point, torque_curve
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.errors import Onset, contact_onset
 from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.pair import (
-    INFERRED_OVERSIZE,
-    PairResult,
-    implied_load,
-    inferred,
-    plain,
-    solve_pair,
-    table_3_6,
-)
+from lowfi.friction.screw.pair import INFERRED_OVERSIZE, PairResult, implied_load, inferred, plain, solve_pair, table_3_6
 from lowfi.friction.screw.run import RunResult, lin_3_4_4, simulate, summarise
 
 TABLES = ("lin-3.6", "lin-3.7", "lin-3.4.4", "lin-4.2", "lin-4.3")
@@ -102,10 +89,16 @@ def table_3_6_values() -> dict[str, Ours]:
     """Table 3.6: inputs."""
     g = table_3_6()
     values = {
-        "R_B": 1e3 * g.ball_radius, "conformity": 0.5 * g.groove_radius / g.ball_radius, "R_P": 1e3 * g.pitch_radius,
-        "lead": 1e3 * g.lead, "beta": degrees(g.contact_angle), "omega_N": g.speed / np.pi, "mu": g.mu,
-        "nu": g.poisson, "force": plain(0.0).force[0],
-    }  # fmt: skip
+        "R_B": 1e3 * g.ball_radius,
+        "conformity": 0.5 * g.groove_radius / g.ball_radius,
+        "R_P": 1e3 * g.pitch_radius,
+        "lead": 1e3 * g.lead,
+        "beta": degrees(g.contact_angle),
+        "omega_N": g.speed / np.pi,
+        "mu": g.mu,
+        "nu": g.poisson,
+        "force": plain(0.0).force[0],
+    }
     return {key: Ours(float(v)) for key, v in values.items()} | {"E": modulus(g.young)}
 
 
@@ -124,11 +117,12 @@ def table_3_7_values() -> dict[str, Ours]:
         implied = implied_load(inferred(radians(THETA[case])), force, 1e-2 * more)
         off = [float(error_percent(r.force, force)) for r in two]
         out[f"force_{case}"] = Ours(
-            two[0].force, two[1].force,
+            two[0].force,
+            two[1].force,
             evidence=f"the text as it stands does not give it ({off[0]:+.0f} %): printed force and increase imply "
             f"{implied:.0f} N of contact load a ball, the plain reading has {two[0].load.mean():.0f} N, the inferred "
             f"one {two[1].load.mean():.0f} N ({off[1]:+.1f} %)",
-        )  # fmt: skip
+        )
         off = [float(error_percent(increase(r), more)) for r in two]
         out[f"increase_{case}"] = Ours(
             increase(two[0]), increase(two[1]), evidence=f"plain {off[0]:+.0f} %, inferred {off[1]:+.1f} % off"
@@ -162,8 +156,14 @@ def table_3_4_4_values() -> dict[str, Ours]:
     """3.4.4: inputs, the numbers with theta of 3 degrees and beside them with 2, and the claims."""
     base, found = lin_3_4_4(), {a: summarise(run(a)) for a in AMPLITUDES}
     low, high = (found[a] for a in AMPLITUDES)
-    inputs = {"balls": base.count, "turns": base.turns, "force": base.force[0], "duration": base.duration,
-              "steps": base.steps, "occupation": 100.0 * base.occupation}  # fmt: skip
+    inputs = {
+        "balls": base.count,
+        "turns": base.turns,
+        "force": base.force[0],
+        "duration": base.duration,
+        "steps": base.steps,
+        "occupation": 100.0 * base.occupation,
+    }
     out = {key: Ours(float(v)) for key, v in inputs.items()}
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * INFERRED_OVERSIZE:g} µm oversize"
     earlier = "; earlier than printed, see table friction-run-sensitivity"
@@ -185,7 +185,7 @@ def table_3_4_4_values() -> dict[str, Ours]:
         f"oversize, loads coupled to friction, {variation(loose):.1%} from the second step on and "
         f"{summarise(loose).groove_variation:.0%} with the first, whose loads know of no friction yet: mostly the "
         "start, not third contacts that come and go",
-    )  # fmt: skip
+    )
     again = [engages_again(run(a)) for a in AMPLITUDES]
     out["none_then_again"] = Ours(holds=all(again), evidence="with 2 and with 3 deg")
     return out
@@ -196,13 +196,19 @@ def table_4_2_values() -> dict[str, Ours]:
     four, double = four_point(), double_row()
     g = four.groove
     values = {
-        "pitch_diameter": 2e3 * g.pitch_radius, "beta": degrees(g.contact_angle), "nu": g.poisson,
-        "thickness_dr": 2e3 * (double.rows[1].place - double.rows[0].place), "force": four.force,
+        "pitch_diameter": 2e3 * g.pitch_radius,
+        "beta": degrees(g.contact_angle),
+        "nu": g.poisson,
+        "thickness_dr": 2e3 * (double.rows[1].place - double.rows[0].place),
+        "force": four.force,
         "speed": g.screw_speed / (2.0 * np.pi),
-    }  # fmt: skip
+    }
     for key, case in (("4p", four), ("dr", double)):
-        values |= {f"ball_{key}": 1e3 * case.groove.ball_radius, f"groove_{key}": 1e3 * case.groove.groove_radius,
-                   f"balls_{key}": case.count}  # fmt: skip
+        values |= {
+            f"ball_{key}": 1e3 * case.groove.ball_radius,
+            f"groove_{key}": 1e3 * case.groove.groove_radius,
+            f"balls_{key}": case.count,
+        }
     out = {key: Ours(float(v)) for key, v in values.items()} | {"E": modulus(g.young)}
     out["thickness_dr"] = replace(out["thickness_dr"], evidence="only twice the distance of the rows, an assumption")
     for key in ("outer_diameter", "inner_diameter", "thickness_4p"):
@@ -222,9 +228,7 @@ def table_4_3_values(study: Study) -> dict[str, Ours]:
         "ratio_4p": Ours(
             ratios[0], evidence=f"load angles of 0 to 18 deg, inner ring free to tilt; {still:.2f} where it cannot tilt"
         ),
-        "four_worse": Ours(
-            holds=ratios[0] > 3.0 * max(ratios[1:]), evidence=f"{ratios[0]:.2f} against {ratios[1]:.2f}"
-        ),
+        "four_worse": Ours(holds=ratios[0] > 3.0 * max(ratios[1:]), evidence=f"{ratios[0]:.2f} against {ratios[1]:.2f}"),
         "dr_consistent": Ours(
             holds=bool(np.all(double.four == 0)) and ratios[1] < 1.28,
             evidence=f"never more than two contacts a ball; ratio {ratios[1]:.2f} with tilt, {ratios[2]:.2f} without",
@@ -239,7 +243,7 @@ def table_4_3_values(study: Study) -> dict[str, Ours]:
             f"{first['roundness', 0.9]:.0f} deg at 0.9 of the nominal velocity; with pitch error "
             f"{first['pitch', 0.0]:.0f} deg; {lost['roundness']} balls lost against {lost['pitch']}",
         ),
-    }  # fmt: skip
+    }
 
 
 def ours(study: Study) -> dict[str, dict[str, Ours]]:

@@ -60,6 +60,4 @@ def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | T
         "a ball of a screw that bears next to no load in clearance may also float or be wedged by its own friction, and "
         "where the search begins decides: there the restarts keep the loads that were found."
     )
-    return (
-        Text(text), Table("friction-extremes", "Friction and ball motion: extreme cases", COLUMNS, shown, note),
-    )  # fmt: skip
+    return (Text(text), Table("friction-extremes", "Friction and ball motion: extreme cases", COLUMNS, shown, note))

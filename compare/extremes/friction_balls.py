@@ -29,9 +29,7 @@ class OneBall:
     power: Callable[[Array], float]
 
 
-def rotary_ball(
-    bearing: Bearing, axial: float, u_y: float, sharpness: float = 100.0, hertz: Mode = "right"
-) -> OneBall:  # fmt: skip
+def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = 100.0, hertz: Mode = "right") -> OneBall:
     """Rotary bearing at an axial load [N] and a radial displacement [m]."""
     s = solve_ball(bearing, axial, u_y, hertz, fast=True)
     law = source_law(bearing, sharpness, None) if bearing.speed else Sigmoid(sharpness, 1.0)
@@ -61,8 +59,10 @@ def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) 
     tally.cases += 1
     first = least_dissipation(ball.problem, fast=True)
     size = float(np.max(np.abs(first.q))) or 1.0
-    starts = [first.q + off * rng.uniform(-1.0, 1.0, first.q.size) * np.maximum(np.abs(first.q), 0.01 * size)
-              for _ in range(STARTS)]  # fmt: skip
+    starts = [
+        first.q + off * rng.uniform(-1.0, 1.0, first.q.size) * np.maximum(np.abs(first.q), 0.01 * size)
+        for _ in range(STARTS)
+    ]
     for m in (first, *(least_dissipation(ball.problem, q, fast=True) for q in starts)):
         wrench = np.column_stack([m.friction.force, m.friction.moment])
         apart = abs(m.loss - first.loss) / first.loss if first.loss > 0.0 else abs(m.loss)
@@ -99,23 +99,40 @@ def ball_rows() -> list[Record]:
         rows.append(ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", both, note, off))
     rows += [
         ball_group("theta to ±5°", "screw", [screw_ball(inferred(radians(t))) for t in ANGLES]),
-        ball_group("mu 0.001 to 0.5", "screw",
-                   [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in MU]),
-        ball_group("mu 0.001 to 0.5", "rotary",
-                   [rotary_ball(replace(ROTARY, mu=m), 100.0, u) for m, u in product(MU, CASES.values())]),
-        ball_group("two-point transition", "rotary", [rotary_ball(ROTARY, 100.0, float(u)) for u in around],
-                   "radial displacement 4.2 to 4.5 µm"),
-        ball_group("two-point transition", "screw", [screw_share(10.0**-k) for k in range(13)],
-                   "load of the second diagonal down to 1e-12 of the first"),
-        ball_group("loads 1e-3 to 1e5 N", "rotary",
-                   [rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]),
+        ball_group("mu 0.001 to 0.5", "screw", [screw_ball(replace(inferred(two), groove=table_3_6(mu=m))) for m in MU]),
+        ball_group(
+            "mu 0.001 to 0.5",
+            "rotary",
+            [rotary_ball(replace(ROTARY, mu=m), 100.0, u) for m, u in product(MU, CASES.values())],
+        ),
+        ball_group(
+            "two-point transition",
+            "rotary",
+            [rotary_ball(ROTARY, 100.0, float(u)) for u in around],
+            "radial displacement 4.2 to 4.5 µm",
+        ),
+        ball_group(
+            "two-point transition",
+            "screw",
+            [screw_share(10.0**-k) for k in range(13)],
+            "load of the second diagonal down to 1e-12 of the first",
+        ),
+        ball_group("loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]),
         ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in LOADS]),
-        ball_group("clearance to 10 µm", "rotary",
-                   [rotary_ball(b, 100.0, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))]),
-        ball_group("clearance to 10 µm", "screw",
-                   [screw_ball(replace(plain(two), oversize=-c, coupling="none")) for c in CLEARANCE]),
-        ball_group("zero speed", "rotary",
-                   [rotary_ball(replace(ROTARY, speed=0.0), 100.0, u) for u in CASES.values()], "nothing turns"),
+        ball_group(
+            "clearance to 10 µm", "rotary", [rotary_ball(b, 100.0, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))]
+        ),
+        ball_group(
+            "clearance to 10 µm",
+            "screw",
+            [screw_ball(replace(plain(two), oversize=-c, coupling="none")) for c in CLEARANCE],
+        ),
+        ball_group(
+            "zero speed",
+            "rotary",
+            [rotary_ball(replace(ROTARY, speed=0.0), 100.0, u) for u in CASES.values()],
+            "nothing turns",
+        ),
         ball_group("zero speed", "screw", [screw_ball(replace(inferred(two), groove=rest))], "nothing turns"),
-    ]  # fmt: skip
+    ]
     return rows

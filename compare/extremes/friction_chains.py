@@ -54,9 +54,13 @@ class LinearCase:
 
 
 def chain_group(
-    group: str, cases: Sequence[LinearCase], model: str = "linear pair", starts: int = CHAIN_STARTS, most: int = 200,
+    group: str,
+    cases: Sequence[LinearCase],
+    model: str = "linear pair",
+    starts: int = CHAIN_STARTS,
+    most: int = 200,
     note: str = "",
-) -> Record:  # fmt: skip
+) -> Record:
     """Chains of the linear bearing from their own start and random ones; the source's way from as far off.
 
     starts: random ones; most: balls up to which the source's way is tried.
@@ -77,9 +81,7 @@ def chain_group(
     return tally.record(group, model, note)
 
 
-def linear_pair(
-    theta: float, rho: float, vertical: float = 100.0, mu: float = 0.1, speed: float = 0.01
-) -> LinearCase:  # fmt: skip
+def linear_pair(theta: float, rho: float, vertical: float = 100.0, mu: float = 0.1, speed: float = 0.01) -> LinearCase:
     """Linear pair; theta [deg], side force ratio, load [N], friction coefficient, speed [m/s]."""
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
     return LinearCase(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
@@ -189,25 +191,47 @@ def chain_rows() -> list[Record]:
         chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]),
         chain_group("two-point transition", [relieved_pair(10.0**-k) for k in range(1, 13)]),
         chain_group("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),
-        chain_group("chains", [linear_chain(n) for n in LINEAR_BALLS],
-                    f"linear, {', '.join(map(str, LINEAR_BALLS))} balls"),
-        chain_group("chains, mu 0.001 to 0.5", [linear_chain(n, m) for n, m in product(LINEAR_BALLS, MU)],
-                    f"linear, {', '.join(map(str, LINEAR_BALLS))} balls", 1, SOURCE_BALLS, few),
-        chain_group("chains, mu 0.001 to 0.5", [patchy_chain(n, m) for n, m in product(LINEAR_BALLS, MU)],
-                    "the same, a quarter of the contacts unloaded", 1, SOURCE_BALLS, few),
+        chain_group(
+            "chains", [linear_chain(n) for n in LINEAR_BALLS], f"linear, {', '.join(map(str, LINEAR_BALLS))} balls"
+        ),
+        chain_group(
+            "chains, mu 0.001 to 0.5",
+            [linear_chain(n, m) for n, m in product(LINEAR_BALLS, MU)],
+            f"linear, {', '.join(map(str, LINEAR_BALLS))} balls",
+            1,
+            SOURCE_BALLS,
+            few,
+        ),
+        chain_group(
+            "chains, mu 0.001 to 0.5",
+            [patchy_chain(n, m) for n, m in product(LINEAR_BALLS, MU)],
+            "the same, a quarter of the contacts unloaded",
+            1,
+            SOURCE_BALLS,
+            few,
+        ),
         screw_pairs("theta to ±5°", [inferred(radians(t)) for t in ANGLES]),
         screw_pairs("mu 0.001 to 0.5", [replace(base, groove=table_3_6(mu=m)) for m in MU]),
         screw_pairs("loads 1e-3 to 1e5 N", [replace(base, force=(f,)) for f in LOADS]),
-        screw_pairs("two-point transition",
-                    [replace(base, oversize=o) for o in 1e-6 * np.linspace(0.8, 1.1, 13)], "oversize 0.8 to 1.1 µm"),
-        screw_pairs("clearance to 10 µm", [replace(plain(two), oversize=-c, coupling="none") for c in CLEARANCE],
-                    "loads not coupled"),
-        screw_pairs("clearance to 10 µm", [replace(plain(two), oversize=-c) for c in CLEARANCE],
-                    "friction moves the balls"),
-        screw_pairs("small loads and clearance",
-                    [replace(plain(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
-                    "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm"),
+        screw_pairs(
+            "two-point transition",
+            [replace(base, oversize=o) for o in 1e-6 * np.linspace(0.8, 1.1, 13)],
+            "oversize 0.8 to 1.1 µm",
+        ),
+        screw_pairs(
+            "clearance to 10 µm",
+            [replace(plain(two), oversize=-c, coupling="none") for c in CLEARANCE],
+            "loads not coupled",
+        ),
+        screw_pairs(
+            "clearance to 10 µm", [replace(plain(two), oversize=-c) for c in CLEARANCE], "friction moves the balls"
+        ),
+        screw_pairs(
+            "small loads and clearance",
+            [replace(plain(two), oversize=-c, force=(f,)) for c, f in product(CLEARANCE[1:], SMALL)],
+            "friction moves the balls; 1e-3 to 0.3 N, 1 to 10 µm",
+        ),
         screw_pairs("zero speed", [replace(base, groove=table_3_6(nut_speed=0.0))]),
         screw_chains(),
         bearing_clearance(),
-    ]  # fmt: skip
+    ]

@@ -108,10 +108,11 @@ def _materials(base: Scene, screw: float, nut: float, balls: float) -> Scene:
         return replace(m, youngs_modulus=m.youngs_modulus * factor)
 
     return replace(
-        base, screw=replace(base.screw, material=scaled(base.screw.material, screw)),
+        base,
+        screw=replace(base.screw, material=scaled(base.screw.material, screw)),
         nut=replace(base.nut, material=scaled(base.nut.material, nut)),
         balls=replace(base.balls, material=scaled(base.balls.material, balls)),
-    )  # fmt: skip
+    )
 
 
 def shaft_scaled(base: Scene, factor: float) -> Scene:
@@ -132,9 +133,7 @@ def shaft_scaled(base: Scene, factor: float) -> Scene:
 def conforming(base: Scene, ratio: float) -> Scene:
     """Groove radii at ``ratio`` times the ball radius."""
     radius = ratio * base.balls.radius
-    return replace(
-        base, screw=replace(base.screw, groove_radius=radius), nut=replace(base.nut, groove_radius=radius)
-    )
+    return replace(base, screw=replace(base.screw, groove_radius=radius), nut=replace(base.nut, groove_radius=radius))
 
 
 def with_balls(base: Scene, count: int) -> Scene:
@@ -289,10 +288,20 @@ def _ours(case: Case) -> Row:
     status = fault or result.status
     s = result.solver
     return Row(
-        case.name, case.group, OURS, status, case.expected, status == CONVERGED, s.iterations, _finite(s.residual),
-        s.round_off_bound, perf_counter() - begin, s.unknowns, 0.0 if status == CONVERGED else None,
+        case.name,
+        case.group,
+        OURS,
+        status,
+        case.expected,
+        status == CONVERGED,
+        s.iterations,
+        _finite(s.residual),
+        s.round_off_bound,
+        perf_counter() - begin,
+        s.unknowns,
+        0.0 if status == CONVERGED else None,
         "; ".join((_short(status), *result.warnings)),
-    )  # fmt: skip
+    )
 
 
 def _elastic(case: Case, formulation: str) -> Row:
@@ -303,15 +312,37 @@ def _elastic(case: Case, formulation: str) -> Row:
     except ValueError as error:
         status = f"not attempted: {error}"
         return Row(
-            case.name, case.group, formulation, status, case.expected, False, 0, None, 0.0, perf_counter() - begin, 0, None,
+            case.name,
+            case.group,
+            formulation,
             status,
-        )  # fmt: skip
+            case.expected,
+            False,
+            0,
+            None,
+            0.0,
+            perf_counter() - begin,
+            0,
+            None,
+            status,
+        )
     status = _fault(result) or result.status
     s = result.solver
     return Row(
-        case.name, case.group, formulation, status, case.expected, status == CONVERGED, s.iterations, _finite(s.residual),
-        s.round_off_bound, perf_counter() - begin, s.unknowns, None, "; ".join((_short(status), *result.warnings)),
-    )  # fmt: skip
+        case.name,
+        case.group,
+        formulation,
+        status,
+        case.expected,
+        status == CONVERGED,
+        s.iterations,
+        _finite(s.residual),
+        s.round_off_bound,
+        perf_counter() - begin,
+        s.unknowns,
+        None,
+        "; ".join((_short(status), *result.warnings)),
+    )
 
 
 def _fault(result: StaticResult) -> str:
@@ -353,9 +384,20 @@ def _source(case: Case, formulation: str, scene: Scene, ours: StaticResult | Non
             ours = ours if ours is not None else solve_static(scene, engine="compiled")
             difference = _difference(found.load, ours) if ours.converged else None
     return Row(
-        case.name, case.group, formulation, status, case.expected, status == CONVERGED, iterations, _finite(residual),
-        0.0, seconds, unknowns, difference, _short(status) + _apart(difference),
-    )  # fmt: skip
+        case.name,
+        case.group,
+        formulation,
+        status,
+        case.expected,
+        status == CONVERGED,
+        iterations,
+        _finite(residual),
+        0.0,
+        seconds,
+        unknowns,
+        difference,
+        _short(status) + _apart(difference),
+    )
 
 
 def _apart(difference: float | None) -> str:

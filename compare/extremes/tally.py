@@ -97,6 +97,14 @@ class Tally:
                 more = f"roots of the source's that {what}: {count}"
                 note = f"{note}; {more}" if note else more
         return Record(
-            group, model, self.cases, self.ours, self.tries, self.energy, self.spread,
-            self.source if tried else None, tried, note,
-        )  # fmt: skip
+            group,
+            model,
+            self.cases,
+            self.ours,
+            self.tries,
+            self.energy,
+            self.spread,
+            self.source if tried else None,
+            tried,
+            note,
+        )

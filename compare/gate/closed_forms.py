@@ -31,10 +31,12 @@ def sphere_on_flat(scene: Scene, force: float) -> list[tuple[str, str, float, fl
         ("Hertz, sphere on flat: approach", "um", 1e6 * float(c.C) * force ** (2.0 / 3.0), 1e6 * a * a / r),
         ("Hertz, sphere on flat: contact radius", "mm", 1e3 * float(c.C_a) * force ** (1.0 / 3.0), 1e3 * a),
         (
-            "Hertz, sphere on flat: pole pressure", "MPa", 1e-6 * float(c.pressure(np.array(force))),
+            "Hertz, sphere on flat: pole pressure",
+            "MPa",
+            1e-6 * float(c.pressure(np.array(force))),
             1e-6 * 1.5 * force / (pi * a * a),
         ),
-    ]  # fmt: skip
+    ]
 
 
 def rigid_axial(scene: Scene) -> tuple[float, float]:
@@ -44,9 +46,11 @@ def rigid_axial(scene: Scene) -> tuple[float, float]:
     D = |(d cos beta, d sin beta + s cos alpha)|; F = ((D - d)/(C_S + C_N))^(3/2) acts along that line.
     """
     rigid = replace(
-        scene, errors=Errors(), ingredients=Ingredients(screw="rigid"),
+        scene,
+        errors=Errors(),
+        ingredients=Ingredients(screw="rigid"),
         supports=(Support(0.0, tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))),),
-    )  # fmt: skip
+    )
     force = sum(load.force[2] for load in scene.loads)
     constants = nominal_hertz(rigid).C
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
@@ -86,11 +90,14 @@ def cantilever(scene: Scene) -> tuple[float, float]:
 def two_opposite_balls(scene: Scene) -> tuple[float, float]:
     """Two opposite balls without lead under an axial load: each carries F / (2 sin gamma), computed and closed form."""
     ring = replace(
-        scene, errors=Errors(), track=replace(scene.track, lead=0.0),
+        scene,
+        errors=Errors(),
+        track=replace(scene.track, lead=0.0),
         balls=replace(scene.balls, azimuths=(0.0, pi)),
         supports=(Support(0.0, tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))),),
-        ingredients=Ingredients(screw="rigid"), loads=(Load(0.0, force=(0.0, 0.0, 100.0)),),
-    )  # fmt: skip
+        ingredients=Ingredients(screw="rigid"),
+        loads=(Load(0.0, force=(0.0, 0.0, 100.0)),),
+    )
     result = solve_static(ring)
     gamma = float(result.contact_angle[0, 0])
     return float(result.load[0, 0]), 100.0 / (2.0 * sin(gamma))
@@ -103,9 +110,11 @@ def preload(scene: Scene, oversize: float) -> tuple[float, float]:
     each nut flank likewise with x + d cos beta, d the groove centre's distance from the ball; radial forces balance.
     """
     squeezed = replace(
-        scene, errors=replace(Errors(), balls=replace(Errors().balls, oversize=oversize)), loads=(),
+        scene,
+        errors=replace(Errors(), balls=replace(Errors().balls, oversize=oversize)),
+        loads=(),
         ingredients=Ingredients(screw="rigid"),
-    )  # fmt: skip
+    )
     constants = drawn_hertz(squeezed, specimen(squeezed, ball_layout(squeezed))).C[0]
     beta = scene.track.contact_angle
     screw, nut = (body.groove_radius - scene.balls.radius for body in (scene.screw, scene.nut))

@@ -56,9 +56,15 @@ def finding_row(finding: Finding, max_error: float) -> GateRow:
     p = finding.printed
     if p.value is None:
         return GateRow(
-            f"{p.place}: {p.claim}", f"claim, {p.cls}", None, None, None, None, finding.agrees is not False,
+            f"{p.place}: {p.claim}",
+            f"claim, {p.cls}",
+            None,
+            None,
+            None,
+            None,
+            finding.agrees is not False,
             finding.evidence,
-        )  # fmt: skip
+        )
     label = f"{p.place}: {p.label}"
     kind = f"printed, {p.cls}" if p.cls != "input" else "input, held by its scene"
     if p.value == 0.0:  # no per cent of it: within its own tolerance or not
@@ -77,9 +83,13 @@ def printed_rows(study: Study, max_error: float) -> list[GateRow]:
     from compare.sections.errors import single_findings
 
     found = [
-        *hertz.findings(study), *cases.findings_241(study), *single_findings(study), *manufacturing.findings(study),
-        *friction_values.findings(study), *friction_screw_values.findings(study),
-    ]  # fmt: skip
+        *hertz.findings(study),
+        *cases.findings_241(study),
+        *single_findings(study),
+        *manufacturing.findings(study),
+        *friction_values.findings(study),
+        *friction_screw_values.findings(study),
+    ]
     gated = [f for f in found if f.printed.cls in ("hard", "as-printed", "input") and f.agrees is not None]
     return [finding_row(f, max_error) for f in gated]
 
@@ -115,20 +125,31 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
         percent = float(error_percent(worst, 0.0, 1.0))
         rows.append(
             GateRow(
-                f"{name}: balance of the screw", "balance", worst, 0.0, percent, limit,
-                result.converged and percent <= limit, result.status,
+                f"{name}: balance of the screw",
+                "balance",
+                worst,
+                0.0,
+                percent,
+                limit,
+                result.converged and percent <= limit,
+                result.status,
             )
-        )  # fmt: skip
+        )
     for name in ("lin-case1", "lin-case3-offset"):
         theirs = best_start(study.scene(name), "arc")
         e2 = load_error(study.solve(name).load, theirs.load)
         rows.append(
             GateRow(
-                f"{name}: energy solver against the source's Newton, same equations", "two solvers", None, None,
-                e2.max_percent, limit, theirs.converged and e2.max_percent <= limit,
+                f"{name}: energy solver against the source's Newton, same equations",
+                "two solvers",
+                None,
+                None,
+                e2.max_percent,
+                limit,
+                theirs.converged and e2.max_percent <= limit,
                 f"worst at ball {e2.ball} {e2.side}; {theirs.status}",
             )
-        )  # fmt: skip
+        )
     return rows
 
 
@@ -170,10 +191,16 @@ def reference_rows(study: Study, max_error: float, loads: Mapping[str, Array] | 
         tight = min(TIGHT, max_error)
         rows.append(
             GateRow(
-                f"{name}: largest error of the mean load (ball {e.ball} {e.side})", "3D reference, tight", None, None,
-                e.max_percent, tight, e.max_percent - min(bar, tight) <= tight, f"reference's uncertainty {bar:.2f} %",
+                f"{name}: largest error of the mean load (ball {e.ball} {e.side})",
+                "3D reference, tight",
+                None,
+                None,
+                e.max_percent,
+                tight,
+                e.max_percent - min(bar, tight) <= tight,
+                f"reference's uncertainty {bar:.2f} %",
             )
-        )  # fmt: skip
+        )
     return rows
 
 
@@ -214,9 +241,12 @@ def run_gate(max_error: float, study: Study | None = None, step: Callable[[str],
     study = study or Study()
     del step
     return [
-        *printed_rows(study, max_error), *closed_form_rows(study, max_error), *solver_rows(study, max_error),
-        *reference_rows(study, max_error), *source_rows(study, max_error),
-    ]  # fmt: skip
+        *printed_rows(study, max_error),
+        *closed_form_rows(study, max_error),
+        *solver_rows(study, max_error),
+        *reference_rows(study, max_error),
+        *source_rows(study, max_error),
+    ]
 
 
 def as_table(rows: list[GateRow]) -> Table:
@@ -232,8 +262,12 @@ def as_table(rows: list[GateRow]) -> Table:
 
     for row in sorted(rows, key=lambda r: r.passed):
         table.add_row(
-            "ok" if row.passed else "FAIL", row.name + (f" ({row.detail})" if row.detail and not row.passed else ""),
-            row.kind, show(row.value, ".6g"), show(row.reference, ".6g"), show(row.error_percent, ".2e"),
+            "ok" if row.passed else "FAIL",
+            row.name + (f" ({row.detail})" if row.detail and not row.passed else ""),
+            row.kind,
+            show(row.value, ".6g"),
+            show(row.reference, ".6g"),
+            show(row.error_percent, ".2e"),
             show(row.limit_percent, ".2e"),
-        )  # fmt: skip
+        )
     return table

@@ -54,9 +54,7 @@ CONTENDERS = {
     for c in (
         Contender("refined", "refined model", "refined"),
         Contender("lin", "the source's low-order model", "lin"),
-        Contender(
-            "lin-source-partition", "the source's model on its 15 mm partition", "lin", (("partition", "source"),)
-        ),
+        Contender("lin-source-partition", "the source's model on its 15 mm partition", "lin", (("partition", "source"),)),
         Contender("lin-printed-hertz", "the source's model, Hertz constants as printed", "lin", (("hertz", "as printed"),)),
         Contender("mei", "Mei: axial bars, rigid nut", "mei"),
         Contender("mei-nut", "Mei: axial bars, nut as a bar", "mei-nut"),
@@ -174,15 +172,23 @@ def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
             continue
         bar = None if found.uncertainty is None else float(found.uncertainty[i, s])
         percent = float(error_percent(value, ref)) if ref > 0.0 else None
-        yield Row(
-            scene.name, "load", i + 1, SIDES[s], "N", None, answer.model, value, ref, bar, percent, answer.seconds
-        )
+        yield Row(scene.name, "load", i + 1, SIDES[s], "N", None, answer.model, value, ref, bar, percent, answer.seconds)
         if value > 0.0 and ref > 0.0:
             angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
             yield Row(
-                scene.name, "contact angle", i + 1, SIDES[s], "deg", None, answer.model, angle, own,
-                _bar(float(turns[i, s])), float(error_percent(angle, own)), answer.seconds,
-            )  # fmt: skip
+                scene.name,
+                "contact angle",
+                i + 1,
+                SIDES[s],
+                "deg",
+                None,
+                answer.model,
+                angle,
+                own,
+                _bar(float(turns[i, s])),
+                float(error_percent(angle, own)),
+                answer.seconds,
+            )
 
 
 def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
@@ -194,9 +200,19 @@ def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
         bars = uncertainties_of(found, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
         for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
             yield Row(
-                scene.name, f"centreline u{axis} at {1e3 * z:.4g} mm", None, None, "um", None, answer.model,
-                1e6 * float(value), 1e6 * float(ref), _bar(bar), float(error_percent(value, ref, largest)), answer.seconds,
-            )  # fmt: skip
+                scene.name,
+                f"centreline u{axis} at {1e3 * z:.4g} mm",
+                None,
+                None,
+                "um",
+                None,
+                answer.model,
+                1e6 * float(value),
+                1e6 * float(ref),
+                _bar(bar),
+                float(error_percent(value, ref, largest)),
+                answer.seconds,
+            )
 
 
 def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
@@ -216,9 +232,19 @@ def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
         yield Row(scene.name, name, None, None, unit, printed(key), answer.model, value, 0.0, bar, value, answer.seconds)
     ratio, own = load_ratio(answer.load), load_ratio(found.load)
     yield Row(
-        scene.name, "largest over smallest load, SL", None, None, "", printed(keys[2]), answer.model, ratio, own,
-        ratio_uncertainty(found), float(error_percent(ratio, own)), answer.seconds,
-    )  # fmt: skip
+        scene.name,
+        "largest over smallest load, SL",
+        None,
+        None,
+        "",
+        printed(keys[2]),
+        answer.model,
+        ratio,
+        own,
+        ratio_uncertainty(found),
+        float(error_percent(ratio, own)),
+        answer.seconds,
+    )
 
 
 def load_ratio(load: Array) -> float:
@@ -278,9 +304,7 @@ def gate_points(scene: Scene, found: Reference, max_error: float, load: Array | 
         scale = own if own >= SMALL * mean else mean
         error = float(error_percent(load[i, s], own, scale))
         bar = 0.0 if found.uncertainty is None else float(error_percent(found.uncertainty[i, s], 0.0, scale))
-        points.append(
-            GatePoint(scene.name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error)
-        )
+        points.append(GatePoint(scene.name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
     return points
 
 

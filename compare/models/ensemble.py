@@ -90,9 +90,16 @@ def run_ensemble(
     begin = perf_counter()
     found = _solve_members(scene, range(count), engine, n_jobs, backend)
     return EnsembleResult(
-        scene.name, np.stack([f[0] for f in found]), tuple(f[1] for f in found), np.array([f[2] for f in found]),
-        (perf_counter() - begin) / count, 0.0, GENERAL_PATH, 0, count,
-    )  # fmt: skip
+        scene.name,
+        np.stack([f[0] for f in found]),
+        tuple(f[1] for f in found),
+        np.array([f[2] for f in found]),
+        (perf_counter() - begin) / count,
+        0.0,
+        GENERAL_PATH,
+        0,
+        count,
+    )
 
 
 def _solve_members(
@@ -149,9 +156,16 @@ class _RadiiEnsemble:
             self.loads[m], statuses[m], self.residuals[m] = _one(self.scene, int(m), self.engine)
         count = len(self.radii)
         return EnsembleResult(
-            self.scene.name, self.loads, tuple(statuses), self.residuals, (perf_counter() - begin) / count,
-            self.setup / count, RADII_PATH, int(rest.size), int(left.size),
-        )  # fmt: skip
+            self.scene.name,
+            self.loads,
+            tuple(statuses),
+            self.residuals,
+            (perf_counter() - begin) / count,
+            self.setup / count,
+            RADII_PATH,
+            int(rest.size),
+            int(left.size),
+        )
 
     def _system(self, use: NDArray[np.bool_]) -> Prepared | None:
         """The common system, started from the solution without random errors; None where the screw is not held."""
@@ -184,9 +198,15 @@ class _RadiiEnsemble:
             loads = np.zeros((part.size, self.radii.shape[1], 4))
             statuses, residuals = np.zeros(part.size, dtype=np.int64), np.zeros(part.size)
             prepared.engine.ensemble(
-                prepared.beam, prepared.contacts, prepared.state, prepared.options, *self._contacts(prepared, part),
-                loads, statuses, residuals,
-            )  # fmt: skip
+                prepared.beam,
+                prepared.contacts,
+                prepared.state,
+                prepared.options,
+                *self._contacts(prepared, part),
+                loads,
+                statuses,
+                residuals,
+            )
             good = (statuses <= 1) & (residuals <= ACCEPTED)
             self.loads[part[good]], self.residuals[part[good]] = loads[good], residuals[good]
             self.solved[part] = good
@@ -212,9 +232,7 @@ class _RadiiEnsemble:
     def _copy_start(prepared: Prepared) -> tuple[Array, Array]:
         return prepared.state[0].copy(), prepared.state[1].copy()
 
-    def _solve_part(
-        self, prepared: Prepared, begin: tuple[Array, Array], near: _Nearness, part: NDArray[np.int64]
-    ) -> None:
+    def _solve_part(self, prepared: Prepared, begin: tuple[Array, Array], near: _Nearness, part: NDArray[np.int64]) -> None:
         beam, state, options, history = prepared.beam, prepared.state, prepared.options, prepared.history
         node, B, _, _, _, profile, tiny = prepared.contacts
         solve = prepared.engine.solve

@@ -26,9 +26,7 @@ Array = NDArray[np.float64]
 
 #: Screws and a bearing that were not used while the refined model was developed: changed parts, and catalogue sizes.
 CHANGED = ("unseen-thin-nut", "unseen-short-nut", "unseen-hollow", "unseen-flange", "unseen-lead10")
-CATALOGUE = (
-    "unseen-16x5", "unseen-25x5", "unseen-32x10", "unseen-40x10", "unseen-63x20", "unseen-four-point",
-)  # fmt: skip
+CATALOGUE = ("unseen-16x5", "unseen-25x5", "unseen-32x10", "unseen-40x10", "unseen-63x20", "unseen-four-point")
 UNSEEN = (*CHANGED, *CATALOGUE)
 #: Those of most contacts, whose finest level takes six minutes and 6 GB: two levels.
 LARGE = ("unseen-25x5", "unseen-40x10", "unseen-lead10")
@@ -102,11 +100,15 @@ def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
     """What the model-form estimate rests on."""
     return [
         Point(
-            r.scene, r.model, round(r.error.max_percent, 3), round(r.error.rms_percent, 3), round(r.uncertainty or 0.0, 3),
+            r.scene,
+            r.model,
+            round(r.error.max_percent, 3),
+            round(r.error.rms_percent, 3),
+            round(r.uncertainty or 0.0, 3),
             {k: round(v, 4) for k, v in features(study.scene(r.scene), r.result.load).items()},
         )
         for r in rungs
-    ]  # fmt: skip
+    ]
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
@@ -118,8 +120,15 @@ def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
         made = estimate(study.scene(rung.scene), rung.result, own)
         if made.percent is not None:
             rows.append(
-                {"scene": rung.scene, "model": rung.model, "measured": rung.error.max_percent, "expected": made.percent,
-                 "rms": rung.error.rms_percent, "expected_rms": made.rms_percent, "distance": made.distance,
-                 "nearest": made.nearest}
-            )  # fmt: skip
+                {
+                    "scene": rung.scene,
+                    "model": rung.model,
+                    "measured": rung.error.max_percent,
+                    "expected": made.percent,
+                    "rms": rung.error.rms_percent,
+                    "expected_rms": made.rms_percent,
+                    "distance": made.distance,
+                    "nearest": made.nearest,
+                }
+            )
     return rows

@@ -50,9 +50,12 @@ def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     if name == "condensed":
         if options.condensed is None:
             raise InputError(
-                scene.name, "model", '"condensed"', "a file of condensed bodies",
+                scene.name,
+                "model",
+                '"condensed"',
+                "a file of condensed bodies",
                 "rollbench condense makes one: --condensed FILE",
-            )  # fmt: skip
+            )
         try:
             condensed = Condensed.read(options.condensed, scene)
         except OSError as error:
@@ -61,13 +64,20 @@ def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
             raise InputError(name_, "file", reason, "a file of condensed bodies", "check the path") from None
         except ValueError as error:
             raise InputError(
-                str(options.condensed), "file", str(error), "a file that rollbench condense made of this scene's parts",
+                str(options.condensed),
+                "file",
+                str(error),
+                "a file that rollbench condense made of this scene's parts",
                 "make it anew: rollbench condense",
-            ) from None  # fmt: skip
+            ) from None
     own: dict[str, Any] = {
-        "backend": LADDER.get(name, REFINED), "condensed": condensed, "name": name, "everything": options.everything,
-        "member": options.member, "engine": options.engine,
-    }  # fmt: skip
+        "backend": LADDER.get(name, REFINED),
+        "condensed": condensed,
+        "name": name,
+        "everything": options.everything,
+        "member": options.member,
+        "engine": options.engine,
+    }
     result = solve_elastic(scene, **own)
     return with_discretisation(scene, result, **own) if options.discretisation else result
 
@@ -107,14 +117,16 @@ MODELS = {
     m.name: m
     for m in (
         Model(
-            "refined", "elastic grooved screw, nut and balls between Hertz contacts, no 3D solve; the default",
+            "refined",
+            "elastic grooved screw, nut and balls between Hertz contacts, no 3D solve; the default",
             partial(_elastic, name="refined"),
         ),
         Model("lin", "beam screw, rigid nut, Hertz contacts; convex energy (Lin chapter 2, misprints mended)", _lin),
         Model("lin-cell", "the same with the section of the grooved shaft", partial(_elastic, name="lin-cell")),
         Model("lin-nut", "the same with the nut as a beam too", partial(_elastic, name="lin-nut")),
         Model(
-            "condensed", "refined, with the bodies of a condensed 3D model read from a file (--condensed FILE)",
+            "condensed",
+            "refined, with the bodies of a condensed 3D model read from a file (--condensed FILE)",
             partial(_elastic, name="condensed"),
         ),
         Model("source", "the same model in the source's own equations, plain Newton from a designer's guess", _source),

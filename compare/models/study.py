@@ -41,11 +41,7 @@ class Study:
 def with_groove(scene: Scene, conformity: float) -> Scene:
     """The scene with both groove radii set to ``conformity`` times the ball's diameter."""
     radius = 2.0 * conformity * scene.balls.radius
-    return replace(
-        scene,
-        screw=replace(scene.screw, groove_radius=radius),
-        nut=replace(scene.nut, groove_radius=radius),
-    )
+    return replace(scene, screw=replace(scene.screw, groove_radius=radius), nut=replace(scene.nut, groove_radius=radius))
 
 
 __all__ = ["Ingredients", "Study", "with_groove"]

@@ -94,5 +94,5 @@ def entry(table: str, key: str) -> Printed:
 
 
 def share(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
-    """"k of n" of a mask."""
+    """ "k of n" of a mask."""
     return f"{int(mask.sum())} of {mask.size}"

@@ -17,9 +17,12 @@ CLASSES: tuple[Class, ...] = ("hard", "as-printed", "band", "open", "input")
 Kind = Literal["number", "claim", "arithmetic", "zero", "input"]
 #: Kinds in words: what reproducing an entry of the kind says of a model. A table names the two in the middle.
 KINDS: dict[Kind, str] = {
-    "number": "computed number", "claim": "claim in words", "arithmetic": "arithmetic on printed numbers",
-    "zero": "zero by symmetry", "input": "input, taken over",
-}  # fmt: skip
+    "number": "computed number",
+    "claim": "claim in words",
+    "arithmetic": "arithmetic on printed numbers",
+    "zero": "zero by symmetry",
+    "input": "input, taken over",
+}
 NAMED: tuple[Kind, ...] = ("arithmetic", "zero")
 _TEXTS = ("key", "label", "printed", "unit", "place", "class", "kind", "remark", "origin", "claim")
 _NUMBERS = ("tolerance", "low", "high")
@@ -123,9 +126,7 @@ def _row(table: str, data: Mapping[str, Any], raw: Mapping[str, Any], index: int
         tolerance = raw.get("tolerance", last_digit(printed) if printed else 0.0)
         value = float(printed) if printed else None
     except (ValueError, InvalidOperation):
-        raise refuse(
-            "printed", 'a number as text, e.g. "0.978"', "write only the number; the unit has its key"
-        ) from None
+        raise refuse("printed", 'a number as text, e.g. "0.978"', "write only the number; the unit has its key") from None
     if not math.isfinite(tolerance) or tolerance < 0.0 or (value is not None and not math.isfinite(value)):
         raise refuse("tolerance", "finite, not negative", "give an absolute tolerance in the row's unit")
     source, place = str(data.get("source", "")), str(raw.get("place", data.get("place", "")))

@@ -50,9 +50,16 @@ def summarise(found: Reference) -> GridSummary:
     if found.extrapolated is not None:
         moved = float(np.abs(error_percent(found.extrapolated, found.load, mean)).max())
     return GridSummary(
-        found.scene, len(found.runs), mean, float(percent.max()), float(np.sqrt((percent[loaded] ** 2).mean())),
-        int(ball) + 1, int(side), moved, found.pooled,
-    )  # fmt: skip
+        found.scene,
+        len(found.runs),
+        mean,
+        float(percent.max()),
+        float(np.sqrt((percent[loaded] ** 2).mean())),
+        int(ball) + 1,
+        int(side),
+        moved,
+        found.pooled,
+    )
 
 
 def uncertainty_percent(found: Reference) -> float | None:

@@ -33,9 +33,13 @@ class Engine:
 
 
 def plan(
-    scenes: Sequence[Scene], levels: Sequence[int], variants: Sequence[str] = (), *, source: bool = False,
+    scenes: Sequence[Scene],
+    levels: Sequence[int],
+    variants: Sequence[str] = (),
+    *,
+    source: bool = False,
     ablate: bool = False,
-) -> list[Task]:  # fmt: skip
+) -> list[Task]:
     """Tasks of a study, dearest first: every level of every geometry, variants on their level, ablation on the coarsest."""
     tasks = []
     for group in groups(scenes):

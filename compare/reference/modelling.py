@@ -30,9 +30,7 @@ VARIED = ("lin-case1", "lin-case3")
 #: The one of them, preloaded, with all four flanks, on which every choice of the finest mesh is refined alone.
 REFINED = "lin-case3"
 #: The varied scene that speaks for others of the same parts.
-SPOKEN_FOR = {
-    "lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "lin-case3", "lin-case3-offset": "lin-case3",
-}  # fmt: skip
+SPOKEN_FOR = {"lin-case1": "lin-case1", "lin-case2": "lin-case1", "lin-case3": "lin-case3", "lin-case3-offset": "lin-case3"}
 
 
 @dataclass(frozen=True)
@@ -110,9 +108,13 @@ def combined(scene: Scene, effects: Sequence[Effect]) -> Modelling | None:
     loaded = contacts > 0.0
     order = sorted(worst, key=lambda c: -float((worst[c] ** 2).mean()))
     return Modelling(
-        scene.name, contacts, float(contacts.max()), float(np.sqrt((contacts[loaded] ** 2).mean())),
-        float(np.sqrt(np.nansum(np.square(list(ratios.values()))))), {c: float(worst[c].max()) for c in order},
-    )  # fmt: skip
+        scene.name,
+        contacts,
+        float(contacts.max()),
+        float(np.sqrt((contacts[loaded] ** 2).mean())),
+        float(np.sqrt(np.nansum(np.square(list(ratios.values()))))),
+        {c: float(worst[c].max()) for c in order},
+    )
 
 
 def modelling_percent(scene: str, found: Mapping[str, Modelling]) -> float | None:

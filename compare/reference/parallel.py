@@ -32,9 +32,12 @@ _ALONE = threading.Lock()
 
 
 def run(
-    jobs: Sequence[Job], backend: str = "joblib", scheduler: str | None = None, workers: int | None = None,
+    jobs: Sequence[Job],
+    backend: str = "joblib",
+    scheduler: str | None = None,
+    workers: int | None = None,
     step: Step = lambda _: None,
-) -> list[Any]:  # fmt: skip
+) -> list[Any]:
     """Results of independent jobs, in the order of the jobs; `step` hears of each when it is done. See `as_done`."""
     results: list[Any] = [None] * len(jobs)
     with closing(as_done(jobs, backend, scheduler, workers)) as finished:
@@ -131,9 +134,12 @@ def _answers(tasks: list[Any], backend: str, scheduler: str | None, workers: int
             yield answers
         except lost as error:
             raise InputError(
-                "command line", "--workers", f"a worker that died ({type(error).__name__})",
-                "as many as there is memory for", "use fewer workers, those whose memory runs out are killed",
-            ) from error  # fmt: skip
+                "command line",
+                "--workers",
+                f"a worker that died ({type(error).__name__})",
+                "as many as there is memory for",
+                "use fewer workers, those whose memory runs out are killed",
+            ) from error
         finally:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # joblib tells how many jobs it drops
@@ -147,9 +153,12 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[tuple[Any, int]]:
         from distributed import Client, LocalCluster
     except ImportError:
         raise InputError(
-            "command line", "--backend", "dask without its packages", "dask and distributed installed",
+            "command line",
+            "--backend",
+            "dask without its packages",
+            "dask and distributed installed",
             "pip install 'rollbench[cluster]'",
-        ) from None  # fmt: skip
+        ) from None
     place = "a cluster on this machine" if scheduler is None else scheduler
 
     def refuse(reason: str, advice: str) -> InputError:

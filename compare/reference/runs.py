@@ -187,9 +187,11 @@ def serves(scene: Scene, level: int, variant: str, settings: Mapping[str, Any], 
     same = all(found.get(name) == value for name, value in own.items() if name not in ("semi", "reach"))
     fits = {"semi", "reach"} <= set(found) and set(needed) <= set(sides)
     return bool(
-        same and fits and all(x <= y for x, y in zip(found["semi"], own["semi"], strict=True))
+        same
+        and fits
+        and all(x <= y for x, y in zip(found["semi"], own["semi"], strict=True))
         and all(x >= y for x, y in zip(found["reach"], own["reach"], strict=True))
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True)
@@ -323,16 +325,30 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         frozen = solve_reference(setup, scene, sides=sides, updates=0).load
     step(f"{scene.name}, level {task.level}: {result.status}, {result.seconds['contact']:.1f} s")
     return Run(
-        scene=task.scenes[number].name, level=task.level, variant=task.variant, status=result.status, load=result.load,
-        angle=np.degrees(result.contact_angle), frozen=frozen,
-        centreline=np.column_stack([result.stations, result.centreline[:, :3]]), without=without, without_seconds=seconds,
-        sides=setup.sides, unknowns=result.unknowns, stages=setup.seconds, solve_seconds=result.seconds["contact"],
-        peak_MB=peak_MB(), balance=result.balance,
-        along_groove=result.along_groove, screw_balance=result.screw_balance,
-        quality=setup.quality, settings=asdict(setup.settings), assumed=setup.dims.assumed,
+        scene=task.scenes[number].name,
+        level=task.level,
+        variant=task.variant,
+        status=result.status,
+        load=result.load,
+        angle=np.degrees(result.contact_angle),
+        frozen=frozen,
+        centreline=np.column_stack([result.stations, result.centreline[:, :3]]),
+        without=without,
+        without_seconds=seconds,
+        sides=setup.sides,
+        unknowns=result.unknowns,
+        stages=setup.seconds,
+        solve_seconds=result.seconds["contact"],
+        peak_MB=peak_MB(),
+        balance=result.balance,
+        along_groove=result.along_groove,
+        screw_balance=result.screw_balance,
+        quality=setup.quality,
+        settings=asdict(setup.settings),
+        assumed=setup.dims.assumed,
         versions={"rollbench": __version__, **versions()},
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
-    )  # fmt: skip
+    )
 
 
 def path_in(store: Path, scene: Scene, run: Run) -> Path:
@@ -359,7 +375,7 @@ def save(store: Path, scene: Scene, run: Run) -> Path:
     path = path_in(store, scene, run)
     data = asdict(run) | {name: _rows(getattr(run, name)) for name in ARRAYS}
     data["without"] = {name: _rows(array) for name, array in run.without.items()}
-    text = json.dumps(data, indent=None, separators=(",", ":")).replace('],[', '],\n[') + "\n"
+    text = json.dumps(data, indent=None, separators=(",", ":")).replace("],[", "],\n[") + "\n"
     replace_file(path, text)
     return path
 

@@ -115,16 +115,18 @@ VARIANTS: dict[str, Variant] = {
     "junction": Variant(
         "3D shaft 20 mm longer on each side", LENGTH, "modelling", scaled("shaft", lambda d: d.shaft, 1.0, 20e-3)
     ),
-    "junction-short": Variant(
-        "3D shaft of half the length", LENGTH, "modelling", scaled("shaft", lambda d: d.shaft, 0.5)
-    ),
+    "junction-short": Variant("3D shaft of half the length", LENGTH, "modelling", scaled("shaft", lambda d: d.shaft, 0.5)),
     "junction-phase": Variant("3D shaft half a lead longer on each side", PHASE, "modelling", longer(0.5)),
     "land": Variant(
-        "nut lands 0.6 mm narrower in diameter", LANDS, "modelling",
+        "nut lands 0.6 mm narrower in diameter",
+        LANDS,
+        "modelling",
         scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3),
     ),
     "land-wide": Variant(
-        "nut lands 0.6 mm wider in diameter", LANDS, "modelling",
+        "nut lands 0.6 mm wider in diameter",
+        LANDS,
+        "modelling",
         scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, 0.6e-3),
     ),
     "hole": Variant(
@@ -133,7 +135,9 @@ VARIANTS: dict[str, Variant] = {
     "held-outer": Variant("nut held at the outer half of its face's width", WIDTH, "modelling", held_ring("outer")),
     "held-inner": Variant("nut held at the inner half of its face's width", WIDTH, "modelling", held_ring("inner")),
     "shaft-plain": Variant(
-        "shaft beyond the 3D stretch plain, of the lands' diameter", BEYOND, "scene",
+        "shaft beyond the 3D stretch plain, of the lands' diameter",
+        BEYOND,
+        "scene",
         lambda s: solid(shaft_diameter=s.screw.outer_diameter)(s),
     ),
     "runout": Variant("groove of the screw ends at half the 3D stretch", BEYOND, "scene", ends_in_plain_shaft),
@@ -142,7 +146,10 @@ VARIANTS: dict[str, Variant] = {
     ),
     "finer-patch": Variant("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "numerical", same, ("growth",)),
     "finer-own": Variant(
-        "sockets and cells of the submodels of one contact", "submodels", "numerical", same,
+        "sockets and cells of the submodels of one contact",
+        "submodels",
+        "numerical",
+        same,
         ("own_cuts", "own_sizes", "own_ball_sizes"),
     ),
     "finer-bodies": Variant("cells of screw and nut", "coarse bodies", "numerical", same, ("fine", "coarse")),
@@ -156,7 +163,7 @@ VARIANTS: dict[str, Variant] = {
     "finer-cell": Variant("cell of the homogenised shaft", "homogenised shaft", "numerical", same, ("cell",)),
     "nut-right": Variant("nut held at its right face", FIXING, "scene", solid(nut_held="right face")),
     "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", solid(nut_held="outer surface")),
-}  # fmt: skip
+}
 
 #: What a modelling uncertainty does not hold.
 NOT_VARIED = (

@@ -121,9 +121,7 @@ def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
         given += [(name, f"supports[{i}].displace.{name}") for name in moved]
         if not given:
             advice = 'write fix = ["ux", ...] or displace = { ux = "0 mm" }, or delete the support'
-            yield Fault(
-                (f"supports[{i}].fix",), "at least one of ux, uy, uz, rx, ry, rz", advice, "no freedom"
-            )
+            yield Fault((f"supports[{i}].fix",), "at least one of ux, uy, uz, rx, ry, rz", advice, "no freedom")
         for name, where in given:
             for at, other, first in taken:
                 if other == name and abs(at - support.at) <= MERGE * (1.0 + TOLERANCE):
@@ -169,9 +167,7 @@ def _groove_faults(scene: Scene, largest: float) -> Iterator[Fault]:
         where = (f"{name}.conformity", f"{name}.groove_radius")
         if radius <= largest:
             allowed = f"groove radius above {mm(largest)} (conformity above {largest / diameter:.6g})"
-            advice = (
-                "the ball would jam: its radius with oversize and listed errors must be below the groove's"
-            )
+            advice = "the ball would jam: its radius with oversize and listed errors must be below the groove's"
             yield Fault(where, allowed, advice)
         elif radius <= largest + spread:
             allowed = f"below {mm((radius - largest) / SIGMAS)} with this groove"

@@ -7,16 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from compare.scenes.quantity import Quantity, Rate, key
-from compare.scenes.schema import (
-    Conformity,
-    ContactAngle,
-    Modulus,
-    Poisson,
-    Radius,
-    Sentence,
-    Size,
-    Table,
-)
+from compare.scenes.schema import Conformity, ContactAngle, Modulus, Poisson, Radius, Sentence, Size, Table
 from lowfi.friction.bearing.rotary import Mode
 from lowfi.friction.linear.loads import Loads
 
@@ -129,8 +120,9 @@ class BallKeys(Table):
     side_force_ratio: SideRatio = key("side force over vertical_force", 0.0)
     angle_deviations: Annotated[list[Deviation], Field(min_length=4, max_length=4)] = key(
         "deviations of the contact angles at BL, BR, TR, TL",
-        ["0 deg", "0 deg", "0 deg", "0 deg"], ["-2 deg", "2 deg", "0 deg", "0 deg"],
-    )  # fmt: skip
+        ["0 deg", "0 deg", "0 deg", "0 deg"],
+        ["-2 deg", "2 deg", "0 deg", "0 deg"],
+    )
     gap: Gap = key("gap to the next ball; none: in reach of each other", "0 mm", "0.5 mm")
 
 
@@ -139,9 +131,7 @@ class CommonKeys(Table):
 
     title: Sentence = key("one line saying what the scene is", example="Ball of Table 3.1")
     source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, Table 3.1")
-    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
-        "what the source leaves open", [], ["No clearance."]
-    )
+    assumed: Annotated[list[Sentence], Field(max_length=100)] = key("what the source leaves open", [], ["No clearance."])
     kind: Kind = key("what the scene describes", example="rotary bearing")
     material: MaterialKeys = key("material of all parts")
 
@@ -181,6 +171,4 @@ class ChainKeys(CommonKeys):
     friction: LinearFrictionKeys = key("friction")
 
 
-KINDS: dict[str, type[CommonKeys]] = {
-    "rotary bearing": RotaryKeys, "linear pair": PairKeys, "linear chain": ChainKeys,
-}  # fmt: skip
+KINDS: dict[str, type[CommonKeys]] = {"rotary bearing": RotaryKeys, "linear pair": PairKeys, "linear chain": ChainKeys}

@@ -20,21 +20,10 @@ from compare.errors import InputError, SceneError
 from compare.scenes import units
 from compare.scenes.catalogue import looks_like_path
 from compare.scenes.checks import Fault, mm
-from compare.scenes.friction_keys import (
-    KINDS,
-    ChainKeys,
-    CommonKeys,
-    Kind,
-    Law,
-    LinearBearingKeys,
-    PairKeys,
-    RotaryKeys,
-)
+from compare.scenes.friction_keys import KINDS, ChainKeys, CommonKeys, Kind, Law, LinearBearingKeys, PairKeys, RotaryKeys
 from compare.scenes.refusal import _allowed, _node, refuse
 from compare.scenes.scene_file import read_text, read_toml
-from compare.scenes.schema import (
-    _without_null,
-)
+from compare.scenes.schema import _without_null
 from lowfi.friction.bearing.rotary import Bearing, Mode
 from lowfi.friction.linear.bearing import Array, LinearBearing, deviations
 from lowfi.friction.linear.loads import Loads
@@ -266,13 +255,30 @@ def _balls(keys: PairKeys | ChainKeys) -> tuple[Array, Array, Array]:
 def _rotary(keys: RotaryKeys, name: str) -> RotaryScene:
     b, f, m = keys.bearing, keys.friction, keys.material
     bearing = Bearing(
-        b.ball_radius, groove_radius(b), b.pitch_radius, b.contact_angle, m.youngs_modulus, m.poissons_ratio,
-        f.coefficient, keys.motion.inner_ring, b.clearance,
-    )  # fmt: skip
+        b.ball_radius,
+        groove_radius(b),
+        b.pitch_radius,
+        b.contact_angle,
+        m.youngs_modulus,
+        m.poissons_ratio,
+        f.coefficient,
+        keys.motion.inner_ring,
+        b.clearance,
+    )
     return RotaryScene(
-        name, keys.title, keys.source, tuple(keys.assumed), bearing, keys.loads.axial_force,
-        keys.loads.radial_displacement, keys.hertz, f.law, f.creep or 0.0, f.sharpness or 100.0, f.map_step,
-    )  # fmt: skip
+        name,
+        keys.title,
+        keys.source,
+        tuple(keys.assumed),
+        bearing,
+        keys.loads.axial_force,
+        keys.loads.radial_displacement,
+        keys.hertz,
+        f.law,
+        f.creep or 0.0,
+        f.sharpness or 100.0,
+        f.map_step,
+    )
 
 
 def _linear(keys: CommonKeys, name: str) -> LinearScene:
@@ -281,11 +287,26 @@ def _linear(keys: CommonKeys, name: str) -> LinearScene:
     rubbing = f.coefficient if f.between_balls is None else f.between_balls
     conformity = b.conformity or 0.5 * groove_radius(b) / b.ball_radius
     bearing = LinearBearing(
-        b.ball_radius, conformity, b.contact_angle, keys.motion.carriage, f.coefficient, rubbing, m.youngs_modulus,
+        b.ball_radius,
+        conformity,
+        b.contact_angle,
+        keys.motion.carriage,
+        f.coefficient,
+        rubbing,
+        m.youngs_modulus,
         m.poissons_ratio,
-    )  # fmt: skip
+    )
     angles, side, gap = _balls(keys)
     return LinearScene(
-        name, keys.title, keys.source, tuple(keys.assumed), keys.kind, bearing, angles, keys.loads.vertical_force,
-        side, keys.loads.distribution, gap[:-1],
-    )  # fmt: skip
+        name,
+        keys.title,
+        keys.source,
+        tuple(keys.assumed),
+        keys.kind,
+        bearing,
+        angles,
+        keys.loads.vertical_force,
+        side,
+        keys.loads.distribution,
+        gap[:-1],
+    )

@@ -62,8 +62,7 @@ class ScrewLoadKeys(Table):
     """What is done to the screw; the nut stands against it."""
 
     force: AxialLoad = key("force on the screw")
-    direction: Direction = key("along the axis, or radially at every ball; the screw moves that way only", "axial",
-                               "axial")  # fmt: skip
+    direction: Direction = key("along the axis, or radially at every ball; the screw moves that way only", "axial", "axial")
 
 
 class ScrewMotionKeys(Table):
@@ -188,8 +187,10 @@ class BearingPairKeys(HertzKeys):
 
 
 KINDS: dict[str, type[CommonKeys]] = {
-    "screw pair": ScrewPairKeys, "screw run": ScrewRunKeys, "bearing pair": BearingPairKeys,
-}  # fmt: skip
+    "screw pair": ScrewPairKeys,
+    "screw run": ScrewRunKeys,
+    "bearing pair": BearingPairKeys,
+}
 
 
 @dataclass(frozen=True)
@@ -321,17 +322,36 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
     s, f, m = keys.screw, keys.friction, keys.material
     lead = -s.lead if s.hand == "left" else s.lead
     return ScrewGroove(
-        s.ball_radius, groove_radius(s), s.pitch_radius, lead, s.contact_angle, m.youngs_modulus, m.poissons_ratio,
-        f.coefficient, keys.motion.nut, keys.motion.screw, f.between_balls, keys.hertz,
-    )  # fmt: skip
+        s.ball_radius,
+        groove_radius(s),
+        s.pitch_radius,
+        lead,
+        s.contact_angle,
+        m.youngs_modulus,
+        m.poissons_ratio,
+        f.coefficient,
+        keys.motion.nut,
+        keys.motion.screw,
+        f.between_balls,
+        keys.hertz,
+    )
 
 
 def _bearing(keys: BearingPairKeys, b: RowBearingKeys) -> BearingCase:
     m = keys.material
     groove = ScrewGroove(
-        b.ball_radius, groove_radius(b), b.pitch_radius, 0.0, b.contact_angle, m.youngs_modulus, m.poissons_ratio,
-        keys.friction.coefficient, 0.0, keys.motion.inner_ring, hertz=keys.hertz,
-    )  # fmt: skip
+        b.ball_radius,
+        groove_radius(b),
+        b.pitch_radius,
+        0.0,
+        b.contact_angle,
+        m.youngs_modulus,
+        m.poissons_ratio,
+        keys.friction.coefficient,
+        0.0,
+        keys.motion.inner_ring,
+        hertz=keys.hertz,
+    )
     rows: tuple[Row, ...] = (Row(0.0, ALL),)
     if isinstance(b, DoubleRowKeys):
         first, second = (OTHER, DIAGONAL) if b.arrangement == "back to back" else (DIAGONAL, OTHER)
@@ -342,10 +362,23 @@ def _bearing(keys: BearingPairKeys, b: RowBearingKeys) -> BearingCase:
 def _run(keys: ScrewRunKeys) -> Run:
     groove, t, a = _screw_groove(keys), keys.track, keys.angles
     return Run(
-        groove, t.balls, t.turns, (keys.loads.force,), FREE[keys.loads.direction], keys.time.duration,
-        keys.time.steps, keys.screw.oversize, a.amplitude, a.cycles_per_turn, a.phase, tuple(a.pattern),
-        t.return_tube / groove.radius, t.first_ball, keys.friction.coupling, keys.time.rounds,
-    )  # fmt: skip
+        groove,
+        t.balls,
+        t.turns,
+        (keys.loads.force,),
+        FREE[keys.loads.direction],
+        keys.time.duration,
+        keys.time.steps,
+        keys.screw.oversize,
+        a.amplitude,
+        a.cycles_per_turn,
+        a.phase,
+        tuple(a.pattern),
+        t.return_tube / groove.radius,
+        t.first_ball,
+        keys.friction.coupling,
+        keys.time.rounds,
+    )
 
 
 def record(keys: CommonKeys, name: str) -> FrictionScene:
@@ -360,7 +393,12 @@ def record(keys: CommonKeys, name: str) -> FrictionScene:
     first, second = keys.angles.deviations
     pattern = tuple(keys.angles.pattern)
     pair = Pair(
-        _screw_groove(keys), (first, second), (pattern, pattern), keys.screw.oversize, FREE[keys.loads.direction],
-        (keys.loads.force,), keys.friction.coupling,
-    )  # fmt: skip
+        _screw_groove(keys),
+        (first, second),
+        (pattern, pattern),
+        keys.screw.oversize,
+        FREE[keys.loads.direction],
+        (keys.loads.force,),
+        keys.friction.coupling,
+    )
     return ScrewPairScene(*head, pair)

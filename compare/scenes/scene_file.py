@@ -149,14 +149,10 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
             azimuth=nut.azimuth,
         ),
         balls=Balls(
-            keys.balls.radius,
-            _material(keys.balls.material, default),
-            _azimuths(keys.balls, track.starts, track.phase),
+            keys.balls.radius, _material(keys.balls.material, default), _azimuths(keys.balls, track.starts, track.phase)
         ),
         errors=Errors(
-            balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution),
-            seed=e.seed,
-            **sides,
+            balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution), seed=e.seed, **sides
         ),
         supports=tuple(_support(s) for s in keys.supports),
         loads=tuple(Load(p.at, _vector(p.force), _vector(p.moment)) for p in keys.loads),

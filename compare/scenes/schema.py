@@ -86,9 +86,7 @@ class NutKeys(Table):
     outer_diameter: Size = key("outer diameter", example="48 mm")
     groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
     conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
-    azimuth: Azimuth = key(
-        "angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg"
-    )
+    azimuth: Azimuth = key("angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg")
     material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
 
 
@@ -97,13 +95,9 @@ class BallKeys(Table):
 
     radius: Radius = key("nominal radius")
     count: Count | None = key("number of balls over all starts, spread evenly (with turns)", None, 32)
-    turns: Turns | None = key(
-        "turns filled by the balls of each start, centred on the nut (zero lead: 1)", None
-    )
+    turns: Turns | None = key("turns filled by the balls of each start, centred on the nut (zero lead: 1)", None)
     azimuths: Annotated[list[Azimuth], Field(min_length=1, max_length=MAX_BALLS)] | None = key(
-        "unwrapped azimuths of the balls of one start, instead of count and turns",
-        None,
-        ["-90 deg", "90 deg"],
+        "unwrapped azimuths of the balls of one start, instead of count and turns", None, ["-90 deg", "90 deg"]
     )
     material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
 
@@ -113,9 +107,7 @@ class BallErrorKeys(Table):
 
     oversize: Deviation = key("added to every ball's radius (preload if positive)", "0 um", "7 um")
     listed: dict[str, Deviation] = key(
-        "added to the radius of single balls, by number from 1 (all balls of start 1 first)",
-        {},
-        {"17": "1 um"},
+        "added to the radius of single balls, by number from 1 (all balls of start 1 first)", {}, {"17": "1 um"}
     )
     sigma: Spread = key("standard deviation of random radius errors", "0 um", "1 um")
     distribution: Literal["normal", "uniform"] = key("distribution of the random errors", "normal", "normal")
@@ -137,24 +129,16 @@ class SideKeys(Table):
     """Errors of one groove flank: screw left (SL), screw right (SR), nut left (NL), nut right (NR)."""
 
     profile: Annotated[list[Deviation], Field(max_length=7)] = key(
-        "inward offset of the groove radius: coefficients of a polynomial in gamma / rad",
-        [],
-        ["3 um", "-1 um"],
+        "inward offset of the groove radius: coefficients of a polynomial in gamma / rad", [], ["3 um", "-1 um"]
     )
     profile_sigma: Annotated[list[Spread], Field(max_length=7)] = key(
         "standard deviations of normal draws added to the coefficients of profile", [], ["1 um", "0 um"]
     )
-    pitch: Terms = key(
-        "displacement of the groove centre along the screw", [], [{"harmonic": 1, "sin": "3 um"}]
-    )
+    pitch: Terms = key("displacement of the groove centre along the screw", [], [{"harmonic": 1, "sin": "3 um"}])
     pitch_along: Literal["section", "axis"] = key(
-        "direction of the pitch error: in the groove's section (Lin 2.27) or along the axis (Lin 4.1)",
-        "section",
-        "section",
+        "direction of the pitch error: in the groove's section (Lin 2.27) or along the axis (Lin 4.1)", "section", "section"
     )
-    roundness: Terms = key(
-        "displacement of the groove centre along the radius", [], [{"harmonic": 2, "cos": "5 um"}]
-    )
+    roundness: Terms = key("displacement of the groove centre along the radius", [], [{"harmonic": 2, "cos": "5 um"}])
 
 
 class ErrorKeys(Table):
@@ -209,9 +193,7 @@ class IngredientKeys(Table):
     )
     screw: Literal["beam", "rigid"] = key("screw as Timoshenko beam or rigid", "beam", "rigid")
     partition: Literal["nodal", "source", "uniform"] = key(
-        "beam nodes: at every contact, as the source (15 mm in the nut), or every element_length",
-        "nodal",
-        "source",
+        "beam nodes: at every contact, as the source (15 mm in the nut), or every element_length", "nodal", "source"
     )
     element_length: Element = key('length of the elements in the nut, for partition = "uniform"', "1 mm")
     section: Literal["groove", "groove squared", "full"] = key(
@@ -252,8 +234,9 @@ class FrictionKeys(Table):
     nut: Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
     coupling: Literal["none", "ball"] = key(
         "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone",
-        "ball", "none",
-    )  # fmt: skip
+        "ball",
+        "none",
+    )
     assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
         "sentences on where the coefficients come from", [], ["Grease-lubricated steel, assumed."]
     )
@@ -272,9 +255,7 @@ class SceneKeys(Table):
     """One load case of one ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
 
     title: Sentence = key("one line saying what the scene is", example="Screw under 5 kN")
-    source: Annotated[str, Field(max_length=2000)] = key(
-        "where the numbers come from", "", "Lin 2019, 2.4.1.1"
-    )
+    source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, 2.4.1.1")
     assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
         "sentences on what the source leaves open", [], ["The nut is rigid."]
     )

@@ -11,9 +11,16 @@ from meshes.parts import Scene
 from reports.records import Cell, Column, Section, Table, Text
 
 SCENES = (
-    "lin-case1", "lin-case2", "lin-case3", "lin-case3-offset", "lin-case3-clamped", "lin-case3-offset-clamped",
-    "lin-pitch", "lin-random", "lin-nominal-4p1",
-)  # fmt: skip
+    "lin-case1",
+    "lin-case2",
+    "lin-case3",
+    "lin-case3-offset",
+    "lin-case3-clamped",
+    "lin-case3-offset-clamped",
+    "lin-pitch",
+    "lin-random",
+    "lin-nominal-4p1",
+)
 
 
 def best_start(scene: Scene, kinematics: str) -> SourceSolution:
@@ -75,4 +82,4 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             ),
             Table("formulations-agreement", "Differences of the loads", columns, rows),
         ),
-    )  # fmt: skip
+    )

@@ -44,7 +44,8 @@ def section(step: Callable[[str], None]) -> tuple[Section, tuple[str, str]]:
                 )
             ),
             Table(
-                "stability-summary", "Cases solved",
+                "stability-summary",
+                "Cases solved",
                 (
                     Column("formulation", "formulation", "", "s"),
                     Column("solved", "solved", "", "s"),
@@ -56,6 +57,6 @@ def section(step: Callable[[str], None]) -> tuple[Section, tuple[str, str]]:
             Table("stability-cases", "Case by case", columns, wide_rows(rows)),
             *table_section_items(),
         ),
-    )  # fmt: skip
+    )
     solved, _, total = counts[OURS]
     return made, ("extreme scenes solved", f"{solved} of {total}")

@@ -23,6 +23,7 @@ Status = Literal["exact", "overlapping", "failed"]
 #: Force out of balance over a ball's friction bound, and closing speed over the nominal, that count as none.
 ACCEPTED = 1e-8
 
+
 @dataclass(frozen=True)
 class Neighbours:
     """How balls in touch act on each other, n unknowns of motion a ball, the first of them along the track.

@@ -126,9 +126,13 @@ def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scal
     for part in blocks(touching):
         inner = slice(part.start, part.stop - 1)
         own = replace(
-            cell, angle=cell.angle[part], interference=cell.interference[part], rows=cell.rows[part],
-            offset=cell.offset[part], push=cell.push[part],
-        )  # fmt: skip
+            cell,
+            angle=cell.angle[part],
+            interference=cell.interference[part],
+            rows=cell.rows[part],
+            offset=cell.offset[part],
+            push=cell.push[part],
+        )
         at = Places(start.at.ball[part], start.at.gamma[part], start.at.screw)
         one = SourceState(at, force[part], start.q[part], start.ball_force[inner], 0.0, 0)
         found = coupled_block(own, law, one, scale)
@@ -154,9 +158,13 @@ def at_given_loads(cell: Cell, load: ScrewLoad, law: Law) -> SourceState:
 
 
 def coupled_by_root(
-    cell: Cell, load: ScrewLoad, reach: Mask, law: Law, start: SourceState | None = None,
+    cell: Cell,
+    load: ScrewLoad,
+    reach: Mask,
+    law: Law,
+    start: SourceState | None = None,
     touching: SourceState | None = None,
-) -> SourceScrew:  # fmt: skip
+) -> SourceScrew:
     """N balls whose friction changes their loads; load: without friction; reach (N-1,): neighbours near enough.
 
     start: where the balls alone are searched from, their motion at the loads without friction where None; touching:
@@ -177,9 +185,7 @@ def coupled_by_root(
     bad = np.any(found.ball_force < -ACCEPTED * cell.groove.mu * scale)
     wrong = bool(bad or np.any(reach & ~touch & closing_in(pair, found.q, ACCEPTED)))
     status: Status = "failed" if not found.left <= ACCEPTED else "overlapping" if wrong else "exact"
-    motion = SourceMotion(
-        found.q, free.q, found.ball_force, there.groove_loss, there.ball_loss, found.left, calls, status
-    )
+    motion = SourceMotion(found.q, free.q, found.ball_force, there.groove_loss, there.ball_loss, found.left, calls, status)
     return SourceScrew(load, found.force, found.at.gamma, motion)
 
 
@@ -201,7 +207,10 @@ def screw_pair_by_root(
     if pair.coupling == "ball":
         return coupled_by_root(cell, load, reach, law, start, touching)
     motion = solve_by_root(
-        screw_balls(pair.groove, load.force, load.angle), law, reach, None if start is None else start.q,
+        screw_balls(pair.groove, load.force, load.angle),
+        law,
+        reach,
+        None if start is None else start.q,
         None if touching is None else (touching.q, touching.ball_force),
-    )  # fmt: skip
+    )
     return SourceScrew(load, load.force, load.angle, motion)

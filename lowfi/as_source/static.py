@@ -119,12 +119,7 @@ class System:
         s1, s2 = (x1[:, 2] / length)[:, None, None], (x2[:, 2] / length)[:, None, None]
         m0 = motion(n0, arm(x))
         m1 = s1 * motion(n1, arm(x)) + arm(x1) @ n0[:, 3:]
-        m2 = (
-            s1**2 * motion(n2, arm(x))
-            + s2 * motion(n1, arm(x))
-            + 2.0 * s1 * (arm(x1) @ n1[:, 3:])
-            + arm(x2) @ n0[:, 3:]
-        )
+        m2 = s1**2 * motion(n2, arm(x)) + s2 * motion(n1, arm(x)) + 2.0 * s1 * (arm(x1) @ n1[:, 3:]) + arm(x2) @ n0[:, 3:]
         return 6 * j, m0, m1, m2
 
     def flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
@@ -228,9 +223,16 @@ def initial_state(system: System, start: Start, fraction: float) -> Array:
 
 
 def solve_source(
-    scene: Scene, *, kinematics: Kinematics = "source", start: Start = "guess", everything: bool = False,
-    member: int = 0, tolerance: float = 1e-12, most: int = 60, hertz: Array | None = None,
-) -> SourceSolution:  # fmt: skip
+    scene: Scene,
+    *,
+    kinematics: Kinematics = "source",
+    start: Start = "guess",
+    everything: bool = False,
+    member: int = 0,
+    tolerance: float = 1e-12,
+    most: int = 60,
+    hertz: Array | None = None,
+) -> SourceSolution:
     """Solve a scene with the source's equations and plain Newton iteration (Lin 2.26).
 
     kinematics: ``"source"``, lever arm and station follow the contact angle (Lin 2.18-2.21), or ``"arc"``, the same
@@ -261,10 +263,16 @@ def solve_source(
                 break
         _, _, forces = equations(system, x, problem.load.ravel(), jacobian=False)
     return SourceSolution(
-        status=status, load=forces, contact_angle=x[2 * count : 6 * count].reshape(count, 4),
-        centre=x[: 2 * count].reshape(count, 2), motion=x[6 * count :].reshape(-1, 6), iterations=total,
-        residual=residual, seconds=perf_counter() - begin, unknowns=free.size,
-    )  # fmt: skip
+        status=status,
+        load=forces,
+        contact_angle=x[2 * count : 6 * count].reshape(count, 4),
+        centre=x[: 2 * count].reshape(count, 2),
+        motion=x[6 * count :].reshape(-1, 6),
+        iterations=total,
+        residual=residual,
+        seconds=perf_counter() - begin,
+        unknowns=free.size,
+    )
 
 
 def solve_source_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
@@ -291,9 +299,15 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
     contact[..., 1] = SIGNS[:, 0] * np.cos(solution.contact_angle)
     contact[..., 2] = SIGNS[:, 1] * np.sin(solution.contact_angle)
     report = SolverReport(
-        solution.iterations, solution.iterations + 1, solution.residual, solution.seconds, solution.unknowns,
-        problem.nodes.size - 1, "numpy, dense", "equilibrium equations of the source",
-    )  # fmt: skip
+        solution.iterations,
+        solution.iterations + 1,
+        solution.residual,
+        solution.seconds,
+        solution.unknowns,
+        problem.nodes.size - 1,
+        "numpy, dense",
+        "equilibrium equations of the source",
+    )
     return assemble_result(prepared, "source", solution.status, report, ("nothing: all four sides are built",))
 
 

@@ -74,9 +74,15 @@ def contacts_of(elastic: Elastic) -> tuple[Array, Array, Array]:
     single = np.zeros((4, 5))
     for i in range(N):  # the centre follows from the motions of both flanks
         elastic.engine.settle(
-            p[i], shift[i], problem.geometry[i], problem.closure[i], problem.drawn.ball_radius[i],
-            problem.drawn.profile, elastic.options[3], single,
-        )  # fmt: skip
+            p[i],
+            shift[i],
+            problem.geometry[i],
+            problem.closure[i],
+            problem.drawn.ball_radius[i],
+            problem.drawn.profile,
+            elastic.options[3],
+            single,
+        )
     return p, contact, moved
 
 
@@ -185,9 +191,17 @@ def follow_profile(elastic: Elastic, outcome: Outcome, rebuild: Rebuild) -> tupl
 
 
 def solve_elastic(
-    scene: Scene, *, backend: Backend = REFINED, condensed: Condensed | None = None, name: str = "refined",
-    engine: Engine = "auto", everything: bool = False, member: int = 0, refine: int = 1, drawn: Specimen | None = None,
-) -> StaticResult:  # fmt: skip
+    scene: Scene,
+    *,
+    backend: Backend = REFINED,
+    condensed: Condensed | None = None,
+    name: str = "refined",
+    engine: Engine = "auto",
+    everything: bool = False,
+    member: int = 0,
+    refine: int = 1,
+    drawn: Specimen | None = None,
+) -> StaticResult:
     """Contact loads, contact angles and shaft motion of a scene in static equilibrium with elastic bodies.
 
     backend: what answers the contact forces; condensed: compliance from a 3D model instead; name: of the model, for the
@@ -199,9 +213,16 @@ def solve_elastic(
 
 
 def _solve(
-    scene: Scene, backend: Backend, condensed: Condensed | None, name: str, engine: Engine, everything: bool, member: int,
-    refine: int, drawn: Specimen | None,
-) -> StaticResult:  # fmt: skip
+    scene: Scene,
+    backend: Backend,
+    condensed: Condensed | None,
+    name: str,
+    engine: Engine,
+    everything: bool,
+    member: int,
+    refine: int,
+    drawn: Specimen | None,
+) -> StaticResult:
     start = perf_counter()
     layout = ball_layout(scene)
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
@@ -231,12 +252,18 @@ def _solve(
         return failed_result(problem, name, verdict(outcome, bound), perf_counter() - start)
     record, support = as_prepared(elastic)
     report = SolverReport(
-        iterations=outcome[1], evaluations=outcome[2], residual=outcome[3], seconds=perf_counter() - start,
-        unknowns=elastic.state[0].size + elastic.state[1].size, elements=problem.nodes.size - 1,
+        iterations=outcome[1],
+        evaluations=outcome[2],
+        residual=outcome[3],
+        seconds=perf_counter() - start,
+        unknowns=elastic.state[0].size + elastic.state[1].size,
+        elements=problem.nodes.size - 1,
         engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
-        formulation="convex energy, elastic bodies condensed to the contacts", round_off_bound=bound,
-        setup_seconds=prepared_at - start, notes=notes,
-    )  # fmt: skip
+        formulation="convex energy, elastic bodies condensed to the contacts",
+        round_off_bound=bound,
+        setup_seconds=prepared_at - start,
+        notes=notes,
+    )
     left = (*describe_left_out(record, mechanism, everything=everything), *_cut(elastic))
     result = assemble_result(record, name, verdict(outcome, max(bound, ACCEPTED)), report, left, support)
     source = idealised(backend, scene) if condensed is None else (condensed.describe(),)

@@ -166,10 +166,16 @@ def flanks_of(
         start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, R.shape[3]))
         start[:, :2], free[:, :2] = v0, R
     flanks = Flanks(
-        np.ascontiguousarray(first), np.ascontiguousarray(second), np.ascontiguousarray(free.reshape(N, d, -1)),
-        np.ascontiguousarray(start.reshape(N, d)), shaft.work, e, h, clipped / contact_compliance(problem),
+        np.ascontiguousarray(first),
+        np.ascontiguousarray(second),
+        np.ascontiguousarray(free.reshape(N, d, -1)),
+        np.ascontiguousarray(start.reshape(N, d)),
+        shaft.work,
+        e,
+        h,
+        clipped / contact_compliance(problem),
         (G[0], G[1], v0, R),
-    )  # fmt: skip
+    )
     return flanks, tuple(assumed)
 
 
@@ -192,9 +198,14 @@ def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Ar
 
 
 def ready(
-    problem: Problem, backend: Backend, kernels: ModuleType, layout: BallLayout, condensed: Condensed | None = None,
-    *, tolerance: float = TOLERANCE,
-) -> Elastic:  # fmt: skip
+    problem: Problem,
+    backend: Backend,
+    kernels: ModuleType,
+    layout: BallLayout,
+    condensed: Condensed | None = None,
+    *,
+    tolerance: float = TOLERANCE,
+) -> Elastic:
     """Arrays for the kernels. Raises ValueError for more than ``LARGEST`` balls or impossible dimensions of the bodies."""
     N = layout.z.size
     if N > LARGEST:
@@ -224,9 +235,19 @@ def ready(
     furthest = float(problem.drawn.ball_radius.max())
     options = np.array([tolerance, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, force_floor(problem), furthest])
     return Elastic(
-        problem, shaft, flanks, kernels, bodies, contacts, state, spring_rows(problem, pair, stiffness), options,
-        shaft.arms, np.zeros(MAX_ITERATIONS + 1), assumed,
-    )  # fmt: skip
+        problem,
+        shaft,
+        flanks,
+        kernels,
+        bodies,
+        contacts,
+        state,
+        spring_rows(problem, pair, stiffness),
+        options,
+        shaft.arms,
+        np.zeros(MAX_ITERATIONS + 1),
+        assumed,
+    )
 
 
 def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float) -> Array:
@@ -265,7 +286,13 @@ class Rebuild:
     def problem(self, more: Array | None = None) -> Problem:
         """The problem with the backend's section."""
         found = build(
-            self.scene, self.drawn, self.layout, self.use, everything=self.everything, refine=self.refine, more=more,
+            self.scene,
+            self.drawn,
+            self.layout,
+            self.use,
+            everything=self.everything,
+            refine=self.refine,
+            more=more,
             section=grooved_section(geometry_only(self.scene), True) if self.backend.section == "cell" else None,
-        )  # fmt: skip
+        )
         return found if self.held is None else replace(found, fixed=self.held[0], prescribed=self.held[1])

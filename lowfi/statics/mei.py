@@ -183,24 +183,46 @@ def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> St
     size = max(abs(applied), abs(axial), 1e-300)
     zero = np.zeros(3)
     balance = Equilibrium(
-        np.array([0.0, 0.0, applied]), zero, np.array([0.0, 0.0, reaction]), zero, np.array([0.0, 0.0, -axial]), zero,
-        abs(applied + reaction - axial) / size, 0.0,
-    )  # fmt: skip
+        np.array([0.0, 0.0, applied]),
+        zero,
+        np.array([0.0, 0.0, reaction]),
+        zero,
+        np.array([0.0, 0.0, -axial]),
+        zero,
+        abs(applied + reaction - axial) / size,
+        0.0,
+    )
     width = 2 if elastic_nut else 1
     uz = x[: width * chain.nodes.size : width]
     stations = np.unique(np.concatenate([chain.nodes, [0.0, scene.screw.length]]))
     line = np.zeros((stations.size, 6))
     line[:, 2] = np.interp(stations, chain.nodes, uz)
     report = SolverReport(
-        iterations, iterations, residual, perf_counter() - start, int(np.count_nonzero(~chain.fixed)),
-        chain.nodes.size - 1, "interpreted", "axial bars",
-    )  # fmt: skip
+        iterations,
+        iterations,
+        residual,
+        perf_counter() - start,
+        int(np.count_nonzero(~chain.fixed)),
+        chain.nodes.size - 1,
+        "interpreted",
+        "axial bars",
+    )
     nut_text = "the nut is an elastic bar held at its left face" if elastic_nut else "the nut is rigid"
     return StaticResult(
-        model="mei-nut" if elastic_nut else "mei", status=status, azimuth=layout.azimuth, z=layout.z, load=load,
-        contact_angle=np.where(load > 0.0, beta, np.nan), contact_point=points, force_direction=-world,
-        centre_shift=np.zeros((layout.z.size, 2)), hertz_C=hertz_C(error_free(scene), specimen(scene, layout, member)),
-        centreline_z=stations, centreline=line, equilibrium=balance, solver=report,
+        model="mei-nut" if elastic_nut else "mei",
+        status=status,
+        azimuth=layout.azimuth,
+        z=layout.z,
+        load=load,
+        contact_angle=np.where(load > 0.0, beta, np.nan),
+        contact_point=points,
+        force_direction=-world,
+        centre_shift=np.zeros((layout.z.size, 2)),
+        hertz_C=hertz_C(error_free(scene), specimen(scene, layout, member)),
+        centreline_z=stations,
+        centreline=line,
+        equilibrium=balance,
+        solver=report,
         assumed=(*scene.assumed, *ASSUMPTIONS, nut_text),
         left_out=("lateral forces, moments, bending and torsion: the model is axial",),
-    )  # fmt: skip
+    )

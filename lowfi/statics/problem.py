@@ -163,9 +163,7 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     return np.asarray(exact((own - middle) / half))
 
 
-def pack_geometry(
-    scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_]
-) -> tuple[Array, Array]:
+def pack_geometry(scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Geometry ``(N, 4, 9)`` and pair closures ``(N, 2)`` of the kernels (see ``kernel.ball``) for a specimen."""
     offset, closure = distances(scene, drawn)
     n = offset.shape[0]
@@ -188,9 +186,7 @@ def distances(scene: Scene, drawn: Specimen) -> tuple[Array, Array]:
     size = np.hypot(centre[..., 0], centre[..., 1])
     nominal = np.hypot(*nominal_groove_centres(scene).T)
     grown = (size - nominal[None, :]) - (slack - nominal)[None, :]
-    approach = (
-        (drawn.ball_radius - scene.balls.radius)[:, None] - (drawn.radius - groove_radii(scene))[None, :] + grown
-    )
+    approach = (drawn.ball_radius - scene.balls.radius)[:, None] - (drawn.radius - groove_radii(scene))[None, :] + grown
     offset = np.concatenate([-centre, size[..., None], approach[..., None]], axis=-1)
     closure = np.empty((centre.shape[0], 2))
     for a in range(2):
@@ -236,9 +232,16 @@ def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Arr
 
 
 def build(
-    scene: Scene, drawn: Specimen, layout: BallLayout, use: NDArray[np.bool_], *, everything: bool = False,
-    refine: int = 1, more: Array | None = None, section: BeamSection | None = None,
-) -> Problem:  # fmt: skip
+    scene: Scene,
+    drawn: Specimen,
+    layout: BallLayout,
+    use: NDArray[np.bool_],
+    *,
+    everything: bool = False,
+    refine: int = 1,
+    more: Array | None = None,
+    section: BeamSection | None = None,
+) -> Problem:
     """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many.
 
     more: see ``_flank_rows``; section: of the screw, instead of the scene's (Lin C.8).
@@ -261,9 +264,11 @@ def build(
     B = np.zeros((count, 2, 2, 6 if nodal else 12))
     for s in used:
         if nodal:
-            node[:, s] = np.abs(nodes[None, :] - stations[:, s, None]).argmin(axis=1) if count < 400 else (
-                _nearest(nodes, stations[:, s])
-            )  # fmt: skip
+            node[:, s] = (
+                np.abs(nodes[None, :] - stations[:, s, None]).argmin(axis=1)
+                if count < 400
+                else (_nearest(nodes, stations[:, s]))
+            )
             B[:, s] = _flank_rows(parts, s, nodes[node[:, s]])
         else:
             rows = _flank_rows(parts, s, stations[:, s])
@@ -273,10 +278,7 @@ def build(
     for s in range(2):
         if not use[s]:
             node[:, s] = node[:, used[0]] if used else 0
-    return Problem(
-        scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, geometry, closure,
-        use, left_out,
-    )  # fmt: skip
+    return Problem(scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, geometry, closure, use, left_out)
 
 
 def _nearest(nodes: Array, stations: Array) -> NDArray[np.int64]:
@@ -285,9 +287,12 @@ def _nearest(nodes: Array, stations: Array) -> NDArray[np.int64]:
 
 
 def _rigid(
-    parts: tuple[Scene, Specimen, BallLayout, Array | None], use: NDArray[np.bool_], geometry: Array, closure: Array,
+    parts: tuple[Scene, Specimen, BallLayout, Array | None],
+    use: NDArray[np.bool_],
+    geometry: Array,
+    closure: Array,
     section: BeamSection,
-) -> Problem:  # fmt: skip
+) -> Problem:
     """One rigid body, its motion taken at the nut's centre; supports become linear constraints on that motion.
 
     Raises ValueError where the supports contradict each other.
@@ -324,6 +329,19 @@ def _rigid(
         fixed[0, 6 - held :] = True
     prescribed = np.linalg.solve(to_motion, shift)[None, :]
     return Problem(
-        scene, layout, drawn, np.array([z0]), section, fixed, prescribed, (to_motion.T @ load)[None, :],
-        np.zeros((count, 2), dtype=np.int64), B, geometry, closure, use, 0, to_motion,
-    )  # fmt: skip
+        scene,
+        layout,
+        drawn,
+        np.array([z0]),
+        section,
+        fixed,
+        prescribed,
+        (to_motion.T @ load)[None, :],
+        np.zeros((count, 2), dtype=np.int64),
+        B,
+        geometry,
+        closure,
+        use,
+        0,
+        to_motion,
+    )

@@ -78,16 +78,20 @@ def touched_sides(prepared: Prepared, layout: BallLayout) -> Mask:
     for i in range(layout.z.size):
         shift[:2] = moved[i]
         prepared.engine.settle(
-            p, shift, offered[i], problem.closure[i], problem.drawn.ball_radius[i], problem.drawn.profile,
-            0.1 * floor, contact,
-        )  # fmt: skip
+            p,
+            shift,
+            offered[i],
+            problem.closure[i],
+            problem.drawn.ball_radius[i],
+            problem.drawn.profile,
+            0.1 * floor,
+            contact,
+        )
         touched |= contact[:, 0] > floor
     return touched
 
 
-def describe_left_out(
-    prepared: Prepared, mechanism: Mechanism, *, everything: bool
-) -> tuple[str, ...]:
+def describe_left_out(prepared: Prepared, mechanism: Mechanism, *, everything: bool) -> tuple[str, ...]:
     """Sentences: what was left out of the system and why."""
     problem = prepared.problem
     notes: list[str] = []
@@ -99,8 +103,7 @@ def describe_left_out(
         )
     if problem.left_out_elements:
         notes.append(
-            f"{problem.left_out_elements} beam element(s) beyond the outermost support, load or contact: "
-            "they carry nothing"
+            f"{problem.left_out_elements} beam element(s) beyond the outermost support, load or contact: they carry nothing"
         )
     elif not everything and problem.nodes.size > 1 and problem.nodes[0] > MERGE:
         notes.append("shaft before the first support, load or contact: it carries nothing")

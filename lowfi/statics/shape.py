@@ -75,11 +75,9 @@ def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int
     phi = np.asarray(shear_ratio(length, section))
     k = 1.0 / (1.0 + phi)
     one, zero = np.ones_like(xi), np.zeros_like(xi)
-    powers = {
-        0: (one, xi, xi**2, xi**3),
-        1: (zero, one, 2.0 * xi, 3.0 * xi**2),
-        2: (zero, zero, 2.0 * one, 6.0 * xi),
-    }[order]
+    powers = {0: (one, xi, xi**2, xi**3), 1: (zero, one, 2.0 * xi, 3.0 * xi**2), 2: (zero, zero, 2.0 * one, 6.0 * xi)}[
+        order
+    ]
 
     def at(*coefficients: Array | float) -> Array:
         return sum((c * p for c, p in zip(coefficients, powers, strict=False)), start=zero)

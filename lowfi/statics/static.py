@@ -103,16 +103,26 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         moved[:, 1] -= lengths * q[:-1, 3]
         d = q[1:] - moved
     contacts = (
-        problem.node, problem.B, problem.geometry, problem.closure, problem.drawn.ball_radius, problem.drawn.profile,
+        problem.node,
+        problem.B,
+        problem.geometry,
+        problem.closure,
+        problem.drawn.ball_radius,
+        problem.drawn.profile,
         1e-14 * force,
-    )  # fmt: skip
+    )
     state = (q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
     options = np.array(
         [
-            tolerance, MAX_ITERATIONS, stiffness, problem.scene.track.pitch_radius, 1e3, problem.half_bandwidth,
+            tolerance,
+            MAX_ITERATIONS,
+            stiffness,
+            problem.scene.track.pitch_radius,
+            1e3,
+            problem.half_bandwidth,
             force_floor(problem),
         ]
-    )  # fmt: skip
+    )
     beam = (lengths, sections, problem.fixed, problem.load)
     return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
 
@@ -198,12 +208,18 @@ def solve_static(
     if outcome[0] in NO_LOADS:
         return failed_result(problem, "lin", status, perf_counter() - start)
     report = SolverReport(
-        iterations=outcome[1], evaluations=outcome[2], residual=outcome[3], seconds=perf_counter() - start,
-        unknowns=problem.unknowns, elements=problem.nodes.size - 1,
-        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted", formulation="convex energy",
-        round_off_bound=round_off_bound(prepared, outcome[4]), setup_seconds=ready - start,
+        iterations=outcome[1],
+        evaluations=outcome[2],
+        residual=outcome[3],
+        seconds=perf_counter() - start,
+        unknowns=problem.unknowns,
+        elements=problem.nodes.size - 1,
+        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
+        formulation="convex energy",
+        round_off_bound=round_off_bound(prepared, outcome[4]),
+        setup_seconds=ready - start,
         notes=notes,
-    )  # fmt: skip
+    )
     left_out = describe_left_out(prepared, mechanism, everything=everything)
     result = assemble_result(prepared, "lin", status, report, left_out)
     if discretisation and result.converged:
@@ -250,9 +266,7 @@ def solve_with_hertz(prepared: Prepared) -> Outcome:
     return outcome[0], iterations, evaluations, outcome[3], outcome[4]
 
 
-def follow_profile(
-    prepared: Prepared, outcome: Outcome, layout: BallLayout, *, everything: bool, refine: int
-) -> Outcome:
+def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, everything: bool, refine: int) -> Outcome:
     """Let the flanks turn about their centre of curvature at the current contact, which an uneven profile shifts.
 
     Repeats the solution with moved lever arms until they settle (the shift is of the size of the profile error).
@@ -272,9 +286,7 @@ def follow_profile(
         new = np.where(force[..., None] > 0.0, w - prepared.normal * radius[..., None], 0.0)
         change = float(np.abs(new - more).max())
         more = new
-        rebuilt = build(
-            problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more
-        )
+        rebuilt = build(problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more)
         rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed)
         rebuilt.C[:] = problem.C
         prepared.problem = rebuilt

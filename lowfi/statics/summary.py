@@ -124,17 +124,26 @@ def equilibrium(prepared: Prepared, points: Array, on_ball: Array, nodal: Array 
         reaction_force = np.asarray(w[:3])
         reaction_moment = np.asarray(w[3:] + np.cross(z0, w[:3]))
     size = max(
-        float(np.abs(applied_force).max()), float(np.abs(contact_force).max()), float(np.abs(reaction_force).max()),
-        float(force.max(initial=0.0)), prepared.scale,
-    )  # fmt: skip
+        float(np.abs(applied_force).max()),
+        float(np.abs(contact_force).max()),
+        float(np.abs(reaction_force).max()),
+        float(force.max(initial=0.0)),
+        prepared.scale,
+    )
     moments = (applied_moment, reaction_moment, contact_moment)
     size_m = max(max(float(np.abs(m).max()) for m in moments), size * scene.track.pitch_radius)
     df = applied_force + reaction_force + contact_force
     dm = applied_moment + reaction_moment + contact_moment
     return Equilibrium(
-        applied_force, applied_moment, reaction_force, reaction_moment, contact_force, contact_moment,
-        float(np.abs(df).max()) / size if size else 0.0, float(np.abs(dm).max()) / size_m if size_m else 0.0,
-    )  # fmt: skip
+        applied_force,
+        applied_moment,
+        reaction_force,
+        reaction_moment,
+        contact_force,
+        contact_moment,
+        float(np.abs(df).max()) / size if size else 0.0,
+        float(np.abs(dm).max()) / size_m if size_m else 0.0,
+    )
 
 
 def reactions(prepared: Prepared) -> Array:
@@ -187,9 +196,13 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> tup
 
 
 def assemble_result(
-    prepared: Prepared, model: str, status: str, report: SolverReport, left_out: tuple[str, ...],
+    prepared: Prepared,
+    model: str,
+    status: str,
+    report: SolverReport,
+    left_out: tuple[str, ...],
     support: Support | None = None,
-) -> StaticResult:  # fmt: skip
+) -> StaticResult:
     """Result record of a finished solve; ``support``: from a solver with elastic bodies."""
     problem = prepared.problem
     q, p = prepared.state[0], prepared.state[2]
@@ -203,12 +216,24 @@ def assemble_result(
     notes += tilt_warning(problem, force, z, motion)
     idealised = model_assumptions(problem.scene) if support is None else ELASTIC_ASSUMPTIONS
     return StaticResult(
-        model=model, status=status, azimuth=problem.layout.azimuth, z=problem.layout.z, load=force,
-        contact_angle=gamma, contact_point=points, force_direction=on_ball, centre_shift=p.copy(),
-        hertz_C=problem.C.copy(), centreline_z=z, centreline=motion,
-        equilibrium=equilibrium(prepared, points, on_ball, support.reactions if support else None), solver=report,
-        assumed=(*problem.scene.assumed, *idealised), left_out=left_out, warnings=notes,
-    )  # fmt: skip
+        model=model,
+        status=status,
+        azimuth=problem.layout.azimuth,
+        z=problem.layout.z,
+        load=force,
+        contact_angle=gamma,
+        contact_point=points,
+        force_direction=on_ball,
+        centre_shift=p.copy(),
+        hertz_C=problem.C.copy(),
+        centreline_z=z,
+        centreline=motion,
+        equilibrium=equilibrium(prepared, points, on_ball, support.reactions if support else None),
+        solver=report,
+        assumed=(*problem.scene.assumed, *idealised),
+        left_out=left_out,
+        warnings=notes,
+    )
 
 
 def failed_result(problem: Problem, model: str, status: str, seconds: float) -> StaticResult:
@@ -217,9 +242,20 @@ def failed_result(problem: Problem, model: str, status: str, seconds: float) -> 
     nan = np.full((n, 4), np.nan)
     report = SolverReport(0, 0, float("nan"), seconds, problem.unknowns, problem.nodes.size - 1, "none", "none")
     return StaticResult(
-        model=model, status=status, azimuth=problem.layout.azimuth, z=problem.layout.z, load=nan, contact_angle=nan,
-        contact_point=np.full((n, 4, 3), np.nan), force_direction=np.full((n, 4, 3), np.nan),
-        centre_shift=np.full((n, 2), np.nan), hertz_C=problem.C.copy(), centreline_z=np.zeros(0),
-        centreline=np.zeros((0, 6)), equilibrium=None, solver=report,
-        assumed=(*problem.scene.assumed, *model_assumptions(problem.scene)), left_out=(),
-    )  # fmt: skip
+        model=model,
+        status=status,
+        azimuth=problem.layout.azimuth,
+        z=problem.layout.z,
+        load=nan,
+        contact_angle=nan,
+        contact_point=np.full((n, 4, 3), np.nan),
+        force_direction=np.full((n, 4, 3), np.nan),
+        centre_shift=np.full((n, 2), np.nan),
+        hertz_C=problem.C.copy(),
+        centreline_z=np.zeros(0),
+        centreline=np.zeros((0, 6)),
+        equilibrium=None,
+        solver=report,
+        assumed=(*problem.scene.assumed, *model_assumptions(problem.scene)),
+        left_out=(),
+    )

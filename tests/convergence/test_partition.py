@@ -24,8 +24,7 @@ def uniform_errors(case):
     return np.array(
         [
             relative(
-                solved(with_ingredients(scene, partition="uniform", element_length=h), engine="compiled").load,
-                nodal(case),
+                solved(with_ingredients(scene, partition="uniform", element_length=h), engine="compiled").load, nodal(case)
             )
             for h in LENGTHS
         ]

@@ -15,9 +15,11 @@ def _all() -> list[Finding]:
 
     drawn = [run_ensemble(STUDY.scene(name), 60) for name in ("lin-random", "lin-combined")]
     return [
-        *hertz.findings(STUDY), *cases.findings_241(STUDY), *error_findings(STUDY, *drawn),
+        *hertz.findings(STUDY),
+        *cases.findings_241(STUDY),
+        *error_findings(STUDY, *drawn),
         *manufacturing.findings(STUDY),
-    ]  # fmt: skip
+    ]
 
 
 @pytest.fixture(scope="module")

@@ -18,10 +18,13 @@ def test_table_is_the_report_s() -> None:
     lines = text.split("<!-- table: reference-errors -->")[1].strip().split("\n\n")[0].splitlines()
     heads = [cell.strip() for cell in lines[0].strip().strip("|").split("|")]
     columns = {
-        "largest %": "largest error [% of mean]", "at": "at ball", "RMS %": "RMS error [% of mean]",
-        "own load, largest %": "largest [% of own load]", "printed %": "printed max / RMS [%]",
+        "largest %": "largest error [% of mean]",
+        "at": "at ball",
+        "RMS %": "RMS error [% of mean]",
+        "own load, largest %": "largest [% of own load]",
+        "printed %": "printed max / RMS [%]",
         "uncertainty %": "reference's uncertainty [% of mean]",
-    }  # fmt: skip
+    }
     rows = {(row["scene"], row["model"]): row for row in stored("reference-errors")}
     assert len(lines) >= 10
     for line in lines[2:]:

@@ -40,14 +40,16 @@ def random_scene(seed):
     fixed = tuple((name, dict(tilt).get(name, 0.0)) for name in ("ux", "uy", "rx", "ry", "rz"))
     oversize = float(rng.uniform(-1e-5, 1e-5))
     return replace(
-        scene, name=f"random {seed}",
+        scene,
+        name=f"random {seed}",
         track=replace(scene.track, starts=starts),
         screw=replace(scene.screw, bore=float(rng.choice([0.0, 8e-3, 14e-3]))),
         nut=replace(scene.nut, length=length, outer_diameter=float(rng.uniform(45e-3, 60e-3))),
         solid=replace(scene.solid, nut_held=str(rng.choice(["left face", "right face", "both faces", "outer surface"]))),
         errors=Errors(balls=BallErrors(oversize=oversize, sigma=float(rng.choice([0.0, 5e-7]))), seed=seed),
-        supports=(Support(0.0, fixed),), loads=(Load(0.1, force, (0.0, 2e-3 * size * share[1], 0.0)),),
-    )  # fmt: skip
+        supports=(Support(0.0, fixed),),
+        loads=(Load(0.1, force, (0.0, 2e-3 * size * share[1], 0.0)),),
+    )
 
 
 @cache

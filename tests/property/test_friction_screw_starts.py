@@ -13,8 +13,16 @@ from lowfi.friction.screw.coupled import Guess
 from lowfi.friction.screw.pair import Pair, PairResult, plain, solve_pair, table_3_6
 
 #: Load [N] and oversize of the ball radii [m], negative for clearance.
-STATES = ((1.0, 1.7e-6), (1.0, 0.0), (50.0, 1.7e-6), (50.0, 0.0), (50.0, -1e-7), (50.0, -1e-6), (2000.0, -3e-6),
-          (2000.0, -1e-5))  # fmt: skip
+STATES = (
+    (1.0, 1.7e-6),
+    (1.0, 0.0),
+    (50.0, 1.7e-6),
+    (50.0, 0.0),
+    (50.0, -1e-7),
+    (50.0, -1e-6),
+    (2000.0, -3e-6),
+    (2000.0, -1e-5),
+)
 STARTS = 4
 
 

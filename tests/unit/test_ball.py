@@ -15,15 +15,9 @@ from meshes.parts import BallErrors, Errors, SideErrors
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
 
 DIRECTION = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
-UNEVEN = replace(
-    Errors(**{name: SideErrors(profile=FLANK_ERRORS.side(name).profile) for name in ("SL", "SR", "NL", "NR")}),
-)
+UNEVEN = replace(Errors(**{name: SideErrors(profile=FLANK_ERRORS.side(name).profile) for name in ("SL", "SR", "NL", "NR")}))
 #: Oversize [m], standard deviation of the flanks' motions [m], and the numbers of contacts that must be met.
-STATES = {
-    "tight": (8e-6, 1e-6, {4}),
-    "between": (3e-6, 4e-6, {3, 4}),
-    "loose": (-1e-6, 6e-6, {0, 2, 3}),
-}
+STATES = {"tight": (8e-6, 1e-6, {4}), "between": (3e-6, 4e-6, {3, 4}), "loose": (-1e-6, 6e-6, {0, 2, 3})}
 PROFILES = {"arcs": Errors(), "uneven": UNEVEN}
 
 
@@ -43,9 +37,7 @@ class Ball:
         """Energy, centre and contact rows of the kernel."""
         kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled")
         p, contact = np.zeros(2), np.zeros((4, 5))
-        energy = kernels.settle(
-            p, shift, self.geometry, self.closure, self.radius, self.drawn.profile, 1e-9, contact
-        )  # fmt: skip
+        energy = kernels.settle(p, shift, self.geometry, self.closure, self.radius, self.drawn.profile, 1e-9, contact)
         return energy, p, contact
 
     def gap(self, p, shift, side):

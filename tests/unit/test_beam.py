@@ -58,9 +58,13 @@ def test_element_is_the_strain_energy_of_its_shape_functions(length):
         xi = (x + 1) / 2
         n, slope = shape_matrix(xi, length, phi), shape_matrix(xi, length, phi, 1) / length
         strains = [
-            (SECTION.EA, slope[2]), (SECTION.GJ, slope[5]), (SECTION.EI, slope[3]), (SECTION.EI, slope[4]),
-            (SECTION.kGA, slope[0] - n[4]), (SECTION.kGA, slope[1] + n[3]),
-        ]  # fmt: skip
+            (SECTION.EA, slope[2]),
+            (SECTION.GJ, slope[5]),
+            (SECTION.EI, slope[3]),
+            (SECTION.EI, slope[4]),
+            (SECTION.kGA, slope[0] - n[4]),
+            (SECTION.kGA, slope[1] + n[3]),
+        ]
         expected += sum(0.5 * w * length * k * np.outer(b, b) for k, b in strains)
     found = element_stiffness(length, SECTION)
     size = np.sqrt(np.diag(found))

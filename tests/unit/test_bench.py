@@ -71,9 +71,13 @@ def test_all_jobs():
     json.dumps([asdict(j) for j in jobs], allow_nan=False)
     named = {j.job: j for j in jobs}
     compiled = (
-        "cold solve, case 1", "cold solve, all sides", "cold solve, no guess", "cold solve, source partition",
-        "warm re-solve, case 1", "ensemble, per member",
-    )  # fmt: skip
+        "cold solve, case 1",
+        "cold solve, all sides",
+        "cold solve, no guess",
+        "cold solve, source partition",
+        "warm re-solve, case 1",
+        "ensemble, per member",
+    )
     for name in compiled:
         ratio = named[name].ratio
         assert ratio is not None

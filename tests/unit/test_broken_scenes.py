@@ -45,25 +45,26 @@ def check_line(error: SceneError, file: str) -> str:
 
 SUPPORT_TWICE = '[[supports]]\nat = "0.0 m"\n'
 CASES = {  # name: (changes to the template, key, value as found, a part of range or advice)
-    "unknown key": (
-        {"pitch_radius =": "pitch_radus ="},
-        "track.pitch_radus",
-        '"16.5 mm"',
-        "did you mean pitch_radius",
-    ),
+    "unknown key": ({"pitch_radius =": "pitch_radus ="}, "track.pitch_radus", '"16.5 mm"', "did you mean pitch_radius"),
     "unknown table": ({"[screw]": "[shaft]"}, "shaft", "{ length", "screw"),
     "missing key": ({'radius = "2.778 mm"': ""}, "balls.radius", "nothing", 'add radius = "2.778 mm"'),
     "nut lands inside the pitch cylinder": (
-        {'# [solid]': '[solid]', '# nut_inner_diameter = "34 mm"': 'nut_inner_diameter = "33 mm"'},
-        "solid.nut_inner_diameter", '"33 mm"', "above 33 mm, below 39.508 mm",
+        {"# [solid]": "[solid]", '# nut_inner_diameter = "34 mm"': 'nut_inner_diameter = "33 mm"'},
+        "solid.nut_inner_diameter",
+        '"33 mm"',
+        "above 33 mm, below 39.508 mm",
     ),
     "hole through the groove": (
-        {'# [solid]': '[solid]', '# hole_diameter = "6 mm"': 'hole_diameter = "27 mm"'},
-        "solid.hole_diameter", '"27 mm"', "from 0 mm, below 26.492 mm",
+        {"# [solid]": "[solid]", '# hole_diameter = "6 mm"': 'hole_diameter = "27 mm"'},
+        "solid.hole_diameter",
+        '"27 mm"',
+        "from 0 mm, below 26.492 mm",
     ),
     "held by a bore that is not there": (
-        {'# [solid]': '[solid]', '# screw_held = "ends"': 'screw_held = "bore"'},
-        "solid.screw_held", '"bore"', "give screw.bore",
+        {"# [solid]": "[solid]", '# screw_held = "ends"': 'screw_held = "bore"'},
+        "solid.screw_held",
+        '"bore"',
+        "give screw.bore",
     ),
     "missing unit": ({'length = "800 mm"': "length = 800"}, "screw.length", "800", "has no unit"),
     "missing unit in text": ({'length = "800 mm"': 'length = "800"'}, "screw.length", '"800"', "has no unit"),
@@ -76,12 +77,7 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
         "plain",
     ),
     "not a number": ({'radius = "2.778 mm"': 'radius = "nan mm"'}, "balls.radius", '"nan mm"', "finite"),
-    "infinite": (
-        {"poissons_ratio = 0.28": "poissons_ratio = inf"},
-        "material.poissons_ratio",
-        "inf",
-        "finite",
-    ),
+    "infinite": ({"poissons_ratio = 0.28": "poissons_ratio = inf"}, "material.poissons_ratio", "inf", "finite"),
     "nan turns": ({"turns = 2": "turns = nan"}, "balls.turns", "nan", "finite"),
     "infinite force": (
         {'force = ["0 N", "0 N", "5 kN"]': 'force = ["0 N", "0 N", "inf N"]'},
@@ -89,44 +85,19 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
         '"inf N"',
         "finite",
     ),
-    "two forces": (
-        {'force = ["0 N", "0 N", "5 kN"]': 'force = ["0 N", "5 kN"]'},
-        "loads[0].force",
-        '["0 N"',
-        "list of 3",
-    ),
-    "expression": (
-        {'pitch_radius = "16.5 mm"': 'pitch_radius = "2*10 mm"'},
-        "track.pitch_radius",
-        '"2*10 mm"',
-        "unit",
-    ),
+    "two forces": ({'force = ["0 N", "0 N", "5 kN"]': 'force = ["0 N", "5 kN"]'}, "loads[0].force", '["0 N"', "list of 3"),
+    "expression": ({'pitch_radius = "16.5 mm"': 'pitch_radius = "2*10 mm"'}, "track.pitch_radius", '"2*10 mm"', "unit"),
     "code": ({"title =": "title = 1 # "}, "title", "1", "text"),
     "zero radius": ({'radius = "2.778 mm"': 'radius = "0 mm"'}, "balls.radius", '"0 mm"', "0.01 mm to 1 m"),
-    "negative length": (
-        {'length = "54 mm"': 'length = "-54 mm"'},
-        "nut.length",
-        '"-54 mm"',
-        "0.01 mm to 100 m",
-    ),
+    "negative length": ({'length = "54 mm"': 'length = "-54 mm"'}, "nut.length", '"-54 mm"', "0.01 mm to 100 m"),
     "zero modulus": (
         {'youngs_modulus = "210 GPa"': 'youngs_modulus = "0 GPa"'},
         "material.youngs_modulus",
         '"0 GPa"',
         "1 MPa",
     ),
-    "no modulus": (
-        {'youngs_modulus = "210 GPa"': ""},
-        "screw.material.youngs_modulus",
-        "nothing",
-        "[material]",
-    ),
-    "incompressible": (
-        {"poissons_ratio = 0.28": "poissons_ratio = 0.5"},
-        "material.poissons_ratio",
-        "0.5",
-        "below 0.5",
-    ),
+    "no modulus": ({'youngs_modulus = "210 GPa"': ""}, "screw.material.youngs_modulus", "nothing", "[material]"),
+    "incompressible": ({"poissons_ratio = 0.28": "poissons_ratio = 0.5"}, "material.poissons_ratio", "0.5", "below 0.5"),
     "contact angle 90": (
         {'contact_angle = "45 deg"': 'contact_angle = "90 deg"'},
         "track.contact_angle",
@@ -144,18 +115,8 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
     "broken count": ({"count = 32": "count = 31.5"}, "balls.count", "31.5", "whole number from 1"),
     "true count": ({"count = 32": "count = true"}, "balls.count", "true", "whole number from 1"),
     "too many balls": ({"count = 32": "count = 100001"}, "balls.count", "100001", "to 100000"),
-    "count not divisible": (
-        {"[screw]": "starts = 3\n[screw]"},
-        "balls.count",
-        "32",
-        "multiple of the 3 starts",
-    ),
-    "count and azimuths": (
-        {"turns = 2": 'turns = 2\nazimuths = ["0 deg"]'},
-        "balls.azimuths",
-        "both",
-        "either",
-    ),
+    "count not divisible": ({"[screw]": "starts = 3\n[screw]"}, "balls.count", "32", "multiple of the 3 starts"),
+    "count and azimuths": ({"turns = 2": 'turns = 2\nazimuths = ["0 deg"]'}, "balls.azimuths", "both", "either"),
     "neither count nor azimuths": ({"count = 32": ""}, "balls.count", "nothing", "either"),
     "no turns": ({"turns = 2": ""}, "balls.turns", "nothing", "turns = 2"),
     "both grooves": (
@@ -177,12 +138,7 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
         '"2.778 mm"',
         "above 2.778 mm",
     ),
-    "conformity below half": (
-        {'groove_radius = "3.254 mm"': "conformity = 0.5"},
-        "screw.conformity",
-        "0.5",
-        "above 0.5",
-    ),
+    "conformity below half": ({'groove_radius = "3.254 mm"': "conformity = 0.5"}, "screw.conformity", "0.5", "above 0.5"),
     "groove below oversized ball": (
         {"[[supports]]": '[errors.balls]\noversize = "0.5 mm"\n[[supports]]'},
         "screw.groove_radius",
@@ -239,34 +195,15 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
         "fewer",
     ),
     "bearing does not close": (  # ends of a listed row that meet across 0 deg
-        {
-            'lead = "20 mm"': 'lead = "0 mm"',
-            "turns = 2": "",
-            "count = 32": 'azimuths = ["0 deg", "180 deg", "350 deg"]',
-        },
+        {'lead = "20 mm"': 'lead = "0 mm"', "turns = 2": "", "count = 32": 'azimuths = ["0 deg", "180 deg", "350 deg"]'},
         "balls.azimuths",
         "balls 1 and 3",
         "fewer",
     ),
     "two turns of a bearing": ({'lead = "20 mm"': 'lead = "0 mm"'}, "balls.turns", "2", "up to 1"),
-    "bearing of two starts": (
-        {**BEARING, "[screw]": "starts = 2\n[screw]"},
-        "track.starts",
-        "2",
-        "1 for zero lead",
-    ),
-    "neighbouring turns": (
-        {'lead = "20 mm"': 'lead = "5.5 mm"'},
-        "track.lead",
-        '"5.5 mm"',
-        "neighbouring turns",
-    ),
-    "neighbouring starts": (
-        {"[screw]": "starts = 4\n[screw]"},
-        "track.lead",
-        '"20 mm"',
-        "neighbouring turns",
-    ),
+    "bearing of two starts": ({**BEARING, "[screw]": "starts = 2\n[screw]"}, "track.starts", "2", "1 for zero lead"),
+    "neighbouring turns": ({'lead = "20 mm"': 'lead = "5.5 mm"'}, "track.lead", '"5.5 mm"', "neighbouring turns"),
+    "neighbouring starts": ({"[screw]": "starts = 4\n[screw]"}, "track.lead", '"20 mm"', "neighbouring turns"),
     "balls reach the axis": (
         {'pitch_radius = "16.5 mm"': 'pitch_radius = "2.5 mm"'},
         "track.pitch_radius",
@@ -312,57 +249,23 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
         "reduced by the groove",
     ),
     "too many listed balls": (
-        {
-            "count = 32": "azimuths = [" + '"0 deg", ' * 50_001 + "]",
-            "turns = 2": "",
-            "[screw]": "starts = 2\n[screw]",
-        },
+        {"count = 32": "azimuths = [" + '"0 deg", ' * 50_001 + "]", "turns = 2": "", "[screw]": "starts = 2\n[screw]"},
         "balls.azimuths",
         "100002 balls",
         "at most 100000",
     ),
-    "100000 balls in two turns": (
-        {"count = 32": "count = 100000"},
-        "balls.count",
-        "balls 1 and 2",
-        "5.556 mm",
-    ),
-    "nut too thin": (
-        {'outer_diameter = "48 mm"': 'outer_diameter = "38 mm"'},
-        "nut.outer_diameter",
-        '"38 mm"',
-        "enclose",
-    ),
-    "nut off the screw": (
-        {'position = "400 mm"': 'position = "790 mm"'},
-        "nut.position",
-        '"790 mm"',
-        "27 mm to 773 mm",
-    ),
-    "nut longer than the screw": (
-        {'length = "54 mm"': 'length = "1 m"'},
-        "nut.length",
-        '"1 m"',
-        "up to 800 mm",
-    ),
+    "100000 balls in two turns": ({"count = 32": "count = 100000"}, "balls.count", "balls 1 and 2", "5.556 mm"),
+    "nut too thin": ({'outer_diameter = "48 mm"': 'outer_diameter = "38 mm"'}, "nut.outer_diameter", '"38 mm"', "enclose"),
+    "nut off the screw": ({'position = "400 mm"': 'position = "790 mm"'}, "nut.position", '"790 mm"', "27 mm to 773 mm"),
+    "nut longer than the screw": ({'length = "54 mm"': 'length = "1 m"'}, "nut.length", '"1 m"', "up to 800 mm"),
     "balls outside the nut": (
         {'length = "54 mm"': 'length = "30 mm"'},
         "balls.turns",
         "ball 1 at z = 380.625 mm",
         "fewer turns",
     ),
-    "support off the screw": (
-        {'at = "0 mm"': 'at = "801 mm"'},
-        "supports[0].at",
-        '"801 mm"',
-        "0 mm to 800 mm",
-    ),
-    "load off the screw": (
-        {'[[loads]]\nat = "0 mm"': '[[loads]]\nat = "1 m"'},
-        "loads[0].at",
-        '"1 m"',
-        "0 mm to 800 mm",
-    ),
+    "support off the screw": ({'at = "0 mm"': 'at = "801 mm"'}, "supports[0].at", '"801 mm"', "0 mm to 800 mm"),
+    "load off the screw": ({'[[loads]]\nat = "0 mm"': '[[loads]]\nat = "1 m"'}, "loads[0].at", '"1 m"', "0 mm to 800 mm"),
     "fixed twice": (
         {"[[loads]]": SUPPORT_TWICE + 'fix = ["uz", "uy"]\n[[loads]]'},
         "supports[1].fix",
@@ -381,12 +284,7 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
         '"ux" twice',
         "once per station",
     ),
-    "unknown freedom": (
-        {'fix = ["ux", "uy",': 'fix = ["uxx", "uy",'},
-        "supports[0].fix[0]",
-        '"uxx"',
-        'did you mean "ux"',
-    ),
+    "unknown freedom": ({'fix = ["ux", "uy",': 'fix = ["uxx", "uy",'}, "supports[0].fix[0]", '"uxx"', 'did you mean "ux"'),
     "support without freedom": (
         {'fix = ["ux", "uy", "rx", "ry", "rz"]': ""},
         "supports[0].fix",
@@ -424,37 +322,12 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
         "7 entries",
     ),
     "no members": ({"[material]": "members = 0\n[material]"}, "members", "0", "from 1 to 100000"),
-    "unknown choice": (
-        {"[screw]": 'hand = "rigth"\n[screw]'},
-        "track.hand",
-        '"rigth"',
-        'did you mean "right"',
-    ),
-    "table for a value": (
-        {'length = "800 mm"': "length = { mm = 800 }"},
-        "screw.length",
-        "{ mm = 800 }",
-        "not text",
-    ),
-    "value for a table": (
-        {"[[supports]]\n": "[errors]\nSL = 3\n[[supports]]\n"},
-        "errors.SL",
-        "3",
-        "a table of profile",
-    ),
-    "TOML syntax": (
-        {'length = "800 mm"': 'length = "800 mm'},
-        "line 25, column 17",
-        'length = "800 mm',
-        "TOML",
-    ),
+    "unknown choice": ({"[screw]": 'hand = "rigth"\n[screw]'}, "track.hand", '"rigth"', 'did you mean "right"'),
+    "table for a value": ({'length = "800 mm"': "length = { mm = 800 }"}, "screw.length", "{ mm = 800 }", "not text"),
+    "value for a table": ({"[[supports]]\n": "[errors]\nSL = 3\n[[supports]]\n"}, "errors.SL", "3", "a table of profile"),
+    "TOML syntax": ({'length = "800 mm"': 'length = "800 mm'}, "line 25, column 17", 'length = "800 mm', "TOML"),
     "TOML key twice": ({"turns = 2": "turns = 2\nturns = 3"}, "line 45, column 10", "turns = 3", "overwrite"),
-    "TOML nested too deeply": (
-        {"turns = 2": "turns = " + "[" * 5000},
-        "file",
-        "text that is not TOML",
-        "nested",
-    ),
+    "TOML nested too deeply": ({"turns = 2": "turns = " + "[" * 5000}, "file", "text that is not TOML", "nested"),
     "TOML huge integer": ({"count = 32": "count = " + "9" * 5000}, "file", "text that is not TOML", "digits"),
     "empty file": (None, "title", "nothing", "add title"),
 }
@@ -484,8 +357,7 @@ def test_missing_table_is_named(tmp_path):
 
 def test_further_faults_are_counted(tmp_path):
     error = refusal(
-        tmp_path,
-        broken({'lead = "20 mm"': 'lead = "20"', "count = 32": "count = 0", "turns = 2": "turns = -1"}),
+        tmp_path, broken({'lead = "20 mm"': 'lead = "20"', "count = 32": "count = 0", "turns = 2": "turns = -1"})
     )
     assert error.more == 2
     assert str(error).endswith("(and 2 more faults)")
@@ -507,12 +379,7 @@ def test_binary_file(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [
-        ("", "a directory"),
-        ("none.toml", "no such file"),
-        ("a\0b.toml", "null byte"),
-        ("x" * 5000, "too long"),
-    ],
+    [("", "a directory"), ("none.toml", "no such file"), ("a\0b.toml", "null byte"), ("x" * 5000, "too long")],
 )
 def test_unreadable(tmp_path, name, value):
     with pytest.raises(SceneError) as caught:
@@ -544,9 +411,7 @@ def test_unequal_balls_that_are_not_nearest_neighbours_overlap(tmp_path):
 def test_full_complement_of_touching_balls_is_allowed():
     step = degrees(2 * asin(2.778 / 16.5))
     azimuths = ", ".join(f'"{i * step!r} deg"' for i in range(18))
-    text = broken(
-        {'lead = "20 mm"': 'lead = "0 mm"', "turns = 2": "", "count = 32": f"azimuths = [{azimuths}]"}
-    )
+    text = broken({'lead = "20 mm"': 'lead = "0 mm"', "turns = 2": "", "count = 32": f"azimuths = [{azimuths}]"})
     assert scene_file.loads(text, "full.toml").ball_count == 18
 
 
@@ -559,9 +424,7 @@ def test_any_mutilation_is_one_line_or_a_scene(data):
         i = data.draw(st.integers(0, len(text)))
         j = min(len(text), i + data.draw(st.integers(0, 12)))
         piece = data.draw(
-            st.sampled_from(
-                ['"', "[", "]", "=", "\n", "nan", "-", "1e400", "{", "}", "0", "", "é", "\x7f", "5 kN"]
-            )
+            st.sampled_from(['"', "[", "]", "=", "\n", "nan", "-", "1e400", "{", "}", "0", "", "é", "\x7f", "5 kN"])
         )
         text = text[:i] + piece + text[j:]
     try:

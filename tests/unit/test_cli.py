@@ -24,8 +24,17 @@ def test_json_is_exactly_one_object(capsys: pytest.CaptureFixture[str]) -> None:
     data = json.loads(out)
     assert (code, err) == (0, "")
     assert set(data) >= {
-        "scene", "model", "status", "balls", "summary", "centreline", "equilibrium", "solver", "assumed", "left_out",
-    }  # fmt: skip
+        "scene",
+        "model",
+        "status",
+        "balls",
+        "summary",
+        "centreline",
+        "equilibrium",
+        "solver",
+        "assumed",
+        "left_out",
+    }
     assert (data["scene"], data["model"], data["status"]) == ("lin-case1", "refined", "converged")
     assert len(data["balls"]) == 32
     ball = data["balls"][0]
@@ -98,9 +107,7 @@ def test_bad_input_is_one_line_and_exit_2(
     assert "Traceback" not in err
 
 
-def test_new_writes_a_scene_that_solves_and_never_overwrites(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_new_writes_a_scene_that_solves_and_never_overwrites(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     assert run(capsys, "new", str(file))[0] == 0
     assert run(capsys, "solve", str(file), "--json")[0] == 0

@@ -200,9 +200,7 @@ def test_preload_without_load(oversize):
 @pytest.mark.parametrize("force", [50.0, 2000.0])
 def test_rigid_bearing_under_radial_load(force, oversize):
     """Stribeck's problem for four-point contact: the displacement is the root of one scalar equation."""
-    scene = small_screw(
-        count=9, lead=0.0, oversize=oversize, screw="rigid", force=(force, 0.0, 0.0), fixed=(("rz", 0.0),)
-    )
+    scene = small_screw(count=9, lead=0.0, oversize=oversize, screw="rigid", force=(force, 0.0, 0.0), fixed=(("rz", 0.0),))
     result = solved(scene)
     azimuth = np.array(scene.balls.azimuths)
 

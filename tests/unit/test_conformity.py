@@ -31,9 +31,9 @@ class Contact:
         def corner(x, y):
             return x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
 
-        self.K = sum(
-            sx * sy * corner(X + 0.5 * sx * dx, Y + 0.5 * sy * dy) for sx in (1, -1) for sy in (1, -1)
-        ) / (np.pi * MODULUS)  # fmt: skip
+        self.K = sum(sx * sy * corner(X + 0.5 * sx * dx, Y + 0.5 * sy * dy) for sx in (1, -1) for sy in (1, -1)) / (
+            np.pi * MODULUS
+        )
         self.area = dx * dy
         self.x, self.y = np.meshgrid(steps[cells:-cells] * dx, steps[cells:-cells] * dy, indexing="ij")
 

@@ -64,15 +64,37 @@ def a_run(b_over_h: float, growth: float, stiffness: float, **changes) -> CrossR
     count = int(1000 * b_over_h / growth)
     meshes = (BodyMesh("SCREW", count, 40, 0.2), BodyMesh("NUT", 200, 80, 0.1))
     return replace(
-        CrossRun(b_over_h, growth, stiffness, 1e3, False, 1e-4, "0" * 16, meshes, found, 0.005, 1e-4, 12, 1e-3, 60.0,
-                 "2026-01-01", "CalculiX 2.20"), **changes,
-    )  # fmt: skip
+        CrossRun(
+            b_over_h,
+            growth,
+            stiffness,
+            1e3,
+            False,
+            1e-4,
+            "0" * 16,
+            meshes,
+            found,
+            0.005,
+            1e-4,
+            12,
+            1e-3,
+            60.0,
+            "2026-01-01",
+            "CalculiX 2.20",
+        ),
+        **changes,
+    )
 
 
 RUNS = (
-    a_run(0.8, 0.6, 2e17), a_run(1.1, 0.6, 2e17), a_run(1.5, 0.6, 2e17), a_run(1.1, 0.8, 2e17), a_run(1.1, 0.4, 2e17),
-    a_run(1.1, 0.6, 1e18), a_run(1.5, 0.6, 2e17, nlgeom=True, load=2.0 * LIMIT),
-)  # fmt: skip
+    a_run(0.8, 0.6, 2e17),
+    a_run(1.1, 0.6, 2e17),
+    a_run(1.5, 0.6, 2e17),
+    a_run(1.1, 0.8, 2e17),
+    a_run(1.1, 0.4, 2e17),
+    a_run(1.1, 0.6, 1e18),
+    a_run(1.5, 0.6, 2e17, nlgeom=True, load=2.0 * LIMIT),
+)
 DATA = CrossData("two-balls", "k", "0", "4", RUNS)
 
 

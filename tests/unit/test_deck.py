@@ -62,9 +62,14 @@ def stack(stiffness: float = 1e16) -> Deck:
         ends = {f"{name}_END": np.flatnonzero(np.abs(own[:, 2] - (0.0 if name == "LOW" else 2e-3)) < 1e-9)}
         bodies.append(DeckBody(name, own, cells, soft, ends, {f"{name}_FACE": top if name == "LOW" else bottom}))
     section = RigidSection(
-        "PUSH", "HIGH", "HIGH_END", np.array([0.0, 0.0, 2e-3]), tuple((k, 0.0) for k in (0, 1, 3, 4, 5)),
-        np.array([0.0, 0.0, -10.0, 0.0, 0.0, 0.0]), (2,),
-    )  # fmt: skip
+        "PUSH",
+        "HIGH",
+        "HIGH_END",
+        np.array([0.0, 0.0, 2e-3]),
+        tuple((k, 0.0) for k in (0, 1, 3, 4, 5)),
+        np.array([0.0, 0.0, -10.0, 0.0, 0.0, 0.0]),
+        (2,),
+    )
     contact = Contact("HIGH_FACE", "LOW_FACE")
     return Deck(tuple(bodies), (section,), ("LOW_END",), (contact,), stiffness, 1.0, ("a comment",), "two cubes of 1 mm³")
 
@@ -234,10 +239,13 @@ def test_what_a_deck_cannot_say_is_refused(tmp_path: Path):
     with pytest.raises(InputError, match=r"a station at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"):
         build_deck(replace(cut, loads=(replace(cut.loads[0], at=0.0),)), COARSE)
     for choices, key in (
-        (DeckChoices("abaqus"), "--deck"), (DeckChoices("ccx", unit="inch"), "--unit"),
-        (DeckChoices("ccx", b_over_h=0.0), "--b-over-h"), (DeckChoices("ccx", growth=float("nan")), "--growth"),
-        (DeckChoices("ccx", balls="5:3"), "--balls"), (DeckChoices("ccx", balls="a"), "--balls"),
-    ):  # fmt: skip
+        (DeckChoices("abaqus"), "--deck"),
+        (DeckChoices("ccx", unit="inch"), "--unit"),
+        (DeckChoices("ccx", b_over_h=0.0), "--b-over-h"),
+        (DeckChoices("ccx", growth=float("nan")), "--growth"),
+        (DeckChoices("ccx", balls="5:3"), "--balls"),
+        (DeckChoices("ccx", balls="a"), "--balls"),
+    ):
         with pytest.raises(InputError, match=key):
             run_deck(scene, choices, tmp_path / "a.inp")
     with pytest.raises(InputError, match="--out"):
@@ -266,9 +274,10 @@ def test_a_cut_keeps_its_balls_where_they_were():
     assert cut.loads[0].at == cut.supports[0].at == pytest.approx(cut.nut.position - cut.nut.length / 2.0 - 3.0 * 2.778e-3)
     assert parse_balls("15:17", scene) == (15, 17)
     for bad, key in (
-        (catalogue.scene("bearing-9"), "track.lead"), (catalogue.scene("lin-random"), "errors"),
+        (catalogue.scene("bearing-9"), "track.lead"),
+        (catalogue.scene("lin-random"), "errors"),
         (catalogue.scene("lin-case3-offset"), "supports"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(InputError, match=key):
             cut_scene(bad, 1, 2)
 
@@ -276,8 +285,24 @@ def test_a_cut_keeps_its_balls_where_they_were():
 def test_the_command_writes_a_deck(tmp_path: Path, capsys):
     out = tmp_path / "cut.inp"
     with pytest.raises(SystemExit) as code:
-        cli.main(["export", "lin-case1", "--deck", "ccx", "--balls", "16:17", "--b-over-h", "0.7", "--growth", "0.8",
-                  "--unit", "m", "--out", str(out)])  # fmt: skip
+        cli.main(
+            [
+                "export",
+                "lin-case1",
+                "--deck",
+                "ccx",
+                "--balls",
+                "16:17",
+                "--b-over-h",
+                "0.7",
+                "--growth",
+                "0.8",
+                "--unit",
+                "m",
+                "--out",
+                str(out),
+            ]
+        )
     assert code.value.code == 0
     assert "4 contacts; units m, N, Pa" in capsys.readouterr().out
     text = out.read_text()

@@ -36,8 +36,7 @@ SCENES = {
     "source partition": lambda: with_ingredients(catalogue.scene("lin-case2"), partition="source"),
     "hertz at work": lambda: with_ingredients(catalogue.scene("lin-case3"), hertz="actual"),
     "uneven flanks": lambda: replace(
-        small_screw(count=9, force=(200.0, -100.0, 1500.0)),
-        errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=2e-6)),
+        small_screw(count=9, force=(200.0, -100.0, 1500.0)), errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=2e-6))
     ),
 }
 SAME_AS_SOURCE = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset", "lin-combined", "bearing-9-preload")
@@ -172,9 +171,18 @@ def test_sides_left_out_that_touch_are_found():
 
 #: C, e and h: both signs of each, with and without a place where the law goes on without them.
 LAWS = [
-    (1e-8, 0.0, 0.0), (1e-8, 3e-10, 0.0), (1e-8, -2e-10, 0.0), (1e-8, -2e-9, 0.0), (1e-8, 0.0, 2e-11), (1e-8, 0.0, -1e-10),
-    (1e-8, -2e-10, 1e-12), (1e-8, -2e-9, 1e-9), (1e-8, 2e-10, -3e-11), (1e-8, -3e-10, -3e-11), (1e-8, 1e-9, -1e-17),
-]  # fmt: skip
+    (1e-8, 0.0, 0.0),
+    (1e-8, 3e-10, 0.0),
+    (1e-8, -2e-10, 0.0),
+    (1e-8, -2e-9, 0.0),
+    (1e-8, 0.0, 2e-11),
+    (1e-8, 0.0, -1e-10),
+    (1e-8, -2e-10, 1e-12),
+    (1e-8, -2e-9, 1e-9),
+    (1e-8, 2e-10, -3e-11),
+    (1e-8, -3e-10, -3e-11),
+    (1e-8, 1e-9, -1e-17),
+]
 
 
 def turn(c, e, h):

@@ -79,9 +79,30 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
     def one(_task, _number, scene, _setup, _sides, _step):
         run = found(1.0)
         return reference.Run(
-            scene.name, 1, "", AT_RIM if len(made) <= rim else "converged", run.load, run.angle, run.load, run.load, {}, {},
-            (0, 3), 0, {}, 0.0, 0.0, 0.0, 0.0, 0.0, {}, {}, (), {}, "",
-        )  # fmt: skip
+            scene.name,
+            1,
+            "",
+            AT_RIM if len(made) <= rim else "converged",
+            run.load,
+            run.angle,
+            run.load,
+            run.load,
+            {},
+            {},
+            (0, 3),
+            0,
+            {},
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            {},
+            {},
+            (),
+            {},
+            "",
+        )
 
     monkeypatch.setattr("hifi.setup.prepare", prepare)
     monkeypatch.setattr(reference, "_one", one)

@@ -96,8 +96,10 @@ def test_prescribed_displacements_are_seen():
 @pytest.mark.parametrize(
     "errors",
     [
-        Errors(SL=SideErrors(profile=(10e-6,))), Errors(NR=SideErrors(pitch=(FourierTerm(1.0, sin=20e-6),))),
-        Errors(SL=SideErrors(roundness=(FourierTerm(2.0, cos=20e-6),))), Errors(balls=BallErrors(listed=((7, 10e-6),))),
+        Errors(SL=SideErrors(profile=(10e-6,))),
+        Errors(NR=SideErrors(pitch=(FourierTerm(1.0, sin=20e-6),))),
+        Errors(SL=SideErrors(roundness=(FourierTerm(2.0, cos=20e-6),))),
+        Errors(balls=BallErrors(listed=((7, 10e-6),))),
     ],
 )
 def test_errors_are_seen(errors):

@@ -419,8 +419,15 @@ def test_what_cannot_be_exported_is_refused_before_meshing(tmp_path: Path, monke
 
     monkeypatch.setattr(export_command, "part_mesh", never)
     assert parts_of(SCENE) == (
-        "screw", "nut", "ball", "patch-SL", "patch-NR", "ball-patch-SL", "ball-patch-NR", "block-source",
-    )  # fmt: skip
+        "screw",
+        "nut",
+        "ball",
+        "patch-SL",
+        "patch-NR",
+        "ball-patch-SL",
+        "ball-patch-NR",
+        "block-source",
+    )
     out = tmp_path / "a.vtu"
     with pytest.raises(InputError, match=r"part: got patch-SR; allowed: screw, nut, ball, patch-SL, patch-NR"):
         run_export(SCENE, "patch-SR", "", out, 1)
@@ -456,11 +463,14 @@ class TestResults:
         s = catalogue.scene("lin-case1")
         at = (-2.9, -0.6, 0.4, 2.6)
         return replace(
-            s, nut=replace(s.nut, position=22e-3, length=34e-3), screw=replace(s.screw, length=44e-3),
-            balls=replace(s.balls, azimuths=at), loads=(replace(s.loads[0], force=(0.0, 0.0, 300.0)),),
+            s,
+            nut=replace(s.nut, position=22e-3, length=34e-3),
+            screw=replace(s.screw, length=44e-3),
+            balls=replace(s.balls, azimuths=at),
+            loads=(replace(s.loads[0], force=(0.0, 0.0, 300.0)),),
             supports=(s.supports[0], replace(s.supports[0], at=44e-3, fixed=(("ux", 0.0), ("uy", 0.0)))),
             solid=replace(s.solid, shaft=4e-3, shaft_diameter=30e-3),
-        )  # fmt: skip
+        )
 
     def test_nut_and_ball_carry_displacement_and_stress(self, tmp_path):
         scene, cache = self.scene(), tmp_path / "cache"

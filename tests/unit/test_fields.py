@@ -46,8 +46,17 @@ def case(tmp_path_factory):
     scene = replace(scene, nut=replace(scene.nut, length=16e-3), solid=Solid(shaft=6e-3, shaft_diameter=30e-3))
     semi = expected_semi_axes(scene)
     settings = Settings(
-        b_over_h=2.5, semi=semi, reach=expected_reach(scene), fine=2.4e-3, coarse=10e-3, ball_fine=0.8e-3,
-        ball_coarse=1.6e-3, modes=20, growth=1.8, own_cuts=(2, 2, 2), own_sizes=(1.5e-3, 6e-3),
+        b_over_h=2.5,
+        semi=semi,
+        reach=expected_reach(scene),
+        fine=2.4e-3,
+        coarse=10e-3,
+        ball_fine=0.8e-3,
+        ball_coarse=1.6e-3,
+        modes=20,
+        growth=1.8,
+        own_cuts=(2, 2, 2),
+        own_sizes=(1.5e-3, 6e-3),
         own_ball_sizes=(0.8e-3, 1.6e-3),
     )
     cache = Cache(tmp_path_factory.mktemp("cache"))
@@ -82,7 +91,7 @@ class TestStress:
         own = np.unique(mesh.dofs.element_dofs[:, some])
         assert np.array_equal(np.flatnonzero(np.isfinite(found).all(axis=1)), own)
         alone, number = mesh_of(points_of(mesh), cells_of(mesh)[some], "P2")
-        again = nodal_stress(alone, u[number.argsort()[-len(own):]], steel)
+        again = nodal_stress(alone, u[number.argsort()[-len(own) :]], steel)
         np.testing.assert_allclose(again[number[own]], found[own], rtol=1e-9, atol=1e-9)
 
     def test_von_mises(self):

@@ -73,8 +73,11 @@ def michell(n, a, b, inside):
 
     def stress(r):
         normal = [
-            n * (1 - n) * r ** (n - 2), -n * (n + 1) * r ** (-n - 2), (2 - n) * (1 + n) * r**n, (2 + n) * (1 - n) * r**-n,
-        ]  # fmt: skip
+            n * (1 - n) * r ** (n - 2),
+            -n * (n + 1) * r ** (-n - 2),
+            (2 - n) * (1 + n) * r**n,
+            (2 + n) * (1 - n) * r**-n,
+        ]
         shear = [(n - 1) * r ** (n - 2), -(n + 1) * r ** (-n - 2), (n + 1) * r**n, (1 - n) * r**-n]
         return [normal, [n * x for x in shear]]
 
@@ -210,9 +213,16 @@ BIG = 50e-3
 def own(width, harmonics=2.6, size=1.0):
     """Own compliance of a radial Gaussian patch on the middle of a big shaft."""
     shaft = Tube(
-        10e-3, BIG, (-40e-3, 40e-3), "both", BIG, width, int(np.ceil(harmonics * BIG / width)),
-        (1.25 * width * size, 0.6 * width * size), STEEL,
-    )  # fmt: skip
+        10e-3,
+        BIG,
+        (-40e-3, 40e-3),
+        "both",
+        BIG,
+        width,
+        int(np.ceil(harmonics * BIG / width)),
+        (1.25 * width * size, 0.6 * width * size),
+        STEEL,
+    )
     zone = (-5.0 * width, 5.0 * width)
     points = Points(np.array([0.4]), np.zeros(1), np.array([[[1.0, 0, 0], [0, 0, 1.0]]]))
     return contact_compliance(tube_compliance(shaft, zone), points)[0, 0]

@@ -24,9 +24,21 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 RATIOS = (1.0, 1.0 - 1e-9, 0.97, 0.6, 0.17, 1.0 / 30.0)
 #: Centres of rotation in units of (a, b): inside, on the edge (both ends and between), just outside, outside.
 CENTRES = (
-    (0.0, 0.0), (0.3, 0.0), (0.0, -0.4), (0.5, 0.6), (0.999, 0.0), (1.0, 0.0), (0.0, 1.0), (0.6, -0.8),
-    (1.001, 0.0), (-0.7, 0.72), (1.3, 0.4), (0.0, 2.5), (-2.0, 1.0), (0.2, 6.0),
-)  # fmt: skip
+    (0.0, 0.0),
+    (0.3, 0.0),
+    (0.0, -0.4),
+    (0.5, 0.6),
+    (0.999, 0.0),
+    (1.0, 0.0),
+    (0.0, 1.0),
+    (0.6, -0.8),
+    (1.001, 0.0),
+    (-0.7, 0.72),
+    (1.3, 0.4),
+    (0.0, 2.5),
+    (-2.0, 1.0),
+    (0.2, 6.0),
+)
 
 
 def along_ray(b, c, d, t):
@@ -57,9 +69,7 @@ def reference(b, c, d):
         f, low, high = (lambda t: along_ray(b, c, d, t)), at - np.pi, at + np.pi
     else:
         wide = np.arcsin(min(1.0, 1.0 / size))
-        f, low, high = (
-            (lambda s: along_ray(b, c, d, at + wide * np.sin(s)) * wide * np.cos(s)), -0.5 * np.pi, 0.5 * np.pi
-        )  # fmt: skip
+        f, low, high = ((lambda s: along_ray(b, c, d, at + wide * np.sin(s)) * wide * np.cos(s)), -0.5 * np.pi, 0.5 * np.pi)
     value, _ = quad_vec(f, low, high, epsabs=1e-15, epsrel=1e-13, limit=4000)
     return 1.5 / (np.pi * b) * value
 
@@ -285,9 +295,14 @@ def test_regularised_law_tends_to_coulomb():
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [((1.0, 2.0, 1.0, 0.1), "a >= b"), ((1.0, 0.0, 1.0, 0.1), "a >= b"), ((1.0, 0.5, -1.0, 0.1), "negative"),
-     ((1.0, 0.5, 1.0, -0.1), "negative"), ((np.nan, 0.5, 1.0, 0.1), "finite")],
-)  # fmt: skip
+    [
+        ((1.0, 2.0, 1.0, 0.1), "a >= b"),
+        ((1.0, 0.0, 1.0, 0.1), "a >= b"),
+        ((1.0, 0.5, -1.0, 0.1), "negative"),
+        ((1.0, 0.5, 1.0, -0.1), "negative"),
+        ((np.nan, 0.5, 1.0, 0.1), "finite"),
+    ],
+)
 def test_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         contacts(*arguments)

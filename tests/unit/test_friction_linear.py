@@ -269,10 +269,16 @@ def test_semi_axes_follow_psi():
 @pytest.mark.parametrize(
     "change",
     [
-        {"ball_radius": 0.0}, {"conformity": 0.5}, {"contact_angle": 1.6}, {"mu": 0.0}, {"mu_balls": -0.1},
-        {"young": -1.0}, {"poisson": 0.6}, {"speed": np.inf},
+        {"ball_radius": 0.0},
+        {"conformity": 0.5},
+        {"contact_angle": 1.6},
+        {"mu": 0.0},
+        {"mu_balls": -0.1},
+        {"young": -1.0},
+        {"poisson": 0.6},
+        {"speed": np.inf},
     ],
-)  # fmt: skip
+)
 def test_bad_bearings_are_refused(change):
     with pytest.raises(ValueError, match=r"must|finite"):
         replace(BEARING, **change)

@@ -41,9 +41,12 @@ def problem_of(forces, bearing=BEARING, angles=ANGLES, free_z=False):
     return Problem(contacts(h.C_a * cube, h.C_b * cube, f, bearing.mu), maps, drives, np.zeros(maps.shape[2]))
 
 
-TWO, THREE, FOUR, VERGE = (140.0, 0.0, 140.0, 0.0), (150.0, 20.0, 160.0, 0.0), (188.0, 47.0, 189.0, 46.0), (
-    144.8, 3.36, 144.8, 3.36
-)  # fmt: skip
+TWO, THREE, FOUR, VERGE = (
+    (140.0, 0.0, 140.0, 0.0),
+    (150.0, 20.0, 160.0, 0.0),
+    (188.0, 47.0, 189.0, 46.0),
+    (144.8, 3.36, 144.8, 3.36),
+)
 
 
 def rotation(axis, angle):
@@ -144,8 +147,9 @@ def test_least_dissipation_is_least(forces):
         for _ in range(40):
             assert total(m.q + scale * rng.normal(size=4) * [0.1, 1.0, 1.0, 1.0]) >= loss * (1.0 - 1e-12)
     start = m.q + np.array([0.05, 3.0, -3.0, 1.0])
-    found = minimize(total, start, method="Nelder-Mead",
-                     options={"maxiter": 4000, "maxfev": 4000, "xatol": 1e-9, "fatol": 1e-13})  # fmt: skip
+    found = minimize(
+        total, start, method="Nelder-Mead", options={"maxiter": 4000, "maxfev": 4000, "xatol": 1e-9, "fatol": 1e-13}
+    )
     assert found.fun >= loss * (1.0 - 1e-12)
     assert found.fun == pytest.approx(loss, rel=1e-2)
     assert abs(m.q[3]) < 1e-6 * abs(m.q[1]), "the ball does not turn about its path: Lin's omega_z = 0"
@@ -178,10 +182,13 @@ def test_energy_balance_over_random_scenes():
     rests = set()
     for k in range(200):
         b = replace(
-            BEARING, contact_angle=np.radians(rng.uniform(20, 70)), mu=10.0 ** rng.uniform(-3, -0.3),
-            speed=10.0 ** rng.uniform(-3, 3) * rng.choice([-1.0, 1.0]), clearance=rng.choice([0.0, 1e-6, -1e-6, 1e-5]),
+            BEARING,
+            contact_angle=np.radians(rng.uniform(20, 70)),
+            mu=10.0 ** rng.uniform(-3, -0.3),
+            speed=10.0 ** rng.uniform(-3, 3) * rng.choice([-1.0, 1.0]),
+            clearance=rng.choice([0.0, 1e-6, -1e-6, 1e-5]),
             groove_radius=12.5e-3 * rng.uniform(0.505, 0.6),
-        )  # fmt: skip
+        )
         load = bearing_load(b, 10.0 ** rng.uniform(-3, 5), rng.uniform(-5e-6, 1e-5))
         m = least_dissipation(motion_problem(b, load, ball_contacts(b, load), free_z=bool(k % 2)), fast=True)
         assert load.converged

@@ -39,10 +39,22 @@ def solved(name, *changes):
 def test_every_shipped_scene_converges_and_balances_power():
     names = friction_scene.scene_names()
     assert names == [
-        "lin-bearing-pairs", "lin-chain-10", "lin-pair-a", "lin-pair-b", "lin-rotary-1", "lin-rotary-1-printed",
-        "lin-rotary-2", "lin-rotary-2-printed", "lin-rotary-3", "lin-rotary-3-printed", "lin-screw-pair-a",
-        "lin-screw-pair-a-inferred", "lin-screw-pair-b", "lin-screw-pair-b-inferred", "lin-screw-run",
-    ]  # fmt: skip
+        "lin-bearing-pairs",
+        "lin-chain-10",
+        "lin-pair-a",
+        "lin-pair-b",
+        "lin-rotary-1",
+        "lin-rotary-1-printed",
+        "lin-rotary-2",
+        "lin-rotary-2-printed",
+        "lin-rotary-3",
+        "lin-rotary-3-printed",
+        "lin-screw-pair-a",
+        "lin-screw-pair-a-inferred",
+        "lin-screw-pair-b",
+        "lin-screw-pair-b-inferred",
+        "lin-screw-run",
+    ]
     for name in names:
         scene = friction_scene.scene(name)
         answer = solve_scene(scene)
@@ -93,10 +105,16 @@ def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
 def test_units_signs_and_either_way_to_give_the_groove():
     base = friction_scene.scene("lin-rotary-2")
     assert isinstance(base, RotaryScene)
-    again = friction_scene.loads(changed(
-        "lin-rotary-2", ('"10 rps"', '"600 rpm"'), ("conformity = 0.54", 'groove_radius = "6.75 mm"'),
-        ('"5.2 um"', '"0.0052 mm"'), ('"100 N"', '"0.1 kN"'),
-    ), "lin-rotary-2.toml")  # fmt: skip
+    again = friction_scene.loads(
+        changed(
+            "lin-rotary-2",
+            ('"10 rps"', '"600 rpm"'),
+            ("conformity = 0.54", 'groove_radius = "6.75 mm"'),
+            ('"5.2 um"', '"0.0052 mm"'),
+            ('"100 N"', '"0.1 kN"'),
+        ),
+        "lin-rotary-2.toml",
+    )
     assert isinstance(again, RotaryScene)
     assert again.bearing.speed == pytest.approx(base.bearing.speed, rel=1e-15)
     assert again.bearing.groove_radius == pytest.approx(base.bearing.groove_radius, rel=1e-15)
@@ -156,13 +174,23 @@ def test_large_contacts_are_warned_of():
 COULOMB = 'law = "coulomb"'
 CASES = {  # name: (scene, changes, key, value as found, a part of range or advice)
     "no kind": ("lin-rotary-1", [('kind = "rotary bearing"', "")], "kind", "nothing", '"linear pair"'),
-    "unknown kind": ("lin-rotary-1", [('kind = "rotary bearing"', 'kind = "ball screw"')], "kind", '"ball screw"',
-                     '"linear chain"'),
+    "unknown kind": (
+        "lin-rotary-1",
+        [('kind = "rotary bearing"', 'kind = "ball screw"')],
+        "kind",
+        '"ball screw"',
+        '"linear chain"',
+    ),
     "kind of another type": ("lin-rotary-1", [('"rotary bearing"', "3")], "kind", "3", '"rotary bearing"'),
     "unknown key": ("lin-rotary-1", [("conformity", "conformty")], "bearing.conformty", "0.54", "mean conformity"),
     "unknown table": ("lin-rotary-1", [("[motion]", "[moton]")], "moton", "{ inner_ring", "did you mean motion"),
-    "key of another kind": ("lin-pair-a", [("[bearing]", '[bearing]\npitch_radius = "3 mm"')], "bearing.pitch_radius",
-                            '"3 mm"', "unknown key"),
+    "key of another kind": (
+        "lin-pair-a",
+        [("[bearing]", '[bearing]\npitch_radius = "3 mm"')],
+        "bearing.pitch_radius",
+        '"3 mm"',
+        "unknown key",
+    ),
     "missing key": ("lin-rotary-1", [('pitch_radius = "35 mm"', "")], "bearing.pitch_radius", "nothing", "35 mm"),
     "missing table": ("lin-pair-a", [('[motion]\ncarriage = "10 mm/s"', "")], "motion", "nothing", "[motion] table"),
     "no unit": ("lin-rotary-1", [('"6.25 mm"', "6.25")], "bearing.ball_radius", "6.25", "0.01 mm to 1 m"),
@@ -172,15 +200,30 @@ CASES = {  # name: (scene, changes, key, value as found, a part of range or advi
     "speed too large": ("lin-pair-a", [('"10 mm/s"', '"1e5 m/s"')], "motion.carriage", '"1e5 m/s"', "-1000 m/s to"),
     "speed not finite": ("lin-pair-a", [('"10 mm/s"', '"nan mm/s"')], "motion.carriage", '"nan mm/s"', "a number"),
     "no groove": ("lin-rotary-1", [("conformity = 0.54", "")], "bearing.groove_radius", "neither", "one of"),
-    "two grooves": ("lin-rotary-1", [("conformity = 0.54", 'conformity = 0.54\ngroove_radius = "7 mm"')],
-                    "bearing.groove_radius", "both", "one of"),
-    "groove below the ball": ("lin-rotary-1", [("conformity = 0.54", 'groove_radius = "6 mm"')],
-                              "bearing.groove_radius", '"6 mm"', "above 6.25 mm"),
+    "two grooves": (
+        "lin-rotary-1",
+        [("conformity = 0.54", 'conformity = 0.54\ngroove_radius = "7 mm"')],
+        "bearing.groove_radius",
+        "both",
+        "one of",
+    ),
+    "groove below the ball": (
+        "lin-rotary-1",
+        [("conformity = 0.54", 'groove_radius = "6 mm"')],
+        "bearing.groove_radius",
+        '"6 mm"',
+        "above 6.25 mm",
+    ),
     "conformity": ("lin-pair-a", [("0.56", "0.5")], "bearing.conformity", "0.5", "above 0.5"),
     "small ring": ("lin-rotary-1", [('"35 mm"', '"6 mm"')], "bearing.pitch_radius", '"6 mm"', "above 6.75 mm"),
     "contact angle": ("lin-rotary-1", [('"45 deg"', '"90 deg"')], "bearing.contact_angle", '"90 deg"', "below 90 deg"),
-    "clearance": ("lin-rotary-1", [("[bearing]", '[bearing]\nclearance = "0.6 mm"')], "bearing.clearance", '"0.6 mm"',
-                  "between -0.5 mm and 0.5 mm"),
+    "clearance": (
+        "lin-rotary-1",
+        [("[bearing]", '[bearing]\nclearance = "0.6 mm"')],
+        "bearing.clearance",
+        '"0.6 mm"',
+        "between -0.5 mm and 0.5 mm",
+    ),
     "displacement": ("lin-rotary-1", [('"0 um"', '"0.6 mm"')], "loads.radial_displacement", '"0.6 mm"', "-0.5 mm"),
     "modulus": ("lin-rotary-1", [('"210 GPa"', '"210 N"')], "material.youngs_modulus", '"210 N"', "1 MPa"),
     "Poisson's ratio": ("lin-rotary-1", [("0.28", "0.5")], "material.poissons_ratio", "0.5", "below 0.5"),
@@ -188,20 +231,40 @@ CASES = {  # name: (scene, changes, key, value as found, a part of range or advi
     "unknown law": ("lin-rotary-1", [(COULOMB, 'law = "stribeck"')], "friction.law", '"stribeck"', '"sigmoid"'),
     "law of a linear bearing": ("lin-pair-a", [(COULOMB, 'law = "sigmoid"')], "friction.law", '"sigmoid"', "linear"),
     "no creep": ("lin-rotary-1", [(COULOMB, 'law = "regularised"')], "friction.creep", "nothing", "above 0 m/s"),
-    "creep zero": ("lin-rotary-1", [(COULOMB, 'law = "regularised"\ncreep = "0 m/s"')], "friction.creep", '"0 m/s"',
-                   "above 0 m/s"),
-    "key of another law": ("lin-rotary-1", [(COULOMB, COULOMB + "\nsharpness = 9")], "friction.sharpness", "9",
-                           'law = "sigmoid"'),
+    "creep zero": (
+        "lin-rotary-1",
+        [(COULOMB, 'law = "regularised"\ncreep = "0 m/s"')],
+        "friction.creep",
+        '"0 m/s"',
+        "above 0 m/s",
+    ),
+    "key of another law": (
+        "lin-rotary-1",
+        [(COULOMB, COULOMB + "\nsharpness = 9")],
+        "friction.sharpness",
+        "9",
+        'law = "sigmoid"',
+    ),
     "sigmoid at rest": ("lin-rotary-1-printed", [('"10 rps"', '"0 rps"')], "motion.inner_ring", '"0 rps"', "not zero"),
     "Hertz": ("lin-rotary-1", [('hertz = "right"', 'hertz = "wrong"')], "hertz", '"wrong"', '"as printed"'),
     "side force pulls": ("lin-pair-a", [("-0.6", "-0.94")], "loads.side_force_ratio", "-0.94", "-0.9325 to 1"),
     "side force pulls the second": ("lin-pair-a", [("-0.6", "0.94")], "loads.side_force_ratio", "0.94", "-1 to 0.9325"),
-    "side force beyond a diagonal": ("lin-pair-a", [("-0.6", "-1.01"), ('"balanced"', '"diagonal"')],
-                                     "loads.side_force_ratio", "-1.01", "-1 to 1"),
+    "side force beyond a diagonal": (
+        "lin-pair-a",
+        [("-0.6", "-1.01"), ('"balanced"', '"diagonal"')],
+        "loads.side_force_ratio",
+        "-1.01",
+        "-1 to 1",
+    ),
     "no vertical force": ("lin-pair-a", [('"100 N"', '"0 N"')], "loads.vertical_force", '"0 N"', "above 0 N"),
     "unknown distribution": ("lin-pair-a", [('"balanced"', '"even"')], "loads.distribution", '"even"', '"elastic"'),
-    "angles past 90 deg": ("lin-pair-a", [('"2 deg"', '"14 deg"'), ('"45 deg"', '"80 deg"')],
-                           "grooves.angle_deviation", '"14 deg"', "below 90 deg"),
+    "angles past 90 deg": (
+        "lin-pair-a",
+        [('"2 deg"', '"14 deg"'), ('"45 deg"', '"80 deg"')],
+        "grooves.angle_deviation",
+        '"14 deg"',
+        "below 90 deg",
+    ),
     "mated": ("lin-pair-a", [("mated = false", 'mated = "no"')], "grooves.mated", '"no"', "true, false"),
     "three deviations": ("lin-chain-10", [('"-2 deg", ', "")], "balls[0].angle_deviations", '["2 deg"', "4 entries"),
     "ball's side force": ("lin-chain-10", [("-0.6", "-0.95")], "balls[0].side_force_ratio", "-0.95", "-0.9325 to 1"),
@@ -209,7 +272,7 @@ CASES = {  # name: (scene, changes, key, value as found, a part of range or advi
     "gap after the last": ("lin-chain-10", [("= 0.6\n", '= 0.6\ngap = "1 um"\n')], "balls[9].gap", '"1 um"', "last"),
     "no title": ("lin-pair-a", [("title =", "source2 =")], "source2", '"Two', "did you mean source"),
     "not TOML": ("lin-pair-a", [("[bearing]", "[bearing")], "line 15, column 9", "[bearing", "TOML"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", list(CASES))

@@ -16,12 +16,7 @@ from lowfi.friction.screw.chain import Chain, solve_chain
 from lowfi.friction.screw.coupled import coupled_ball
 from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
 from lowfi.friction.screw.load import load_arrays, load_state, screw_rows, settle
-from lowfi.friction.screw.motion import (
-    ball_cell,
-    ball_motion,
-    ball_motion_by_root,
-    source_law,
-)
+from lowfi.friction.screw.motion import ball_cell, ball_motion, ball_motion_by_root, source_law
 from lowfi.friction.screw.pair import inferred, plain, table_3_6
 from tests.helpers import SCREW_STATES as STATES
 
@@ -108,8 +103,10 @@ def test_pair_geometry_against_finite_differences() -> None:
     line /= np.linalg.norm(line)
     frames = [frame(SCREW, s * 0.5 * pair.spacing) for s in (-1, 1)]
     q = [np.array([2.0, -3.0, 0.7, 8.0]), np.array([1.5, 1.0, -2.0, 7.0])]
-    v = [material_velocity(SCREW, q[k], frames[k] @ (s * SCREW.ball_radius * line), s * -0.5 * pair.spacing)
-         for k, s in ((0, 1.0), (1, -1.0))]  # fmt: skip
+    v = [
+        material_velocity(SCREW, q[k], frames[k] @ (s * SCREW.ball_radius * line), s * -0.5 * pair.spacing)
+        for k, s in ((0, 1.0), (1, -1.0))
+    ]
     for k, rows in ((0, pair.first), (1, pair.second)):
         tangents = pair.slide[k] @ frames[k]
         assert tangents @ tangents.T == pytest.approx(np.eye(2), abs=1e-14)
@@ -267,9 +264,17 @@ def test_long_radius_is_the_linear_bearing() -> None:
     order = [0, 1, 3, 2]  # BL, BR, TL, TR of BL, BR, TR, TL
     radius = 1000.0
     screw = ScrewGroove(
-        line.ball_radius, line.conformity * 2.0 * line.ball_radius, radius, 0.0, line.contact_angle, line.young,
-        line.poisson, line.mu, line.speed / radius, mu_balls=line.mu_balls,
-    )  # fmt: skip
+        line.ball_radius,
+        line.conformity * 2.0 * line.ball_radius,
+        radius,
+        0.0,
+        line.contact_angle,
+        line.young,
+        line.poisson,
+        line.mu,
+        line.speed / radius,
+        mu_balls=line.mu_balls,
+    )
     normals = screw.normals(angles[:, order])
     pairs = [solve_chain(Chain(screw, loads[:, order], normals, np.array([slack, np.inf]))) for slack in (np.inf, 0.0)]
     assert pairs[1].ball_force[0] == pytest.approx(found.force, rel=1e-4)

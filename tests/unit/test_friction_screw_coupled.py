@@ -107,8 +107,11 @@ def test_a_floating_ball_may_wedge_itself() -> None:
     for _ in range(40):
         push = np.array([[0.0, 0.0], 0.01 * rng.normal(size=2)])
         cell = pair.cell()
-        found.append(coupled_chain(cell, np.full(2, np.inf), "ball", None, 100,
-                                   Guess(push, np.zeros(1), floats.motion.q, np.zeros(2))))  # fmt: skip
+        found.append(
+            coupled_chain(
+                cell, np.full(2, np.inf), "ball", None, 100, Guess(push, np.zeros(1), floats.motion.q, np.zeros(2))
+            )
+        )
     wedged = [s for s in found if s.load.force[1].sum() > 0.1]
     assert wedged
     assert all(s.converged and out_of_balance(pair, s) < 1e-8 for s in found)

@@ -101,8 +101,14 @@ def test_jacobian_of_the_joint_system_against_differences() -> None:
     length = system[4]
 
     def blank():
-        return (np.empty(14), np.empty(2), np.empty((14, 3 * joint.HALF + 1)), np.empty((14, 2)), np.empty((2, 14)),
-                np.empty((2, 2)))  # fmt: skip
+        return (
+            np.empty(14),
+            np.empty(2),
+            np.empty((14, 3 * joint.HALF + 1)),
+            np.empty((14, 2)),
+            np.empty((2, 14)),
+            np.empty((2, 2)),
+        )
 
     def residual(z, fast=False):
         own, m = z[:14].reshape(2, 7), blank()

@@ -12,9 +12,7 @@ from lowfi.friction.screw.chain import Chain, Search, solve_chain
 from lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from lowfi.friction.screw.kernel.balance import HALF
 from lowfi.friction.screw.load import Cell, settle
-from lowfi.friction.screw.motion import (
-    screw_contacts,
-)
+from lowfi.friction.screw.motion import screw_contacts
 from lowfi.friction.screw.pair import BOTH, Pair, inferred, oversize_map, plain, solve_pair, table_3_6
 from tests.helpers import SCREW_STATES as STATES
 
@@ -65,9 +63,7 @@ def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
 def test_swapped_balls() -> None:
     """Half a turn about x3 swaps the balls, left and right, and reverses the motion and the axial force."""
     one = solve_pair(inferred(TWO))
-    turned = replace(
-        inferred(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed), theta=(TWO, 0.0), force=(-50.0,),
-    )  # fmt: skip
+    turned = replace(inferred(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed), theta=(TWO, 0.0), force=(-50.0,))
     two = solve_pair(turned)
     assert two.force == pytest.approx(one.force, rel=1e-9)
     assert two.friction_increase == pytest.approx(one.friction_increase, rel=1e-9)

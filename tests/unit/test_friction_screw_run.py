@@ -8,16 +8,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from lowfi.friction.screw.motion import ball_motion
-from lowfi.friction.screw.run import (
-    RunResult,
-    deviation,
-    groups,
-    lin_3_4_4,
-    run_cell,
-    sensitivity,
-    simulate,
-    summarise,
-)
+from lowfi.friction.screw.run import RunResult, deviation, groups, lin_3_4_4, run_cell, sensitivity, simulate, summarise
 
 THREE = np.radians(3.0)
 
@@ -142,8 +133,11 @@ def test_sensitivity_table() -> None:
     run = lin_3_4_4(steps=60, duration=0.6)
     rows = sensitivity(run, {"amplitude": (0.0, THREE), "oversize": (3e-6,)})
     assert [(name, value) for name, value, _ in rows] == [
-        ("none", None), ("amplitude", 0.0), ("amplitude", THREE), ("oversize", 3e-6)
-    ]  # fmt: skip
+        ("none", None),
+        ("amplitude", 0.0),
+        ("amplitude", THREE),
+        ("oversize", 3e-6),
+    ]
     assert rows[1][2].largest == 0.0
     assert repr(rows[2][2]) == repr(rows[0][2])
     assert rows[3][2].largest < rows[0][2].largest

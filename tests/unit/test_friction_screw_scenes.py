@@ -19,8 +19,10 @@ PAIRS = [f"lin-screw-pair-{case}{end}" for case in THETA for end in ("", "-infer
 NAMES = [*PAIRS, "lin-screw-run", "lin-bearing-pairs"]
 #: Few steps of the run, up to the first contacts.
 SHORT = (("steps = 200", "steps = 10"), ('duration = "2 s"', 'duration = "300 ms"'))
-FEW = ((', "4 deg", "6 deg", "8 deg", "10 deg", "12 deg", "14 deg",\n', ",\n"),
-       ('"18 deg", "20 deg", "22 deg", "24 deg", "26 deg", "28 deg", "30 deg"', '"18 deg"'))  # fmt: skip
+FEW = (
+    (', "4 deg", "6 deg", "8 deg", "10 deg", "12 deg", "14 deg",\n', ",\n"),
+    ('"18 deg", "20 deg", "22 deg", "24 deg", "26 deg", "28 deg", "30 deg"', '"18 deg"'),
+)
 
 
 def changed(name, *changes):
@@ -80,10 +82,17 @@ def test_pair_scenes_are_the_library_s(case, reading):
 
 def test_pair_takes_pattern_direction_hand_and_hertz():
     scene = loaded(
-        "lin-screw-pair-a", ("[1, 1, 0, 0]", "[1, -1, 0, 0.0]"), ('"axial"', '"radial"'), ('"50 N"', '"0.1 kN"'),
-        ('hand = "right"', 'hand = "left"'), ('hertz = "right"', 'hertz = "as printed"'), ('"1 rps"', '"60 rpm"'),
-        ("between_balls = 0.1\n", ""), ('"ball"', '"ball and screw"'), ('oversize = "0 um"', 'oversize = "-1 um"'),
-    )  # fmt: skip
+        "lin-screw-pair-a",
+        ("[1, 1, 0, 0]", "[1, -1, 0, 0.0]"),
+        ('"axial"', '"radial"'),
+        ('"50 N"', '"0.1 kN"'),
+        ('hand = "right"', 'hand = "left"'),
+        ('hertz = "right"', 'hertz = "as printed"'),
+        ('"1 rps"', '"60 rpm"'),
+        ("between_balls = 0.1\n", ""),
+        ('"ball"', '"ball and screw"'),
+        ('oversize = "0 um"', 'oversize = "-1 um"'),
+    )
     groove = replace(plain(0.0).groove, lead=-20e-3, hertz="as printed")
     theta = (0.0, np.radians(2.0))
     close(scene.pair, Pair(groove, theta, (SHIFTED, SHIFTED), -1e-6, "r", (100.0,), "ball and screw"))
@@ -155,7 +164,7 @@ def test_bearing_scene_is_the_library_s(tilt):
 
 
 def test_rows_face_to_face_are_turned_round():
-    rows = loaded("lin-bearing-pairs", ("back to back\"\n", "face to face\"\n")).double_row.rows
+    rows = loaded("lin-bearing-pairs", ('back to back"\n', 'face to face"\n')).double_row.rows
     assert [r.contacts for r in rows] == [DIAGONAL, OTHER]
 
 
@@ -169,31 +178,61 @@ CASES = {  # name: (scene, changes, key, value as found, a part of range or advi
     "missing key": (0, [('lead = "20 mm"\n', "")], "screw.lead", "nothing", "add e.g. lead"),
     "no unit": (0, [('"50 N"', "50")], "loads.force", "50", "-1 MN to 1 MN"),
     "no lead": (0, [('"20 mm"', '"0 mm"')], "screw.lead", '"0 mm"', "above 0 mm"),
-    "two grooves": (0, [("conformity = 0.56", 'conformity = 0.56\ngroove_radius = "4 mm"')], "screw.groove_radius",
-                    "both", "one of"),
-    "groove below the ball": (0, [("conformity = 0.56", 'groove_radius = "2 mm"')], "screw.groove_radius", '"2 mm"',
-                              "above 2.778 mm"),
+    "two grooves": (
+        0,
+        [("conformity = 0.56", 'conformity = 0.56\ngroove_radius = "4 mm"')],
+        "screw.groove_radius",
+        "both",
+        "one of",
+    ),
+    "groove below the ball": (
+        0,
+        [("conformity = 0.56", 'groove_radius = "2 mm"')],
+        "screw.groove_radius",
+        '"2 mm"',
+        "above 2.778 mm",
+    ),
     "small pitch radius": (0, [('"16.5 mm"', '"3 mm"')], "screw.pitch_radius", '"3 mm"', "above 3.11136 mm"),
-    "balls too large": (0, [('"16.5 mm"', '"3.2 mm"'), ('"20 mm"', '"1 mm"')], "screw.ball_radius", '"2.778 mm"',
-                        "smaller balls"),
+    "balls too large": (
+        0,
+        [('"16.5 mm"', '"3.2 mm"'), ('"20 mm"', '"1 mm"')],
+        "screw.ball_radius",
+        '"2.778 mm"',
+        "smaller balls",
+    ),
     "oversize": (0, [('"0 um"', '"0.5 mm"')], "screw.oversize", '"0.5 mm"', "between -0.33336 mm and 0.33336 mm"),
     "one deviation": (0, [('"0 deg", ', "")], "angles.deviations", '["2 deg"]', "2 entries"),
     "deviation": (0, [('"2 deg"', '"20 deg"')], "angles.deviations[1]", '"20 deg"', "-15 deg to 15 deg"),
-    "angles past 90 deg": (0, [('"2 deg"', '"-14 deg"'), ('"45 deg"', '"80 deg"')], "angles.deviations", '["0 deg"',
-                           "below 90 deg"),
+    "angles past 90 deg": (
+        0,
+        [('"2 deg"', '"-14 deg"'), ('"45 deg"', '"80 deg"')],
+        "angles.deviations",
+        '["0 deg"',
+        "below 90 deg",
+    ),
     "pattern": (0, [("[1, 1, 0, 0]", "[1, 2, 0, 0]")], "angles.pattern[1]", "2", "-1 to 1"),
     "direction": (0, [('"axial"', '"sideways"')], "loads.direction", '"sideways"', '"radial"'),
     "coupling": (0, [('coupling = "ball"', 'coupling = "screw"')], "friction.coupling", '"screw"', '"ball and screw"'),
     "no load": (0, [('"50 N"', '"0 N"')], "loads.force", '"0 N"', "oversize above 0 um"),
     "coefficient": (4, [("coefficient = 0.1", "coefficient = 0")], "friction.coefficient", "0", "above 0"),
     "Hertz": (0, [('"20 mm"', '"1 m"'), ('hertz = "right"', 'hertz = "as printed"')], "hertz", '"as printed"', "steep"),
-    "groove conforms": (0, [("= 0.56", "= 0.5000000000000001"), ('"2.778 mm"', '"1.02 mm"')], "screw.conformity",
-                        "0.5000000000000001", "take a wider groove"),
+    "groove conforms": (
+        0,
+        [("= 0.56", "= 0.5000000000000001"), ('"2.778 mm"', '"1.02 mm"')],
+        "screw.conformity",
+        "0.5000000000000001",
+        "take a wider groove",
+    ),
     "too many balls": (4, [("balls = 37", "balls = 38")], "track.balls", "38", "2 to 37"),
     "one ball": (4, [("balls = 37", "balls = 1")], "track.balls", "1", "a whole number from 2 to 1000"),
     "no steps": (4, [("steps = 200", "steps = 0")], "time.steps", "0", "a whole number from 1"),
-    "steps too many to keep": (4, [("= 37", "= 370"), ("turns = 2", "turns = 20"), ("= 200", "= 100000")], "time.steps",
-                               "100000", "1 to 13513 with 370 balls"),
+    "steps too many to keep": (
+        4,
+        [("= 37", "= 370"), ("turns = 2", "turns = 20"), ("= 200", "= 100000")],
+        "time.steps",
+        "100000",
+        "1 to 13513 with 370 balls",
+    ),
     "duration": (4, [('"2 s"', '"0 s"')], "time.duration", '"0 s"', "above 0 s"),
     "duration without unit": (4, [('"2 s"', "2")], "time.duration", "2", "a number and one of s, ms, min"),
     "nothing turns": (4, [('"0 rps"', '"1 rps"')], "motion.nut", '"1 rps"', "against each other"),
@@ -203,7 +242,7 @@ CASES = {  # name: (scene, changes, key, value as found, a part of range or advi
     "bearing's clearance": (5, [('"0 um"', '"0.6 mm"')], "four_point.clearance", '"0.6 mm"', "-0.5 mm and 0.5 mm"),
     "bearing at rest": (5, [('"10 rps"', '"0 rps"')], "motion.inner_ring", '"0 rps"', "not zero"),
     "tilt": (5, [("tilt = true", "tilt = 1")], "loads.tilt", "1", "true, false"),
-}  # fmt: skip
+}
 FILES = ("lin-screw-pair-a", "", "", "", "lin-screw-run", "lin-bearing-pairs")
 
 

@@ -84,9 +84,11 @@ def test_both_readings_stand_side_by_side(made):
     """Errors belong to the plain reading; the inferred one is labelled and has its own."""
     rows = {p.key: r for p, r in zip(load_table("lin-3.7"), tables(made)["friction-lin-3.7"].rows, strict=True)}
     expected = {
-        "force_a": (0.98316, 1.9615), "force_b": (1.29143, 2.9468), "increase_a": (37.855, 39.369),
+        "force_a": (0.98316, 1.9615),
+        "force_b": (1.29143, 2.9468),
+        "increase_a": (37.855, 39.369),
         "increase_b": (49.858, 60.176),
-    }  # fmt: skip
+    }
     for key, two in expected.items():
         assert (rows[key]["right"], rows[key]["as_printed"]) == pytest.approx(two, rel=2e-4)
     assert rows["force_a"]["error"] == pytest.approx(-48.8, abs=0.1)

@@ -49,10 +49,12 @@ def test_right_values_stand_beside_what_comes_out_by_a_fault_alone():
     """67.58 % with right constants, a/R and its angle not cut off, deviations at the load state of the text."""
     found = {(f.printed.table, f.printed.key): f for f in friction_values.findings(Study())}
     for key, right, faulty in (
-        (("lin-3.2", "force_increase_III"), 87.8, 67.60), (("lin-G", "a_over_R"), 0.2186, 0.218),
-        (("lin-G", "eta"), 6.262, 6.245), (("lin-3.4", "a_eps1_numerical"), 0.81, 0.87),
+        (("lin-3.2", "force_increase_III"), 87.8, 67.60),
+        (("lin-G", "a_over_R"), 0.2186, 0.218),
+        (("lin-G", "eta"), 6.262, 6.245),
+        (("lin-3.4", "a_eps1_numerical"), 0.81, 0.87),
         (("lin-3.4", "a_eps2_numerical"), -0.81, -0.79),
-    ):  # fmt: skip
+    ):
         f = found[key]
         assert f.verdict == "reproduced as printed", key
         assert f.value == pytest.approx(right, rel=5e-3)
@@ -127,9 +129,7 @@ def test_least_dissipation_comes_from_every_start_and_root_finding_does_not(made
 
 def test_figures_have_data_and_can_be_drawn(made):
     figures = [item for item in made.items if isinstance(item, Figure)]
-    assert [f.name for f in figures] == [
-        "friction-torque", "friction-velocity", "friction-difference", "friction-force",
-    ]  # fmt: skip
+    assert [f.name for f in figures] == ["friction-torque", "friction-velocity", "friction-difference", "friction-force"]
     for figure in figures:
         assert 1 <= len(figure.panels) <= 6
         assert len(figure.caption) > 60

@@ -48,8 +48,13 @@ def rows() -> dict[str, Row]:
 
 
 def test_pairs_and_chains_have_ratios_where_the_source_finds_the_answer(rows):
-    for name in ("linear pair, given loads", "linear pair, all of it", "linear chain, 5 balls",
-                 "screw pair, inferred reading", "screw pair, plain reading"):  # fmt: skip
+    for name in (
+        "linear pair, given loads",
+        "linear pair, all of it",
+        "linear chain, 5 balls",
+        "screw pair, inferred reading",
+        "screw pair, plain reading",
+    ):
         assert rows[name].ratio is not None, name
         assert rows[name].ratio > 1.0
         assert "ratio: the source's root finding" in rows[name].note

@@ -161,12 +161,15 @@ def ring_at(angle, force, groove, clearance=0.0, count=9):
     push = (force * np.sin(angle), 0.0, force * np.cos(angle))
     pitch, ball = groove.pitch_radius, groove.ball_radius
     scene = Scene(
-        "ring", "ring", Track(pitch, 0.0, groove.contact_angle),
+        "ring",
+        "ring",
+        Track(pitch, 0.0, groove.contact_angle),
         Screw(0.04, 2.0 * pitch, groove.groove_radius, steel),
         Nut(0.02, 0.04, 2.0 * (pitch + 4.0 * ball), groove.groove_radius, steel),
         Balls(ball, steel, tuple(2.0 * np.pi * np.arange(count) / count)),
-        supports=(Support(0.02, held),), loads=(Load(0.02, push),),
-    )  # fmt: skip
+        supports=(Support(0.02, held),),
+        loads=(Load(0.02, push),),
+    )
     errors = replace(scene.errors, balls=replace(scene.errors.balls, oversize=-clearance))
     return with_ingredients(replace(scene, errors=errors), screw="rigid", hertz="error-free")
 
@@ -204,13 +207,22 @@ def single(force, angle, groove):
     cube = np.cbrt(np.maximum(at, 1e-9 * at.max()))
     c, s = np.cos(groove.lead_angle), np.sin(groove.lead_angle)
     layout = BallLayout(
-        np.zeros(1), np.zeros(1), np.array([[groove.pitch_radius, 0.0, 0.0]]), np.array([[1.0, 0.0, 0.0]]),
-        np.array([[0.0, -s, c]]), np.array([[0.0, c, s]]),
-    )  # fmt: skip
+        np.zeros(1),
+        np.zeros(1),
+        np.array([[groove.pitch_radius, 0.0, 0.0]]),
+        np.array([[1.0, 0.0, 0.0]]),
+        np.array([[0.0, -s, c]]),
+        np.array([[0.0, c, s]]),
+    )
     return StaticContacts(
-        np.array([groove.ball_radius]), at, np.array(angle, dtype=float)[None, :], h.C_a * cube, h.C_b * cube,
-        np.ones((1, 4), dtype=bool), layout,
-    )  # fmt: skip
+        np.array([groove.ball_radius]),
+        at,
+        np.array(angle, dtype=float)[None, :],
+        h.C_a * cube,
+        h.C_b * cube,
+        np.ones((1, 4), dtype=bool),
+        layout,
+    )
 
 
 def scene_of(groove):
@@ -218,9 +230,13 @@ def scene_of(groove):
     steel = Material(groove.young, groove.poisson)
     track = Track(groove.pitch_radius, abs(groove.lead), groove.contact_angle, "left" if groove.lead < 0.0 else "right")
     return Scene(
-        "one", "one", track, Screw(0.2, 2.0 * groove.pitch_radius, groove.groove_radius, steel),
-        Nut(0.1, 0.05, 0.1, groove.groove_radius, steel), Balls(groove.ball_radius, steel, (0.0,)),
-    )  # fmt: skip
+        "one",
+        "one",
+        track,
+        Screw(0.2, 2.0 * groove.pitch_radius, groove.groove_radius, steel),
+        Nut(0.1, 0.05, 0.1, groove.groove_radius, steel),
+        Balls(groove.ball_radius, steel, (0.0,)),
+    )
 
 
 @pytest.mark.parametrize("lead", [20e-3, -20e-3])

@@ -17,9 +17,17 @@ def test_passes() -> None:
 def test_every_kind_of_check_is_there() -> None:
     kinds = {row.kind for row in gate.run_gate(7.0)}
     assert kinds == {
-        "printed, hard", "printed, as-printed", "input, held by its scene", "claim, hard", "closed form", "balance",
-        "two solvers", "3D reference", "3D reference, tight", "source's model",
-    }  # fmt: skip
+        "printed, hard",
+        "printed, as-printed",
+        "input, held by its scene",
+        "claim, hard",
+        "closed form",
+        "balance",
+        "two solvers",
+        "3D reference",
+        "3D reference, tight",
+        "source's model",
+    }
 
 
 def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,5 +50,3 @@ def test_the_shipped_record_is_that_of_the_shipped_runs():
     assert found.interval == pytest.approx(kept.interval, abs=1e-6)
     assert found.contacts == kept.contacts
     assert reference(catalogue.scene("lin-case1")).pooled.by_method
-
-

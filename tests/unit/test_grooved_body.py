@@ -48,9 +48,7 @@ def outside(spec):
 def faces_of(cells):
     """Corner triples and midside nodes of faces ``(f, 6)`` that only one cell has, and how often any face occurs."""
     mid = {(0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 3): 7, (2, 3): 8, (1, 3): 9}
-    rows = [
-        cells[:, [*tri, *(mid[pair] for pair in combinations(tri, 2))]] for tri in combinations(range(4), 3)
-    ]
+    rows = [cells[:, [*tri, *(mid[pair] for pair in combinations(tri, 2))]] for tri in combinations(range(4), 3)]
     faces = np.concatenate(rows)
     _, first, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
     return faces[first[count == 1]], count
@@ -93,9 +91,10 @@ def check_body(m, spec, mesh):
         assert np.abs(mesh.points[nodes] - expected).max() < 1e-12 * m.R
         assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= inner
     for nodes, place in (
-        (mesh.low_end, mesh.points[:, 2] - spec.z_low), (mesh.high_end, mesh.points[:, 2] - spec.z_high),
+        (mesh.low_end, mesh.points[:, 2] - spec.z_low),
+        (mesh.high_end, mesh.points[:, 2] - spec.z_high),
         (nodes_on(mesh.mesh, outside(spec)), np.hypot(*mesh.points[:, :2].T) - spec.r_out),
-    ):  # fmt: skip
+    ):
         assert set(nodes) == set(np.unique(faces)) & set(np.flatnonzero(np.abs(place) < 1e-12))
 
 
@@ -247,10 +246,12 @@ def screw_of(azimuths, *, lead=10e-3, hand="right", starts=1, bore=0.0, length=4
     """Pitch radius 20 mm, balls of 3 mm radius."""
     case = small_screw(2)
     return replace(
-        case, track=Track(20e-3, lead, np.pi / 4, hand=hand, starts=starts),
-        screw=Screw(0.6, 38.6e-3, 3.18e-3, STEEL, bore), nut=Nut(0.3, length, 64e-3, 3.18e-3, STEEL),
+        case,
+        track=Track(20e-3, lead, np.pi / 4, hand=hand, starts=starts),
+        screw=Screw(0.6, 38.6e-3, 3.18e-3, STEEL, bore),
+        nut=Nut(0.3, length, 64e-3, 3.18e-3, STEEL),
         balls=Balls(3e-3, STEEL, tuple(float(a) for a in azimuths)),
-    )  # fmt: skip
+    )
 
 
 def ring_of(*azimuths):

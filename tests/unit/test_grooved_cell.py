@@ -90,10 +90,12 @@ def test_scale():
     """All lengths doubled: EA and kGA fourfold, EI and GJ sixteenfold."""
     track, screw, balls = SCENE.track, SCENE.screw, SCENE.balls
     big = replace(
-        SCENE, track=replace(track, pitch_radius=2 * track.pitch_radius, lead=2 * track.lead),
-        screw=replace(screw, groove_radius=2 * screw.groove_radius), balls=replace(balls, radius=2 * balls.radius),
+        SCENE,
+        track=replace(track, pitch_radius=2 * track.pitch_radius, lead=2 * track.lead),
+        screw=replace(screw, groove_radius=2 * screw.groove_radius),
+        balls=replace(balls, radius=2 * balls.radius),
         nut=replace(SCENE.nut, groove_radius=2 * SCENE.nut.groove_radius),
-    )  # fmt: skip
+    )
     one = cell_section(MAP, LAND, 0.0, True, STEEL).section
     two = cell_section(GrooveMap.of(big), 2 * LAND, 0.0, True, STEEL).section
     for name, power in (("EA", 2), ("kGA", 2), ("EI", 4), ("GJ", 4)):

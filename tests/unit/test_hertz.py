@@ -22,9 +22,7 @@ def contact(along, across, force=FORCE, modulus=MODULUS):
 
 
 def test_contact_modulus_of_unlike_bodies():
-    assert contact_modulus(210e9, 0.28, 310e9, 0.26) == pytest.approx(
-        1.0 / (0.9216 / 210e9 + 0.9324 / 310e9), rel=1e-15
-    )
+    assert contact_modulus(210e9, 0.28, 310e9, 0.26) == pytest.approx(1.0 / (0.9216 / 210e9 + 0.9324 / 310e9), rel=1e-15)
     assert contact_modulus(210e9, 0.28, np.inf, 0.3) == pytest.approx(210e9 / 0.9216, rel=1e-15)
 
 

@@ -30,12 +30,30 @@ def loads(*first: float) -> np.ndarray:
 
 def run_of(load: np.ndarray, variant: str, status: str = "converged") -> Run:
     return Run(
-        scene="lin-case1", level=1, variant=variant, status=status, load=load, angle=np.full(load.shape, np.nan),
-        frozen=load, centreline=np.zeros((3, 4)), without={}, without_seconds={}, sides=(0, 3), unknowns=10, stages={},
-        solve_seconds=0.5, peak_MB=None, balance=0.0, along_groove=0.0, screw_balance=0.0, quality={},
-        settings=asdict(settings_of([VARIANTS[variant].change(CASE1) if variant else CASE1], 1, variant)), assumed=(),
-        versions={}, date="2026-01-01",
-    )  # fmt: skip
+        scene="lin-case1",
+        level=1,
+        variant=variant,
+        status=status,
+        load=load,
+        angle=np.full(load.shape, np.nan),
+        frozen=load,
+        centreline=np.zeros((3, 4)),
+        without={},
+        without_seconds={},
+        sides=(0, 3),
+        unknowns=10,
+        stages={},
+        solve_seconds=0.5,
+        peak_MB=None,
+        balance=0.0,
+        along_groove=0.0,
+        screw_balance=0.0,
+        quality={},
+        settings=asdict(settings_of([VARIANTS[variant].change(CASE1) if variant else CASE1], 1, variant)),
+        assumed=(),
+        versions={},
+        date="2026-01-01",
+    )
 
 
 def test_variants_change_what_they_say() -> None:
@@ -106,10 +124,12 @@ def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
         return effect("lin-case1", variant, variant, choice, kind, loads(*first), base)  # type: ignore[arg-type]
 
     effects = [
-        made("land", LANDS, "modelling", 103.0, 100.0), made("land-wide", LANDS, "modelling", 98.0, 101.0),
-        made("hole", HOLE, "modelling", 96.0, 100.0), made("nut-right", "nut", "scene", 150.0),
+        made("land", LANDS, "modelling", 103.0, 100.0),
+        made("land-wide", LANDS, "modelling", 98.0, 101.0),
+        made("hole", HOLE, "modelling", 96.0, 100.0),
+        made("nut-right", "nut", "scene", 150.0),
         made("modes", "modes", "numerical", 150.0),
-    ]  # fmt: skip
+    ]
     found = combined(CASE1, effects)
     assert found is not None
     assert found.contacts[0, 0] == pytest.approx(np.hypot(3.0, 4.0))

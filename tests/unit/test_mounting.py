@@ -55,12 +55,14 @@ SCENES = {
         (Load(0.6, (0.0, 100.0, 0.0)), Load(0.8, (0.0, 0.0, 5e3), (1.0, 2.0, 3.0))),
     ),
     "both ends clamped": (
-        tuple(Support(z, tuple((f, 0.0) for f in FREEDOMS)) for z in (0.0, 0.8)), (Load(0.1, (50.0, 0.0, 7.0)),),
+        tuple(Support(z, tuple((f, 0.0) for f in FREEDOMS)) for z in (0.0, 0.8)),
+        (Load(0.1, (50.0, 0.0, 7.0)),),
     ),
     "the stretch is the screw's end": (
-        (Support(HIGH, tuple((f, 0.0) for f in FREEDOMS)),), (Load(LOW, (10.0, -20.0, 30.0)),),
+        (Support(HIGH, tuple((f, 0.0) for f in FREEDOMS)),),
+        (Load(LOW, (10.0, -20.0, 30.0)),),
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", SCENES)

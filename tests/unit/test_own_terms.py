@@ -14,9 +14,17 @@ def bodies(local):
     """Two sides of a ring whose own approaches are given."""
     k = len(local)
     return CondensedBodies(
-        "none", 1, np.array([0.0, 3.0]), 0.0, np.eye(2), np.eye(2), np.eye(k), np.array(local), np.tile(FORCES, (k, 1)),
+        "none",
+        1,
+        np.array([0.0, 3.0]),
+        0.0,
+        np.eye(2),
+        np.eye(2),
+        np.eye(k),
+        np.array(local),
+        np.tile(FORCES, (k, 1)),
         np.array([C, 2.0 * C]),
-    )  # fmt: skip
+    )
 
 
 def test_the_law_of_a_side_is_found_again_whatever_the_force():

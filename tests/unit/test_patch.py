@@ -13,17 +13,7 @@ from hifi import assembly
 from hifi.bodies import Socket, assemble, freedoms, of_order
 from hifi.fit import ball_place
 from hifi.forms import elasticity
-from hifi.patch import (
-    Lines,
-    PatchMesh,
-    build_patch,
-    build_tet_patch,
-    condense_patch,
-    field,
-    graded,
-    growing,
-    tie_matrix,
-)
+from hifi.patch import Lines, PatchMesh, build_patch, build_tet_patch, condense_patch, field, graded, growing, tie_matrix
 from hifi.pressures import mean_weights
 from hifi.rigid import rigid_modes
 from meshes.fem import mesh_of, nodes_on, points_of
@@ -46,7 +36,6 @@ def lines(b_over_h):
     step = 2.0 * SEMI[1] / b_over_h / WIDTH[1]
     across = graded(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], 1.7)
     return Lines(across, growing(0.0, 1.0, 0.6 * step, 1.8), graded(ZONE[1], step, 1.7))
-
 
 
 @cache
@@ -211,9 +200,15 @@ def test_patch_of_any_element(kind):
     body, number = mesh_of(points, cells, kind, {"interface": faces[np.isin(faces, held).all(axis=1)]})
     held, contact = number[held], number[contact]
     mesh = PatchMesh(
-        body, points_of(body), contact, None, np.zeros(contact.size, dtype=bool), held,
-        sp.identity(held.size, format="csr"), sp.identity(contact.size, format="csr"),
-    )  # fmt: skip
+        body,
+        points_of(body),
+        contact,
+        None,
+        np.zeros(contact.size, dtype=bool),
+        held,
+        sp.identity(held.size, format="csr"),
+        sp.identity(contact.size, format="csr"),
+    )
     c = condense_patch(mesh, normals, 1.0, NU)
     K = assembly.assemble(elasticity(1.0, NU), body).toarray()
     o, i = freedoms(held), freedoms(np.setdiff1d(np.arange(len(points)), held))

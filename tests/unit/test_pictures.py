@@ -120,12 +120,16 @@ class TestRefusals:
     [
         picture("P2", scale_bar=0.2, cuts=(((0.5, 0.5, 0.5), (1.0, 0.0, 0.0)),)),
         picture(
-            parts=(with_values(), replace(with_values("Q2"), edges=False)), section=True, log=True, label="stress [MPa]",
-            cuts=(((0.45, 0.5, 0.5), (1.0, 0.2, 0.0)),), words=(((0.5, 0.5, 0.5), "here"),),
+            parts=(with_values(), replace(with_values("Q2"), edges=False)),
+            section=True,
+            log=True,
+            label="stress [MPa]",
+            cuts=(((0.45, 0.5, 0.5), (1.0, 0.2, 0.0)),),
+            words=(((0.5, 0.5, 0.5), "here"),),
         ),
     ],
     ids=["mesh", "section"],
-)  # fmt: skip
+)
 def test_a_file_is_written(tmp_path, drawn):
     try:
         field3d.draw_field(drawn, tmp_path / "a.png")

@@ -46,14 +46,26 @@ def test_b1_has_all_rows_as_printed():
     values = {r.key: (r.printed, r.unit) for r in printed_data.load_table("lin-B1")}
     c, a = "m/N^(2/3)", "m/N^(1/3)"
     assert values == {
-        "e_S": ("0.978", ""), "e_N": ("0.967", ""), "F_1": ("1", ""),
-        "C_S": ("1.812e-7", c), "C_N": ("1.628e-7", c),
-        "C_aS": ("7.962e-5", a), "C_bS": ("1.657e-5", a), "C_aN": ("8.030e-5", a), "C_bN": ("2.036e-5", a),
-        "rho1_S": ("-3.137", "mm"), "rho2_S": ("10.254", "mm"),
-        "rho1_N": ("-13.141", "mm"), "rho2_N": ("-3.077", "mm"),
-        "R1_S": ("2.186", "mm"), "R2_S": ("24.254", "mm"), "R1_N": ("3.523", "mm"), "R2_N": ("28.612", "mm"),
-        "rho_eq_S": ("7.281", "mm"), "rho_eq_N": ("10.040", "mm"),
-    }  # fmt: skip
+        "e_S": ("0.978", ""),
+        "e_N": ("0.967", ""),
+        "F_1": ("1", ""),
+        "C_S": ("1.812e-7", c),
+        "C_N": ("1.628e-7", c),
+        "C_aS": ("7.962e-5", a),
+        "C_bS": ("1.657e-5", a),
+        "C_aN": ("8.030e-5", a),
+        "C_bN": ("2.036e-5", a),
+        "rho1_S": ("-3.137", "mm"),
+        "rho2_S": ("10.254", "mm"),
+        "rho1_N": ("-13.141", "mm"),
+        "rho2_N": ("-3.077", "mm"),
+        "R1_S": ("2.186", "mm"),
+        "R2_S": ("24.254", "mm"),
+        "R1_N": ("3.523", "mm"),
+        "R2_N": ("28.612", "mm"),
+        "rho_eq_S": ("7.281", "mm"),
+        "rho_eq_N": ("10.040", "mm"),
+    }
     assert {r.cls for r in printed_data.load_table("lin-B1")} == {"as-printed"}
 
 
@@ -69,8 +81,7 @@ def test_b1_agrees_with_itself():
 
 def test_speed_ratio_follows_from_table_2_2():
     ratios = [
-        row("lin-2.2", f"time_ansys_{i}").value * 3600.0 / row("lin-2.2", f"time_proposed_{i}").value
-        for i in (1, 2, 3)
+        row("lin-2.2", f"time_ansys_{i}").value * 3600.0 / row("lin-2.2", f"time_proposed_{i}").value for i in (1, 2, 3)
     ]
     printed = row("lin-2.4.1", "speed_ratio")
     assert printed.cls == "hard"
@@ -102,15 +113,7 @@ def test_given_errors_and_force_of_4_3_2_are_in_the_scenes():
 
 @pytest.mark.parametrize(
     ("printed", "half"),
-    [
-        ("0.978", 5e-4),
-        ("1.812e-7", 5e-11),
-        ("10.040", 5e-4),
-        ("27", 0.5),
-        ("-3.137", 5e-4),
-        ("5.38", 5e-3),
-        ("1E3", 500),
-    ],
+    [("0.978", 5e-4), ("1.812e-7", 5e-11), ("10.040", 5e-4), ("27", 0.5), ("-3.137", 5e-4), ("5.38", 5e-3), ("1E3", 500)],
 )
 def test_tolerance_is_half_a_unit_of_the_last_digit(printed, half):
     assert printed_data.last_digit(printed) == pytest.approx(half, rel=1e-12)
@@ -198,8 +201,13 @@ def test_hard_entries_by_kind():
     kinds = Counter(r.kind for r in all_rows() if r.cls == "hard")
     assert kinds == {"claim": 22, "arithmetic": 6, "zero": 6, "number": 6}
     assert {r.key for r in all_rows() if r.cls == "hard" and r.kind == "number"} == {
-        "gamma_low", "psi", "occupation", "a_eps1_analytic", "a_eps2_analytic", "a_force_analytic",
-    }  # fmt: skip
+        "gamma_low",
+        "psi",
+        "occupation",
+        "a_eps1_analytic",
+        "a_eps2_analytic",
+        "a_force_analytic",
+    }
     for r in all_rows():
         assert (r.kind == "claim") == bool(r.claim)
         assert r.kind != "zero" or r.value == 0.0
@@ -208,9 +216,12 @@ def test_hard_entries_by_kind():
 def test_counts_of_the_report_keep_kinds_apart():
     rows = {r.key: r for r in printed_data.load_table("lin-3.3")}
     found = [
-        Finding(rows["mu"], value=0.1), Finding(rows["psi"], value=rows["psi"].value),
-        Finding(rows["yaw"], value=600.0), Finding(rows["worst_increase"], holds=True), Finding(rows["speed"], value=11.0),
-    ]  # fmt: skip
+        Finding(rows["mu"], value=0.1),
+        Finding(rows["psi"], value=rows["psi"].value),
+        Finding(rows["yaw"], value=600.0),
+        Finding(rows["worst_increase"], holds=True),
+        Finding(rows["speed"], value=11.0),
+    ]
     counts = dict(overview.counts(found))
     assert counts["entries reproduced"] == "3"
     assert counts["computed numbers reproduced"] == "1"

@@ -163,4 +163,3 @@ def test_deviation_is_the_largest_distance_from_the_circle():
     z[4] += 5e-6 * np.sin(angle[4])
     assert arc_deviation(x, z, np.array([2e-3, -1e-3]), 3e-3) == pytest.approx(5e-6, rel=1e-9)
     assert arc_deviation(x[:0], z[:0], np.array([2e-3, -1e-3]), 3e-3) == 0.0
-

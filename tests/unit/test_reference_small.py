@@ -24,21 +24,34 @@ from meshes.parts import Load, Support
 from meshes.sockets import local_points
 
 SMALL = Settings(
-    b_over_h=0.8, semi=(0.5e-3, 0.14e-3), reach=(0.5e-3, 0.14e-3), fine=3e-3, coarse=12e-3, ball_fine=1e-3,
-    ball_coarse=2e-3, cell=9e-3, modes=10**6, ball_modes=10**6, own_cuts=(3, 2, 3), own_sizes=(2e-3, 8e-3),
+    b_over_h=0.8,
+    semi=(0.5e-3, 0.14e-3),
+    reach=(0.5e-3, 0.14e-3),
+    fine=3e-3,
+    coarse=12e-3,
+    ball_fine=1e-3,
+    ball_coarse=2e-3,
+    cell=9e-3,
+    modes=10**6,
+    ball_modes=10**6,
+    own_cuts=(3, 2, 3),
+    own_sizes=(2e-3, 8e-3),
     own_ball_sizes=(0.9e-3, 1.8e-3),
-)  # fmt: skip
+)
 
 
 def two_balls(**changes):
     """Two balls side by side in a short nut, the screw held on both sides close to it."""
     s = catalogue.scene("lin-case1")
     scene = replace(
-        s, nut=replace(s.nut, position=30e-3, length=16e-3), screw=replace(s.screw, length=60e-3),
+        s,
+        nut=replace(s.nut, position=30e-3, length=16e-3),
+        screw=replace(s.screw, length=60e-3),
         supports=(s.supports[0], Support(60e-3, (("ux", 0.0), ("uy", 0.0)))),
-        balls=replace(s.balls, azimuths=(-0.35, 0.3)), loads=(Load(0.0, (0.0, 0.0, 400.0)),),
+        balls=replace(s.balls, azimuths=(-0.35, 0.3)),
+        loads=(Load(0.0, (0.0, 0.0, 400.0)),),
         solid=replace(s.solid, shaft=6e-3, shaft_diameter=30e-3),
-    )  # fmt: skip
+    )
     return replace(scene, **changes)
 
 
@@ -83,8 +96,10 @@ def whole(body, patches, material, reduce):
 def patch(small, meshes, side, *, ball=False):
     """The patch that is condensed with its socket, and the rows of the finer one's hats on it."""
     body = meshes.ball if ball else meshes.screw if side < 2 else meshes.nut
-    place = ball_place(small.map, meshes.size, side, meshes.zone)[1] if ball else (
-        lambda xi: local_points(small.map, meshes.size, side, xi)
+    place = (
+        ball_place(small.map, meshes.size, side, meshes.zone)[1]
+        if ball
+        else (lambda xi: local_points(small.map, meshes.size, side, xi))
     )
     mesh = part_meshes.patch_mesh(meshes, body.sockets[side], place, SMALL)
     carrier = part_meshes.carrier_mesh(meshes, body.sockets[side], place, SMALL)
@@ -95,12 +110,14 @@ def patch(small, meshes, side, *, ball=False):
 
 def bodies(small, meshes):
     """Compliance of screw, nut and ball at their hats, each from one whole mesh."""
-    places = {s: [(float(a), float(z), s) for a, z in zip(small.layout.azimuth, small.layout.z, strict=True)]
-              for s in (0, 3)}  # fmt: skip
+    places = {
+        s: [(float(a), float(z), s) for a, z in zip(small.layout.azimuth, small.layout.z, strict=True)] for s in (0, 3)
+    }
     out = {}
     for name, side, mesh, material in (
-        ("screw", 0, meshes.screw, small.scene.screw.material), ("nut", 3, meshes.nut, small.scene.nut.material),
-    ):  # fmt: skip
+        ("screw", 0, meshes.screw, small.scene.screw.material),
+        ("nut", 3, meshes.nut, small.scene.nut.material),
+    ):
         own, hats = patch(small, meshes, side)
         parts = [(own, hats, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
         if name == "screw":
@@ -111,9 +128,11 @@ def bodies(small, meshes):
     parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
     held = isostatic(meshes.ball.points, np.concatenate([p[2] for p in parts]))
     out["ball"] = whole(
-        meshes.ball.mesh, parts, small.scene.balls.material,
+        meshes.ball.mesh,
+        parts,
+        small.scene.balls.material,
         lambda size: sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)],
-    )  # fmt: skip
+    )
     return out
 
 
@@ -193,14 +212,22 @@ def test_two_opposite_balls_without_lead_carry_the_same():
     """A ring free to tilt on two opposite balls: statics alone divides the load."""
     s = catalogue.scene("bearing-9")
     scene = replace(
-        s, balls=replace(s.balls, azimuths=(0.0, np.pi)), loads=(Load(8e-3, (0.0, 0.0, 600.0)),),
+        s,
+        balls=replace(s.balls, azimuths=(0.0, np.pi)),
+        loads=(Load(8e-3, (0.0, 0.0, 600.0)),),
         supports=(Support(8e-3, (("uy", 0.0), ("rx", 0.0), ("rz", 0.0))),),
-    )  # fmt: skip
+    )
     ratio = s.balls.radius / 2.778e-3
     settings = replace(
-        SMALL, semi=(1.0e-3, 0.3e-3), reach=(1.0e-3, 0.3e-3), fine=3e-3 * ratio, coarse=12e-3 * ratio,
-        ball_fine=1e-3 * ratio, ball_coarse=2e-3 * ratio, modes=16,
-    )  # fmt: skip
+        SMALL,
+        semi=(1.0e-3, 0.3e-3),
+        reach=(1.0e-3, 0.3e-3),
+        fine=3e-3 * ratio,
+        coarse=12e-3 * ratio,
+        ball_fine=1e-3 * ratio,
+        ball_coarse=2e-3 * ratio,
+        modes=16,
+    )
     made = setup.prepare(scene, (0, 3), settings)
     result = reference.solve_reference(made, scene)
     assert result.status == "converged"

@@ -42,12 +42,30 @@ def run_of(scene_name: str, level: int, load_: np.ndarray, variant: str = "", gr
     """A run as meshed together with the scenes of ``group``."""
     settings = asdict(settings_of([catalogue.scene(n) for n in (group or (scene_name,))], level, variant))
     return Run(
-        scene=scene_name, level=level, variant=variant, status="converged", load=load_, angle=np.full(load_.shape, np.nan),
-        frozen=load_, centreline=np.zeros((3, 4)), without={"elastic nut": load_}, without_seconds={"elastic nut": 1.0},
-        sides=(0, 3), unknowns=10, stages={"meshes": 1.0, "nut": 2.0}, solve_seconds=0.5, peak_MB=5.0, balance=0.0,
-        along_groove=0.0, screw_balance=0.0, quality={"elements across 2b": 6.0},
-        settings=settings, assumed=("nothing",), versions={}, date="2026-01-01",
-    )  # fmt: skip
+        scene=scene_name,
+        level=level,
+        variant=variant,
+        status="converged",
+        load=load_,
+        angle=np.full(load_.shape, np.nan),
+        frozen=load_,
+        centreline=np.zeros((3, 4)),
+        without={"elastic nut": load_},
+        without_seconds={"elastic nut": 1.0},
+        sides=(0, 3),
+        unknowns=10,
+        stages={"meshes": 1.0, "nut": 2.0},
+        solve_seconds=0.5,
+        peak_MB=5.0,
+        balance=0.0,
+        along_groove=0.0,
+        screw_balance=0.0,
+        quality={"elements across 2b": 6.0},
+        settings=settings,
+        assumed=("nothing",),
+        versions={},
+        date="2026-01-01",
+    )
 
 
 def test_round_trip_and_damage(tmp_path: Path) -> None:
@@ -82,9 +100,10 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
     assert key_of(replace(scene, title="other", assumed=(), name="x"), "", mesh, sides) == key
     assert key_of(scene, "", mesh | {"cuts": list(mesh["cuts"]), "semi": list(mesh["semi"])}, [0, 3]) == key
     changed = [
-        replace(scene, nut=replace(scene.nut, length=0.055)), replace(scene, solid=replace(scene.solid, shaft=0.03)),
+        replace(scene, nut=replace(scene.nut, length=0.055)),
+        replace(scene, solid=replace(scene.solid, shaft=0.03)),
         replace(scene, loads=()),
-    ]  # fmt: skip
+    ]
     found = [key_of(s, "", mesh, sides) for s in changed]
     found += [key_of(scene, "", asdict(settings_of([scene], 2)), sides), key_of(scene, "land", mesh, sides)]
     found += [key_of(scene, "", mesh, (0, 1, 2, 3)), key_of(scene, "", mesh | {"reach": (1e-3, 1e-4)}, sides)]
@@ -128,8 +147,12 @@ def test_a_run_meshed_with_other_scenes_serves_if_its_mesh_does(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("name", "sides"),
     [
-        ("lin-case1", (0, 3)), ("lin-case2", (0, 3)), ("lin-case3", (0, 1, 2, 3)), ("lin-profile", (0, 1, 2, 3)),
-        ("unseen-25x5", (0, 1, 2, 3)), ("unseen-63x20", (0, 3)),
+        ("lin-case1", (0, 3)),
+        ("lin-case2", (0, 3)),
+        ("lin-case3", (0, 1, 2, 3)),
+        ("lin-profile", (0, 1, 2, 3)),
+        ("unseen-25x5", (0, 1, 2, 3)),
+        ("unseen-63x20", (0, 3)),
     ],
 )
 def test_sides_that_may_touch(name: str, sides: tuple[int, ...]) -> None:
@@ -147,9 +170,17 @@ def bodies_of(scene: Scene, level: int, sides: tuple[int, ...] = (0, 3)) -> Cond
     k = len(sides)
     eye = np.eye(scene.ball_count * k // 2)
     return CondensedBodies(
-        geometry_digest(scene), level, np.array(sides, dtype=float), 0.3, eye, eye, np.eye(k), np.ones((k, 2)),
-        np.tile([100.0, 200.0], (k, 1)), np.full(k, 1e-7),
-    )  # fmt: skip
+        geometry_digest(scene),
+        level,
+        np.array(sides, dtype=float),
+        0.3,
+        eye,
+        eye,
+        np.eye(k),
+        np.ones((k, 2)),
+        np.tile([100.0, 200.0], (k, 1)),
+        np.full(k, 1e-7),
+    )
 
 
 def test_condensed_bodies_survive_the_file_and_refuse_a_foreign_one(tmp_path: Path) -> None:
@@ -191,8 +222,10 @@ def test_plan_and_what_is_missing(tmp_path: Path) -> None:
     scenes = [catalogue.scene(n) for n in ("lin-case1", "lin-case2")]
     tasks = jobs.plan(scenes, (1, 2), ("land",), ablate=True)
     assert {(t.level, t.variant, t.ablate, len(t.scenes)) for t in tasks} == {
-        (1, "", True, 2), (2, "", False, 2), (1, "land", False, 1),
-    }  # fmt: skip
+        (1, "", True, 2),
+        (2, "", False, 2),
+        (1, "land", False, 1),
+    }
     loads = np.ones((32, 4))
     save(tmp_path, scenes[0], run_of("lin-case1", 2, loads))
     save(tmp_path, scenes[1], replace(run_of("lin-case2", 1, loads), without={}))
@@ -331,9 +364,19 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     printed = {r.quantity: r.printed for r in own if r.printed is not None}
     assert sorted(printed.values()) == [1.34, 2.3, 5.38]
     assert set(own[0].as_json()) == {
-        "scene", "quantity", "ball", "side", "unit", "printed", "model", "value", "reference", "reference_error",
-        "error_percent", "seconds",
-    }  # fmt: skip
+        "scene",
+        "quantity",
+        "ball",
+        "side",
+        "unit",
+        "printed",
+        "model",
+        "value",
+        "reference",
+        "reference_error",
+        "error_percent",
+        "seconds",
+    }
     assert found.uncertainty is not None
     ends = [int(pick(found.load[:, 0])) for pick in (np.argmax, np.argmin)]
     share = sum(found.uncertainty[k, 0] / found.load[k, 0] for k in ends)
@@ -412,9 +455,10 @@ def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     asked: list[list[Task]] = []
     monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))
     for source in (
-        Source((tmp_path,), jobs.Engine()), Source((tmp_path,), jobs.Engine(), quick=True),
+        Source((tmp_path,), jobs.Engine()),
+        Source((tmp_path,), jobs.Engine(), quick=True),
         Source(None, jobs.Engine(), compute=False),
-    ):  # fmt: skip
+    ):
         compute_references(Study(), source, print)
     full, quick = asked
     assert {t.level for t in full if not t.variant} == {0, *LEVELS}

@@ -55,9 +55,12 @@ def point(label: str, kind: str, error: float, cold: float, **changes: object) -
 
 def test_figure_draws_levels_as_one_curve_with_bars_and_leaves_failures_out() -> None:
     own = [
-        point("a model", "model", 3.0, 1.0), point("failed", "model", 3.0, 1.0, status="no convergence"),
-        point("mesh", "source mesh", 2.0, 20.0), point("level 1", "level", 0.5, 40.0), point("level 2", "level", 0.0, 90.0),
-    ]  # fmt: skip
+        point("a model", "model", 3.0, 1.0),
+        point("failed", "model", 3.0, 1.0, status="no convergence"),
+        point("mesh", "source mesh", 2.0, 20.0),
+        point("level 1", "level", 0.5, 40.0),
+        point("level 2", "level", 0.0, 90.0),
+    ]
     panel = time_panel("x", own)
     curves = {s.label: s for s in panel.series}
     assert set(curves) == {"a model", "mesh", "3D reference, its levels"}
@@ -85,9 +88,10 @@ def test_unseen_scenes_have_a_figure() -> None:
     points = {"lin-case1": [axial, level], "lin-case3": [level], UNSEEN[0]: [level], UNSEEN[1]: [level]}
     names = {f.name: [p.title for p in f.panels] for f in time_figures(points)}
     assert names == {
-        "reference-time": ["lin-case1"], "reference-time-preload": ["lin-case3"],
+        "reference-time": ["lin-case1"],
+        "reference-time-preload": ["lin-case3"],
         "reference-time-unseen": [UNSEEN[0], UNSEEN[1]],
-    }  # fmt: skip
+    }
 
 
 def test_models_of_the_list_take_part() -> None:

@@ -143,9 +143,13 @@ def test_kept_points_are_what_the_ladder_gives_now() -> None:
 
 
 NOTHING = {
-    "percent": None, "rms_percent": None, "distance": float("inf"), "nearest": "", "compared": 0,
+    "percent": None,
+    "rms_percent": None,
+    "distance": float("inf"),
+    "nearest": "",
+    "compared": 0,
     "words": ("screw, nut and balls elastic, by kernels", "no scene was compared with the 3D reference"),
-}  # fmt: skip
+}
 
 
 def test_an_estimate_grows_with_the_distance_and_ends_where_nothing_was_compared() -> None:

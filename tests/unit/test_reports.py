@@ -29,13 +29,9 @@ def figure(name="loads", **changes):
     )
     panels = (
         Panel("Case <1>", "ball number", "normal force [N]", curves, integer_x=True, zero=True),
-        Panel(
-            "Error", "load [N]", "error [–]", [Series("computed", [1, 10, 1e6], [1e-9, 0.0, 1e-3])], log="xy"
-        ),
+        Panel("Error", "load [N]", "error [–]", [Series("computed", [1, 10, 1e6], [1e-9, 0.0, 1e-3])], log="xy"),
     )
-    return Figure(
-        **{"name": name, "title": "Loads & errors", "panels": panels, "caption": "Axial load."} | changes
-    )
+    return Figure(**{"name": name, "title": "Loads & errors", "panels": panels, "caption": "Axial load."} | changes)
 
 
 def table(name="printed"):
@@ -48,29 +44,9 @@ def table(name="printed"):
         Column("ok", "Met"),
     )
     rows = (
-        {
-            "q": '<b>"a"</b>',
-            "force": 1.0 / 3.0,
-            "error": -0.5,
-            "class": "hard",
-            "verdict": "reproduced",
-            "ok": True,
-        },
-        {
-            "q": "b, c",
-            "force": None,
-            "error": math.nan,
-            "class": "open",
-            "verdict": "not reproduced",
-            "ok": False,
-        },
-        {
-            "q": "two\nlines",
-            "force": np.float64(2.1e8),
-            "class": "as-printed",
-            "verdict": "open",
-            "ok": np.True_,
-        },
+        {"q": '<b>"a"</b>', "force": 1.0 / 3.0, "error": -0.5, "class": "hard", "verdict": "reproduced", "ok": True},
+        {"q": "b, c", "force": None, "error": math.nan, "class": "open", "verdict": "not reproduced", "ok": False},
+        {"q": "two\nlines", "force": np.float64(2.1e8), "class": "as-printed", "verdict": "open", "ok": np.True_},
     )
     return Table(name, "Printed <and> computed", columns, rows, note="Error: 1 < 2.")
 
@@ -113,15 +89,11 @@ def report(*items):
     sections = (
         Section("first", "First & foremost", items or (Text(["A < B."]), table(), figure())),
         Section(
-            "second",
-            "Second",
-            (Text(["one", "two <i>"], bullets=True), Table("empty", "None", [Column("a", "A")], [])),
+            "second", "Second", (Text(["one", "two <i>"], bullets=True), Table("empty", "None", [Column("a", "A")], []))
         ),
     )
     provenance = {"Version": "1.2.3", "Machine": "<unknown>"}
-    return Report(
-        "Report <1>", "Sub & title", [("Errors", "< 1 %")], provenance, sections, {"case.toml": "abc123"}
-    )
+    return Report("Report <1>", "Sub & title", [("Errors", "< 1 %")], provenance, sections, {"case.toml": "abc123"})
 
 
 class Page(HTMLParser):
@@ -282,12 +254,8 @@ class TestPage:
     def test_files(self, tmp_path):
         assert html.write(report(), tmp_path / "out") == tmp_path / "out" / "index.html"
         files = set(contents(tmp_path))
-        assert files == {
-            f"out/{f}" for f in ("index.html", "tables/printed.csv", "tables/empty.csv", "figures/loads.svg")
-        }
-        assert (tmp_path / "out" / "figures" / "loads.svg").read_text(encoding="utf-8") == figures.draw(
-            figure()
-        )
+        assert files == {f"out/{f}" for f in ("index.html", "tables/printed.csv", "tables/empty.csv", "figures/loads.svg")}
+        assert (tmp_path / "out" / "figures" / "loads.svg").read_text(encoding="utf-8") == figures.draw(figure())
 
     def test_page_is_balanced_marked_and_self_contained(self, tmp_path):
         text = html.write(report(), tmp_path / "out").read_text(encoding="utf-8")
@@ -306,11 +274,25 @@ class TestPage:
         page = Page(html.write(report(), tmp_path / "out").read_text(encoding="utf-8"))
         text = " ".join("".join(page.text).split())
         for words in (
-            "Report <1>", "Sub & title", "< 1 %", "1.2.3", "<unknown>", "First & foremost",
-            "A < B.", "two <i>",
-            "Table 1. Printed <and> computed", "Table 2. None", "Figure 1. Loads & errors. Axial load.",
-            '<b>"a"</b>', "Error: 1 < 2.", "Force [N]", "case.toml", "abc123", "no rows", "95 % band",
-        ):  # fmt: skip
+            "Report <1>",
+            "Sub & title",
+            "< 1 %",
+            "1.2.3",
+            "<unknown>",
+            "First & foremost",
+            "A < B.",
+            "two <i>",
+            "Table 1. Printed <and> computed",
+            "Table 2. None",
+            "Figure 1. Loads & errors. Axial load.",
+            '<b>"a"</b>',
+            "Error: 1 < 2.",
+            "Force [N]",
+            "case.toml",
+            "abc123",
+            "no rows",
+            "95 % band",
+        ):
             assert words in text, words
         assert "b" not in {tag for tag, attrs in page.elements if attrs.get("class") == "text"}
         assert "i" not in {tag for tag, _ in page.elements}
@@ -378,12 +360,8 @@ class TestReplacing:
         assert contents(tmp_path) == before
         assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
 
-    @pytest.mark.parametrize(
-        ("error", "raised"), [(KeyboardInterrupt, KeyboardInterrupt), (OSError, ValueError)]
-    )
-    def test_failure_while_swapping_brings_the_earlier_report_back(
-        self, tmp_path, monkeypatch, error, raised
-    ):
+    @pytest.mark.parametrize(("error", "raised"), [(KeyboardInterrupt, KeyboardInterrupt), (OSError, ValueError)])
+    def test_failure_while_swapping_brings_the_earlier_report_back(self, tmp_path, monkeypatch, error, raised):
         html.write(report(), tmp_path / "out")
         before = contents(tmp_path)
         rename = Path.rename
@@ -425,8 +403,7 @@ class TestReplacing:
             html.write(report(), tmp_path / "out")
 
     @pytest.mark.parametrize(
-        ("items", "words"),
-        [((table(), table("Printed")), "given twice"), ((figure("../up"),), "letters, digits")],
+        ("items", "words"), [((table(), table("Printed")), "given twice"), ((figure("../up"),), "letters, digits")]
     )
     def test_unfit_names_are_refused(self, tmp_path, items, words):
         with pytest.raises(ValueError, match=words):
@@ -456,9 +433,7 @@ class TestScene:
         grooves = scene3d._grooves(two)
         assert len(grooves.phases) == 2
         azimuth = np.arctan2(both[:, 1], both[:, 0])
-        assert np.all(
-            grooves.surface(azimuth, both[:, 2], one.screw_radius) < one.track_radius - one.ball_radius
-        )
+        assert np.all(grooves.surface(azimuth, both[:, 2], one.screw_radius) < one.track_radius - one.ball_radius)
 
     @pytest.mark.parametrize(
         ("low", "high", "expected"),

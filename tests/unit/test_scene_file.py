@@ -18,10 +18,24 @@ from meshes.parts import FREEDOMS, SIDES, FourierTerm, Scene
 
 NAMES = catalogue.scene_names()
 EXPECTED = {
-    "bearing-9", "bearing-9-preload", "lin-case1", "lin-case2", "lin-case3", "lin-case3-clamped",
-    "lin-case3-offset", "lin-case3-offset-clamped", "lin-combined", "lin-nominal-4p1", "lin-pitch",
-    "lin-pitch-2p1", "lin-pitch-4p1", "lin-profile", "lin-random", "lin-roundness-2p1", "lin-roundness-4p1",
-}  # fmt: skip
+    "bearing-9",
+    "bearing-9-preload",
+    "lin-case1",
+    "lin-case2",
+    "lin-case3",
+    "lin-case3-clamped",
+    "lin-case3-offset",
+    "lin-case3-offset-clamped",
+    "lin-combined",
+    "lin-nominal-4p1",
+    "lin-pitch",
+    "lin-pitch-2p1",
+    "lin-pitch-4p1",
+    "lin-profile",
+    "lin-random",
+    "lin-roundness-2p1",
+    "lin-roundness-4p1",
+}
 
 
 def test_scenes_are_shipped():
@@ -82,9 +96,7 @@ def test_readings_of_case_3_differ_in_the_right_end_alone_and_say_which_is_the_t
 
 def test_errors_of_2_4_2():
     errors = catalogue.scene("lin-combined").errors
-    assert [errors.side(s).profile for s in SIDES] == [
-        (3e-6, -1e-6), (3e-6, -0.5e-6), (2e-6, -1e-6), (2e-6, -0.25e-6)
-    ]  # fmt: skip
+    assert [errors.side(s).profile for s in SIDES] == [(3e-6, -1e-6), (3e-6, -0.5e-6), (2e-6, -1e-6), (2e-6, -0.25e-6)]
     assert [errors.side(s).pitch[0].harmonic for s in SIDES] == [1.0, 1.0, 0.5, 0.5]
     assert [errors.side(s).pitch[0].sin for s in SIDES] == [3e-6, 3e-6, -2e-6, -2e-6]
     assert (errors.balls.sigma, errors.seed, errors.random) == (1e-6, 2019, True)
@@ -151,9 +163,7 @@ def test_schema_names_and_describes_every_key():
     schema = json.loads(json.dumps(scene_file.json_schema()))
     assert schema["$schema"].startswith("https://json-schema.org/")
     assert schema_keys(schema) == model_keys(SceneKeys)
-    assert {"groove_radius", "azimuths", "listed", "harmonic", "displace", "element_length"} <= schema_keys(
-        schema
-    )
+    assert {"groove_radius", "azimuths", "listed", "harmonic", "displace", "element_length"} <= schema_keys(schema)
     assert set(schema["required"]) == {"title", "track", "screw", "nut", "balls"}
     types = {"string", "number", "integer", "array", "object"}
     for table in (schema, *schema["$defs"].values()):
@@ -199,9 +209,7 @@ def test_part_material_takes_the_rest_from_the_default():
 
 
 def test_starts_share_the_balls():
-    text = scene_file.template().replace(
-        'lead = "20 mm"\n', 'lead = "20 mm"\nstarts = 2\nphase = "90 deg"\n', 1
-    )
+    text = scene_file.template().replace('lead = "20 mm"\n', 'lead = "20 mm"\nstarts = 2\nphase = "90 deg"\n', 1)
     scene = scene_file.loads(text, "a.toml")
     assert scene.ball_count == 32
     assert len(scene.balls.azimuths) == 16
@@ -250,10 +258,13 @@ def to_toml(scene: Scene) -> str:
         )
 
     def terms(values):
-        return "[" + ", ".join(
-            f"{{ harmonic = {t.harmonic!r}, sin = {m(t.sin)}, cos = {m(t.cos)}, sigma = {m(t.sigma)} }}"
-            for t in values
-        ) + "]"  # fmt: skip
+        return (
+            "["
+            + ", ".join(
+                f"{{ harmonic = {t.harmonic!r}, sin = {m(t.sin)}, cos = {m(t.cos)}, sigma = {m(t.sigma)} }}" for t in values
+            )
+            + "]"
+        )
 
     t, s, n, b, e, i = scene.track, scene.screw, scene.nut, scene.balls, scene.errors, scene.ingredients
     lines = [
@@ -297,7 +308,8 @@ def to_toml(scene: Scene) -> str:
         "[solid]",
         *(
             f"{k} = {m(v)}" if isinstance(v, float) else f'{k} = "{v}"'
-            for k, v in asdict(scene.solid).items() if v is not None
+            for k, v in asdict(scene.solid).items()
+            if v is not None
         ),
     ]
     if scene.friction is not None:
@@ -317,15 +329,9 @@ def test_round_trip_in_si_units(name):
 def test_round_trip_of_every_key():
     full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", scene_file.template())
     full = full.replace('hand = "right"', 'hand = "left"').replace('bore = "0 mm"', 'bore = "5 mm"')
-    full = full.replace('azimuth = "0 deg"', 'azimuth = "30 deg"').replace(
-        '"0 N m", "0 N m"]', '"1 N m", "2 N mm"]'
-    )
-    full = full.replace('sin = "5 um"', 'sin = "5 um", cos = "1 um", sigma = "2 um"').replace(
-        '["0.1 um', '["0.2 um'
-    )
-    full = full.replace('hertz = "nominal"', 'hertz = "as printed"').replace(
-        'section = "groove"', 'section = "full"'
-    )
+    full = full.replace('azimuth = "0 deg"', 'azimuth = "30 deg"').replace('"0 N m", "0 N m"]', '"1 N m", "2 N mm"]')
+    full = full.replace('sin = "5 um"', 'sin = "5 um", cos = "1 um", sigma = "2 um"').replace('["0.1 um', '["0.2 um')
+    full = full.replace('hertz = "nominal"', 'hertz = "as printed"').replace('section = "groove"', 'section = "full"')
     scene = scene_file.loads(full, "full.toml")
     assert scene.track.hand == "left"
     assert scene.screw.bore == 5e-3

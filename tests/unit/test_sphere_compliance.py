@@ -9,13 +9,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.special import eval_legendre
 
 from lowfi.compliance.fourier import Body, Grid, quadratic, refine_lines
-from lowfi.compliance.sphere import (
-    MEAN_LOG,
-    expansion,
-    legendre_compliance,
-    own_compliance,
-    sphere_compliance,
-)
+from lowfi.compliance.sphere import MEAN_LOG, expansion, legendre_compliance, own_compliance, sphere_compliance
 from meshes.parts import Material
 
 STEEL, RADIUS = Material(210e9, 0.28), 2.778e-3
@@ -98,9 +92,7 @@ def disc_average(radius, count=24):
     nu, E = STEEL.poissons_ratio, STEEL.youngs_modulus
     cosine = 1.0 - 0.5 * (distance / RADIUS) ** 2
     table = np.geomspace(distance.min(), distance.max(), 60)
-    value = [
-        sphere_compliance(1.0 - 0.5 * (d / RADIUS) ** 2, RADIUS, STEEL) - (1 - nu**2) / (np.pi * E * d) for d in table
-    ]
+    value = [sphere_compliance(1.0 - 0.5 * (d / RADIUS) ** 2, RADIUS, STEEL) - (1 - nu**2) / (np.pi * E * d) for d in table]
     assert cosine.min() > 0.9
     beyond = np.interp(np.log(distance), np.log(table), value).reshape(a.shape).mean(axis=2)
     return float(density @ beyond @ density)

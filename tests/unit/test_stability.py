@@ -30,13 +30,27 @@ from meshes.section import screw_section
 
 CASES = {c.name: c for c in cases()}
 QUICK = (
-    "axial 0.01 N", "axial 1e+06 N", "clearance 50 um, 0.01 N", "preload 20 um, 0 N", "lateral 5000 N",
-    "moment 50 N m", "offset 3 mm, 5000 N, no preload", "random +-20 um, preload 0 um, seed 1",
-    "shaft x 0.001, contacts unchanged", "all moduli x 0.001", "r_G/r_B 1.00001, lateral", "3 balls", "lead 0 mm",
-    "contact angle 5 deg", "one ball, 5000 N", "no support", "bearing under torque",
-    "moment 0.01 N m, clearance, clamped", "offset -3 mm, away from one loose ball",
+    "axial 0.01 N",
+    "axial 1e+06 N",
+    "clearance 50 um, 0.01 N",
+    "preload 20 um, 0 N",
+    "lateral 5000 N",
+    "moment 50 N m",
+    "offset 3 mm, 5000 N, no preload",
+    "random +-20 um, preload 0 um, seed 1",
+    "shaft x 0.001, contacts unchanged",
+    "all moduli x 0.001",
+    "r_G/r_B 1.00001, lateral",
+    "3 balls",
+    "lead 0 mm",
+    "contact angle 5 deg",
+    "one ball, 5000 N",
+    "no support",
+    "bearing under torque",
+    "moment 0.01 N m, clearance, clamped",
+    "offset -3 mm, away from one loose ball",
     "one ball, squeezed, free to move off",
-)  # fmt: skip
+)
 
 
 NOMINAL, GUESS, _ = SOURCE
@@ -47,9 +61,22 @@ def test_names_are_unique_and_groups_cover_the_issue():
     assert len({c.name for c in every}) == len(every) >= 80
     groups = {c.group for c in every}
     assert groups >= {
-        "axial load", "clearance", "preload", "random balls", "shaft stiffness", "moduli", "conformity", "lateral load",
-        "offset", "moment only", "ball count", "lead", "contact angle", "one ball", "support",
-    }  # fmt: skip
+        "axial load",
+        "clearance",
+        "preload",
+        "random balls",
+        "shaft stiffness",
+        "moduli",
+        "conformity",
+        "lateral load",
+        "offset",
+        "moment only",
+        "ball count",
+        "lead",
+        "contact angle",
+        "one ball",
+        "support",
+    }
 
 
 def test_cases_are_scenes_a_file_may_describe_but_for_the_thin_tubes():

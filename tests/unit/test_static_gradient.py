@@ -86,10 +86,7 @@ class Model:
     def profile(self, gamma):
         powers = np.stack([gamma**k for k in range(self.drawn.profile.shape[1])], -1)
         slopes = np.stack([k * gamma ** max(k - 1, 0) for k in range(self.drawn.profile.shape[1])], -1)
-        return (
-            self.radius - (powers * self.drawn.profile).sum(-1),
-            -(slopes * self.drawn.profile).sum(-1),
-        )
+        return (self.radius - (powers * self.drawn.profile).sum(-1), -(slopes * self.drawn.profile).sum(-1))
 
     def energy(self, q, p):
         delta, _ = self.contacts(q, p)

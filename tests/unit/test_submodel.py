@@ -116,8 +116,9 @@ def test_a_free_piece_is_answered_by_inertia_relief(monkeypatch):
 
     found = both()
     corners = [int(np.abs(points_of(piece.mesh) - x).sum(axis=1).argmin()) for x in ([0, 0, 0], [1, 0, 0], [0, 1, 0])]
-    other = np.array([3 * corners[0], 3 * corners[0] + 1, 3 * corners[0] + 2, 3 * corners[1] + 1, 3 * corners[1] + 2,
-                      3 * corners[2] + 2])  # fmt: skip
+    other = np.array(
+        [3 * corners[0], 3 * corners[0] + 1, 3 * corners[0] + 2, 3 * corners[1] + 1, 3 * corners[1] + 2, 3 * corners[2] + 2]
+    )
     monkeypatch.setattr(submodel, "isostatic", lambda *_: other)
     for again, before in zip(both(), found, strict=True):
         assert relative(again, before) < 1e-8

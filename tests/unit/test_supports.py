@@ -61,9 +61,7 @@ def test_contradiction_is_found_where_the_residual_of_least_squares_says_so(seed
         return dict(zip(("ux", "uy", "uz", "rx", "ry", "rz"), (*u + np.cross(theta, [0, 0, at - z0]), *theta), strict=True))
 
     stations = np.sort(rng.uniform(0.0, scene.screw.length, 3))
-    supports = [
-        Support(z, tuple((k, v) for k, v in motion(z).items() if rng.random() < 0.6)) for z in stations
-    ]  # fmt: skip
+    supports = [Support(z, tuple((k, v) for k, v in motion(z).items() if rng.random() < 0.6)) for z in stations]
     agreeing = replace(scene, supports=tuple(supports))
     assert contradiction(agreeing) is None
     moved = tuple(replace(s, fixed=tuple((k, v + (3e-5 if k == "uz" else 0.0)) for k, v in s.fixed)) for s in supports[1:])

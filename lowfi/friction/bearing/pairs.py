@@ -94,9 +94,15 @@ def bearing_cell(case: BearingCase, angle: float) -> Cell:
         force = np.append(force, np.cross([0.0, 0.0, case.arm], force)[:2] / g.pitch_radius)
     n = has.shape[0]
     return Cell(
-        g, np.full((n, 4), g.contact_angle), np.where(has, -case.clearance, -2.0 * g.reach), rows, force,
-        np.zeros((n, 2)), np.zeros((n, 2)), np.zeros(rows.shape[2]),
-    )  # fmt: skip
+        g,
+        np.full((n, 4), g.contact_angle),
+        np.where(has, -case.clearance, -2.0 * g.reach),
+        rows,
+        force,
+        np.zeros((n, 2)),
+        np.zeros((n, 2)),
+        np.zeros(rows.shape[2]),
+    )
 
 
 def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
@@ -110,9 +116,13 @@ def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = N
         good = good and ball.motion.status != "failed"
     speed = abs(case.groove.speed)
     return BearingState(
-        load=load, loss=loss, torque=float(loss.sum()) / speed, points=np.sum(load.force > 0.0, axis=1),
-        input_power=power, converged=good,
-    )  # fmt: skip
+        load=load,
+        loss=loss,
+        torque=float(loss.sum()) / speed,
+        points=np.sum(load.force > 0.0, axis=1),
+        input_power=power,
+        converged=good,
+    )
 
 
 @dataclass(frozen=True)
@@ -159,9 +169,7 @@ def double_row(**changes: object) -> BearingCase:
     return replace(BearingCase(groove, 9, rows), **changes)  # type: ignore[arg-type]
 
 
-def vary(
-    make: list[tuple[str, BearingCase]], angle: Array, ranges: tuple[float, ...]
-) -> list[tuple[str, float, float]]:  # fmt: skip
+def vary(make: list[tuple[str, BearingCase]], angle: Array, ranges: tuple[float, ...]) -> list[tuple[str, float, float]]:
     """Ratios of largest to smallest torque: rows of a case's label, end of the range of angles [rad], ratio."""
     out = []
     for label, case in make:

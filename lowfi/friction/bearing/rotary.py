@@ -89,8 +89,9 @@ def groove_hertz(bearing: Bearing, mode: Mode = "right") -> GrooveHertz:
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
     across, ball = 1.0 / bearing.ball_radius - 1.0 / bearing.groove_radius, 1.0 / bearing.ball_radius
     if mode == "as printed":
-        two = [printed_hertz(bearing.ball_radius, (-bearing.groove_radius, r), modulus) for r in
-               (inner * cos, -outer * cos)]  # fmt: skip
+        two = [
+            printed_hertz(bearing.ball_radius, (-bearing.groove_radius, r), modulus) for r in (inner * cos, -outer * cos)
+        ]
         table = np.array([[t.C, t.C_a, t.C_b] for t in two])
     else:
         along = np.array([ball + cos / inner, ball - cos / outer])
@@ -163,8 +164,8 @@ def source_law(bearing: Bearing, sharpness: float = 100.0, map_spacing: float | 
 
 
 def solve_ball(
-    bearing: Bearing, force_x: float, u_y: float, hertz: Mode = "right", start: Array | None = None, fast: bool = False,
-) -> Solution:  # fmt: skip
+    bearing: Bearing, force_x: float, u_y: float, hertz: Mode = "right", start: Array | None = None, fast: bool = False
+) -> Solution:
     """Loads, then the motion of least dissipation with Coulomb friction.
 
     hertz: constants of the loads and ellipses; "as printed" shows what the motion alone changes against the source.
@@ -177,9 +178,8 @@ def solve_ball(
 
 
 def solve_ball_as_printed(
-    bearing: Bearing, force_x: float, u_y: float, law: Sigmoid | None = None, start: Array | None = None,
-    fast: bool = False,
-) -> Solution:  # fmt: skip
+    bearing: Bearing, force_x: float, u_y: float, law: Sigmoid | None = None, start: Array | None = None, fast: bool = False
+) -> Solution:
     """The source's own way, faults included: Table B.1's Hertz constants, sigmoid, root of 3.19, torque 3.21.
 
     With a ``start`` (3,) a plain search for the root, which fails from most of them near two-point contact; without,

@@ -32,9 +32,7 @@ class ChainMotion:
         return np.array([np.interp(time, self.time, column) for column in self.gap.T])
 
 
-def run(
-    bearing: LinearBearing, angles: Array, loads: Array, gap: Array, duration: float, fast: bool = True
-) -> ChainMotion:
+def run(bearing: LinearBearing, angles: Array, loads: Array, gap: Array, duration: float, fast: bool = True) -> ChainMotion:
     """Motion over ``duration`` [s] from gaps ``(N-1,)`` >= 0 [m]; angles and loads ``(N, 4)`` do not change.
 
     Generalises Lin Figure 3.16. Order is kept exactly: a gap never becomes negative. Raises ValueError for bad gaps.

@@ -109,12 +109,7 @@ class PairMaps:
 
 
 def maps(
-    bearing: LinearBearing,
-    theta: Array,
-    rho: Array,
-    vertical: float,
-    loads: Loads = "balanced",
-    k_f: float = analytic.K_F,
+    bearing: LinearBearing, theta: Array, rho: Array, vertical: float, loads: Loads = "balanced", k_f: float = analytic.K_F
 ) -> PairMaps:
     """Both models over theta [rad] and rho (Lin Figures 3.14, 3.15)."""
     shape = len(theta), len(rho)

@@ -105,9 +105,14 @@ class Search:
         slack = np.where(self.allowed, chain.slack, 0.0) * g.pair.closing / self.speed
         self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), g.mu if g.mu_balls is None else g.mu_balls, 0.0)
         self.balls: Balls = (
-            plain_array(np.where(loaded[:, None], chain.force, 0.0)), plain_array(chain.normals[..., [0, 2]]),
-            np.where(loaded, HOLD, HOLD_IDLE), slack, self.allowed.astype(float), self.mu, g.mu / self.bound,
-        )  # fmt: skip
+            plain_array(np.where(loaded[:, None], chain.force, 0.0)),
+            plain_array(chain.normals[..., [0, 2]]),
+            np.where(loaded, HOLD, HOLD_IDLE),
+            slack,
+            self.allowed.astype(float),
+            self.mu,
+            g.mu / self.bound,
+        )
         self.parts = parts_of(self.count)
 
     def alone(self) -> Array:

@@ -50,9 +50,13 @@ class Guess:
 
 
 def coupled_chain(
-    cell: Cell, slack: Array, coupling: Coupling, near: CoupledChain | None = None, rounds: int = ROUNDS,
+    cell: Cell,
+    slack: Array,
+    coupling: Coupling,
+    near: CoupledChain | None = None,
+    rounds: int = ROUNDS,
     guess: Guess | None = None,
-) -> CoupledChain:  # fmt: skip
+) -> CoupledChain:
     """Loads and motion of N balls in agreement, ball-to-ball forces included, after at most ``rounds`` rounds.
 
     slack: see ``Chain``. "ball": the screw stays where it is without friction and ball-to-ball forces (Lin 3.4.1);

@@ -48,9 +48,16 @@ def groove_of(scene: Scene, mu: float, nut_speed: float) -> ScrewGroove:
     if scene.track.hand != "right" or scene.track.starts != 1:
         raise ValueError("friction needs a right-hand screw with a single start")
     return ScrewGroove(
-        balls.radius, screw.groove_radius, scene.track.pitch_radius, scene.track.lead, scene.track.contact_angle,
-        screw.material.youngs_modulus, screw.material.poissons_ratio, mu, nut_speed,
-    )  # fmt: skip
+        balls.radius,
+        screw.groove_radius,
+        scene.track.pitch_radius,
+        scene.track.lead,
+        scene.track.contact_angle,
+        screw.material.youngs_modulus,
+        screw.material.poissons_ratio,
+        mu,
+        nut_speed,
+    )
 
 
 def contact_onset(

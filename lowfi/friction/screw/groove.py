@@ -24,9 +24,18 @@ from meshes.surface import printed_radii
 Mode = Literal["right", "as printed"]
 
 __all__ = [
-    "ON_SCREW", "SIGN_X", "SIGN_Z", "Constants", "Mode", "PairGeometry", "ScrewGroove", "contact_axes", "contact_spacing",
-    "frame", "pair_geometry",
-]  # fmt: skip
+    "ON_SCREW",
+    "SIGN_X",
+    "SIGN_Z",
+    "Constants",
+    "Mode",
+    "PairGeometry",
+    "ScrewGroove",
+    "contact_axes",
+    "contact_spacing",
+    "frame",
+    "pair_geometry",
+]
 
 
 @dataclass(frozen=True)
@@ -79,12 +88,13 @@ class ScrewGroove(HelicalMotion):
         """Hertz constants at the nominal contact angle, from the exact helicoids or with the faults of Table B.1."""
         steel = Material(self.young, self.poisson)
         scene = Scene(
-            "groove", "groove",
+            "groove",
+            "groove",
             Track(self.pitch_radius, abs(self.lead), self.contact_angle, "left" if self.lead < 0.0 else "right"),
             Screw(0.1, 2.0 * self.pitch_radius, self.groove_radius, steel),
             Nut(0.05, 0.05, 4.0 * self.pitch_radius, self.groove_radius, steel),
             Balls(self.ball_radius, steel, (0.0,)),
-        )  # fmt: skip
+        )
         if self.hertz == "right":
             h = nominal_hertz(scene)
             return Constants(h.C, h.C_a, h.C_b)
@@ -145,8 +155,10 @@ def pair_geometry(screw: ScrewGroove) -> PairGeometry:
     """Ball-to-ball contact on the exact helix (mends Lin 3.73-3.75, which take a circle of radius L / 2 pi)."""
     spacing = contact_spacing(screw)
     frames = [frame(screw, -0.5 * spacing), frame(screw, 0.5 * spacing)]
-    centres = [screw.pitch_radius * f[0] + np.array([0.0, 0.0, screw.ratio * s * 0.5 * spacing])
-               for f, s in zip(frames, (-1.0, 1.0), strict=True)]  # fmt: skip
+    centres = [
+        screw.pitch_radius * f[0] + np.array([0.0, 0.0, screw.ratio * s * 0.5 * spacing])
+        for f, s in zip(frames, (-1.0, 1.0), strict=True)
+    ]
     line = centres[1] - centres[0]
     line /= np.linalg.norm(line)
     across = np.cross(line, [0.0, 0.0, 1.0])

@@ -76,8 +76,16 @@ def system_of(cell: Cell, search: Search) -> System:
     """Arguments of the joint kernels for a cell and the scaled arrays of its chain."""
     pair, total = cell.groove.pair, float(search.balls[0].sum())
     length = float(np.max(cell.groove.constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
-    return (load_arrays(cell), search.groove, search.balls, search.bound, length, plain_array(pair.push[:, [0, 2]]),
-            plain_array(pair.slide[..., [0, 2]]), plain_array(cell.rows))  # fmt: skip
+    return (
+        load_arrays(cell),
+        search.groove,
+        search.balls,
+        search.bound,
+        length,
+        plain_array(pair.push[:, [0, 2]]),
+        plain_array(pair.slide[..., [0, 2]]),
+        plain_array(cell.rows),
+    )
 
 
 class _Path:

@@ -65,9 +65,9 @@ def load_arrays(cell: Cell) -> Arrays:
     """The cell as the kernels take it."""
     start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
     start, interference, C, section, offset, push, pull = map(
-        plain_array, (start, cell.interference, cell.groove.constants.C, cell.section, cell.offset, cell.push,
-                      cell.force + cell.drag)
-    )  # fmt: skip
+        plain_array,
+        (start, cell.interference, cell.groove.constants.C, cell.section, cell.offset, cell.push, cell.force + cell.drag),
+    )
     return start, interference, C, section, offset, push, pull, float(cell.groove.reach)
 
 

@@ -77,9 +77,13 @@ def screw_contacts(groove: ScrewGroove, force: Array) -> Contacts:
 
 
 def ball_motion(
-    groove: ScrewGroove, force: Array, angle: Array, push: Array | None = None, start: Array | None = None,
+    groove: ScrewGroove,
+    force: Array,
+    angle: Array,
+    push: Array | None = None,
+    start: Array | None = None,
     fast: bool = True,
-) -> BallMotion:  # fmt: skip
+) -> BallMotion:
     """Motion of one ball at given contact forces (4,) [N] and contact angles (4,) [rad]; two to four of them loaded.
 
     push (4,): other generalised forces on omega_B, omega_x, omega_y, omega_z [N m].
@@ -116,9 +120,15 @@ def ball_cell(
     angle = np.asarray(groove.contact_angle + deviation, dtype=float)[None, :]
     place = np.zeros((1, 2)) if offset is None else np.asarray(offset, dtype=float).reshape(1, 2)
     return Cell(
-        groove, angle, np.full((1, 4), float(oversize)), screw_rows(groove, np.zeros(1), free),
-        np.asarray(force, dtype=float), place, np.zeros((1, 2)), np.zeros(len(free)),
-    )  # fmt: skip
+        groove,
+        angle,
+        np.full((1, 4), float(oversize)),
+        screw_rows(groove, np.zeros(1), free),
+        np.asarray(force, dtype=float),
+        place,
+        np.zeros((1, 2)),
+        np.zeros(len(free)),
+    )
 
 
 def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
@@ -156,6 +166,9 @@ class Mixer:
 def hold_screw(cell: Cell, load: ScrewLoad) -> Cell:
     """The cell with its screw held where it settled: no freedoms left."""
     return replace(
-        cell, rows=np.zeros((cell.angle.shape[0], 3, 0)), force=np.zeros(0), drag=np.zeros(0),
+        cell,
+        rows=np.zeros((cell.angle.shape[0], 3, 0)),
+        force=np.zeros(0),
+        drag=np.zeros(0),
         offset=cell.offset + cell.section @ load.screw,
-    )  # fmt: skip
+    )

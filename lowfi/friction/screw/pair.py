@@ -45,10 +45,15 @@ class Pair:
         half, m = 0.5 * self.groove.pair.spacing, len(self.free)
         angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
         return Cell(
-            self.groove, angle, np.full((2, 4), self.oversize),
-            screw_rows(self.groove, np.array([-half, half]), self.free), np.array(self.force),
-            np.zeros((2, 2)), np.zeros((2, 2)), np.zeros(m),
-        )  # fmt: skip
+            self.groove,
+            angle,
+            np.full((2, 4), self.oversize),
+            screw_rows(self.groove, np.array([-half, half]), self.free),
+            np.array(self.force),
+            np.zeros((2, 2)),
+            np.zeros((2, 2)),
+            np.zeros(m),
+        )
 
 
 @dataclass(frozen=True)

@@ -126,9 +126,15 @@ def run_cell(run: Run, azimuth: Array, loaded: NDArray[np.bool_]) -> Cell:
     angle = g.contact_angle + deviation(run, azimuth)[:, None] * np.array(run.pattern)
     clear = np.where(loaded, run.oversize, -0.5 * g.reach)
     return Cell(
-        g, angle, np.repeat(clear[:, None], 4, axis=1), screw_rows(g, azimuth, run.free), np.array(run.force),
-        np.zeros((n, 2)), np.zeros((n, 2)), np.zeros(len(run.free)),
-    )  # fmt: skip
+        g,
+        angle,
+        np.repeat(clear[:, None], 4, axis=1),
+        screw_rows(g, azimuth, run.free),
+        np.array(run.force),
+        np.zeros((n, 2)),
+        np.zeros((n, 2)),
+        np.zeros(len(run.free)),
+    )
 
 
 @dataclass
@@ -156,13 +162,19 @@ def simulate(run: Run) -> RunResult:
         # never less than zero but for round-off
         gap = np.maximum(gap + dt * (np.roll(omega, -1) - omega), 0.0)
         log.add(
-            nut_angle=nut_angle, azimuth=azimuth, gap=gap, ball_force=m.ball_force, omega=omega, load=near.load.force,
+            nut_angle=nut_angle,
+            azimuth=azimuth,
+            gap=gap,
+            ball_force=m.ball_force,
+            omega=omega,
+            load=near.load.force,
             groove_torque=float(m.groove_loss.sum()) / abs(g.speed),
             ball_torque=float(m.ball_loss.sum()) / abs(g.speed),
             closing_torque=float(m.closing_loss.sum()) / abs(g.speed),
-            imbalance=m.input_power / m.loss - 1.0, change=near.change,
+            imbalance=m.input_power / m.loss - 1.0,
+            change=near.change,
             converged=m.converged and near.load.converged and (near.converged or run.rounds == 1),
-        )  # fmt: skip
+        )
         azimuth = azimuth + dt * omega
     return RunResult(run, **{key: np.array(rows) for key, rows in log.rows.items()})
 

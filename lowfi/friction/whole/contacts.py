@@ -41,9 +41,7 @@ class StaticContacts:
     @property
     def normals(self) -> Array:
         """Directions (N, 4, 3) from the ball's centre to its contacts in x3, y3, z3."""
-        return np.stack(
-            [SIGN_X * np.cos(self.angle), np.zeros_like(self.angle), SIGN_Z * np.sin(self.angle)], axis=-1
-        )
+        return np.stack([SIGN_X * np.cos(self.angle), np.zeros_like(self.angle), SIGN_Z * np.sin(self.angle)], axis=-1)
 
     @property
     def frames(self) -> Array:

@@ -187,4 +187,3 @@ def feed_back(
         now = with_loads(now, new_force, angle)
     failed |= last > ACCEPTED
     return FedBack(now, ball_friction(scene, now, friction, drive, fast), failed, rounds, float(last.max(initial=0.0)))
-

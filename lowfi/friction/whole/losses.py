@@ -82,9 +82,7 @@ class BallFriction:
         return contact_wrench(normals, self.force, self.moment)
 
 
-def ball_friction(
-    scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, fast: bool = False
-) -> BallFriction:
+def ball_friction(scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, fast: bool = False) -> BallFriction:
     """Motion of least dissipation and friction of every ball.
 
     Where all coefficients are zero the motion is the limit for equal ones that vanish. Valid for a helix of any hand and

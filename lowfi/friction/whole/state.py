@@ -54,9 +54,7 @@ def will_compile(scene: Scene, friction: Friction) -> bool:
     return scene.ball_count > (COUPLED_ABOVE if feeds_back(scene, friction) else COMPILE_ABOVE)
 
 
-def friction_state(
-    scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0
-) -> FrictionState:
+def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0) -> FrictionState:
     """Friction of a solved scene, fed back on the places of the balls where ``friction.coupling`` says so.
 
     Friction of a ring runs along its groove and moves no ball. Arguments as for ``contacts_of`` and ``ball_friction``,

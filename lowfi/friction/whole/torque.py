@@ -101,9 +101,7 @@ class ScrewTorque:
         return self.translating and self.backward <= 0.0
 
 
-def sum_up(
-    scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive, coupled: bool = False
-) -> ScrewTorque:
+def sum_up(scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive, coupled: bool = False) -> ScrewTorque:
     """Sums over all contacts of a scene whose screw or nut turns with ``drive``.
 
     coupled: whether contact forces and friction together carry the axial load, or the contact forces alone.
@@ -122,11 +120,16 @@ def sum_up(
     tilt = np.hypot(plane[loaded, 0], plane[loaded, 1]) / most[loaded]
     pull = -np.einsum("nsi,ni->", friction[:, ON_SCREW, :3], frames[:, :, 2])
     return ScrewTorque(
-        speed=speed, ratio=ratio, load=-at.axial_force - (float(pull) if coupled else 0.0), power=found.power,
-        pull=float(pull), reverse_power=found.power,
+        speed=speed,
+        ratio=ratio,
+        load=-at.axial_force - (float(pull) if coupled else 0.0),
+        power=found.power,
+        pull=float(pull),
+        reverse_power=found.power,
         helical=(float(helical[:, ON_SCREW].sum()), float(helical[:, ~ON_SCREW].sum())),
-        tilt=float(tilt.max(initial=0.0)), carried=float(at.force.sum()),
-    )  # fmt: skip
+        tilt=float(tilt.max(initial=0.0)),
+        carried=float(at.force.sum()),
+    )
 
 
 def about_axis(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:

@@ -6,6 +6,14 @@ from .elastic_balls import contact_law, evaluate_balls, rest
 from .newton import ensemble, evaluate, linear_start, solve
 
 __all__ = [
-    "contact_law", "ensemble", "evaluate", "evaluate_balls", "linear_start", "rest", "settle", "solve",
-    "solve_forces", "start_forces",
-]  # fmt: skip
+    "contact_law",
+    "ensemble",
+    "evaluate",
+    "evaluate_balls",
+    "linear_start",
+    "rest",
+    "settle",
+    "solve",
+    "solve_forces",
+    "start_forces",
+]

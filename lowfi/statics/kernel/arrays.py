@@ -10,4 +10,3 @@ Array = NDArray[Any]
 Arrays = tuple[Array, ...]
 #: (node, B, geometry, closure, r_ball, profile, tiny): arrays and one number.
 Contacts = Any
-

@@ -67,15 +67,11 @@ def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -
     """Approach, normal and curvature term of the ball at (ux, uz) from its nominal place on one flank, arc or not."""
     if profile.shape[0] == 0:
         return arc(ux, uz, geometry[WX], geometry[WZ], geometry[SIZE], geometry[APPROACH])
-    return flank(
-        ux, uz, geometry[WX], geometry[WZ], r_ball, geometry[RADIUS], profile, geometry[SX], geometry[SZ],
-    )  # fmt: skip
+    return flank(ux, uz, geometry[WX], geometry[WZ], r_ball, geometry[RADIUS], profile, geometry[SX], geometry[SZ])
 
 
 @kernel
-def touch(
-    px: float, pz: float, shift: Array, geometry: Array, r_ball: float, profile: Array, contact: Array,
-) -> float:  # fmt: skip
+def touch(px: float, pz: float, shift: Array, geometry: Array, r_ball: float, profile: Array, contact: Array) -> float:
     """Contact forces and stiffnesses with the ball's centre at p; returns the energy [J] (Lin 2.14 integrated)."""
     energy = 0.0
     for s in range(4):
@@ -133,9 +129,8 @@ def newton_step(contact: Array) -> tuple[float, float, float]:
 
 @kernel
 def settle(
-    p: Array, shift: Array, geometry: Array, closure: Array,
-    r_ball: float, profile: Array, tiny: float, contact: Array,
-) -> float:  # fmt: skip
+    p: Array, shift: Array, geometry: Array, closure: Array, r_ball: float, profile: Array, tiny: float, contact: Array
+) -> float:
     """Equilibrium of one ball at given motions of its flanks: minimises its contact energy over its centre.
 
     shift (4, 2): motion of the flanks [m]; closure (2,): nominal interference of the diagonal pairs [m]; r_ball [m];

@@ -8,9 +8,7 @@ from .arrays import Array
 
 
 @kernel
-def arc(
-    mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: float,
-) -> tuple[float, float, float, float]:  # fmt: skip
+def arc(mx: float, mz: float, wx0: float, wz0: float, size0: float, approach: float) -> tuple[float, float, float, float]:
     """Approach, normal and curvature term for a circular flank; see ``flank``.
 
     (wx0, wz0), size0: the nominal w and its size; approach: nominal approach [m]. The approach is built as nominal
@@ -26,8 +24,8 @@ def arc(
 
 @kernel
 def flank(
-    mx: float, mz: float, wx0: float, wz0: float, r_ball: float, radius: float, profile: Array, sx: float, sz: float,
-) -> tuple[float, float, float, float]:  # fmt: skip
+    mx: float, mz: float, wx0: float, wz0: float, r_ball: float, radius: float, profile: Array, sx: float, sz: float
+) -> tuple[float, float, float, float]:
     """Approach of a ball to the flank rho(gamma) (s_x cos gamma, s_z sin gamma) around the groove's centre.
 
     (mx, mz): motion of the ball's centre relative to the flank [m]; (wx0, wz0): its nominal position from the groove's

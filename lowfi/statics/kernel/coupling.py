@@ -116,8 +116,8 @@ def forces_of_rows(S: Array, counts: Array, starts: Array, u: Array, out: Array)
 
 @kernel
 def border(
-    R: Array, S: Array, counts: Array, starts: Array, L: Array, u: Array, target: Array, hold: float, out: Array,
-) -> bool:  # fmt: skip
+    R: Array, S: Array, counts: Array, starts: Array, L: Array, u: Array, target: Array, hold: float, out: Array
+) -> bool:
     """Amplitudes a (k,) of the free motions R (N, d, k) with (S R)^T u = target (k,), and u (q,) with them.
 
     u holds M^-1 b on entry and M^-1 (b + S R a) on return, L the factor of M; hold [N/m]: stiffness added to the free

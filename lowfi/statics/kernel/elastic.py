@@ -23,9 +23,18 @@ FORCING = 0.1
 
 @kernel
 def solve_rows(
-    bodies: Arrays, S: Array, counts: Array, starts: Array, factors: Arrays, fresh: bool, target: Array, hold: float,
-    wanted: float, u: Array, a: Array,
-) -> bool:  # fmt: skip
+    bodies: Arrays,
+    S: Array,
+    counts: Array,
+    starts: Array,
+    factors: Arrays,
+    fresh: bool,
+    target: Array,
+    hold: float,
+    wanted: float,
+    u: Array,
+    a: Array,
+) -> bool:
     """Solve (I + S G S^T) u - S R a = u (given), (S R)^T u + hold a = target; False where the matrix is not positive.
 
     factors = (M, W, C): where the bodies' modes are given, W and C serve conjugate gradients (to ``wanted``), else M holds
@@ -54,9 +63,16 @@ def solve_rows(
 
 @kernel
 def newton_forces(
-    bodies: Arrays, contacts: Contacts, state: Arrays, f: Array, hold: float, wanted: float, fresh: bool, cache: Arrays,
+    bodies: Arrays,
+    contacts: Contacts,
+    state: Arrays,
+    f: Array,
+    hold: float,
+    wanted: float,
+    fresh: bool,
+    cache: Arrays,
     out: Arrays,
-) -> bool:  # fmt: skip
+) -> bool:
     """Step of forces and free motions: out = (dphi (N, d), dv (N, d), da (k,)); False where the matrix is not positive.
 
     bodies = (G first, G second, R (N, d, k), v0 (N, d), work (k,), U first, U second), the last two empty or the modes of
@@ -160,9 +176,17 @@ def stored(bodies: Arrays, state: Arrays, g: Array) -> float:
 
 @kernel
 def search_forces(
-    bodies: Arrays, contacts: Contacts, state: Arrays, f: Array, g: Array, v: Array, step: Arrays, energy: float,
-    slope: float, tiny: float,
-) -> tuple[float, float, int]:  # fmt: skip
+    bodies: Arrays,
+    contacts: Contacts,
+    state: Arrays,
+    f: Array,
+    g: Array,
+    v: Array,
+    step: Arrays,
+    energy: float,
+    slope: float,
+    tiny: float,
+) -> tuple[float, float, int]:
     """Step length along a step, as ``newton.line_search``; state, f, g and v are left at the accepted point."""
     begin = (state[0].copy(), state[1].copy(), g.copy(), v.copy())
     low, high, t = 0.0, 0.0, 1.0
@@ -203,8 +227,8 @@ def place_flanks(bodies: Arrays, state: Arrays, g: Array, v: Array) -> None:
 
 @kernel
 def solve_forces(
-    bodies: Arrays, contacts: Contacts, state: Arrays, options: Array, arms: Array, history: Array,
-) -> tuple[int, int, int, float, float, float]:  # fmt: skip
+    bodies: Arrays, contacts: Contacts, state: Arrays, options: Array, arms: Array, history: Array
+) -> tuple[int, int, int, float, float, float]:
     """Minimise the energy from the given forces; returns status, iterations, evaluations, residual, energy, scale.
 
     state = (phi (N, d) [N], a (k,), inner (N, 3), contact (N, 4 or 1, 5)); options (7,): tolerance, largest number of
@@ -213,8 +237,13 @@ def solve_forces(
     `lowfi.compliance.shaft`.
     """
     tolerance, most, stiffness, tiny, bound, floor = (
-        options[0], int(options[1]), options[2], options[3], options[4], options[5],
-    )  # fmt: skip
+        options[0],
+        int(options[1]),
+        options[2],
+        options[3],
+        options[4],
+        options[5],
+    )
     phi, amplitude = state[0], state[1]
     balls, d = phi.shape
     f, g, v = np.empty((balls, d)), np.empty((balls, d)), np.empty((balls, d))

@@ -67,9 +67,7 @@ def stored(x: float, c: float, e: float, h: float) -> float:
 
 
 @kernel
-def press(
-    x: Array, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array,
-) -> float:  # fmt: skip
+def press(x: Array, shift: Array, geometry: Array, local: Array, r_ball: float, profile: Array, contact: Array) -> float:
     """Contact forces and stiffnesses with centre and amplitude x (3,); returns the energy [J]. local (4, 3): e [m/N] of
     each contact, what a unit amplitude takes from its approach [m], and h [m/N^(4/3)]."""
     energy: float = 0.5 * x[2] * x[2]
@@ -165,9 +163,17 @@ def backward3(L: Array, b: Array) -> None:
 
 @kernel
 def rest(
-    x: Array, shift: Array, geometry: Array, closure: Array, local: Array, r_ball: float, profile: Array, tiny: float,
-    contact: Array, work: Array,
-) -> float:  # fmt: skip
+    x: Array,
+    shift: Array,
+    geometry: Array,
+    closure: Array,
+    local: Array,
+    r_ball: float,
+    profile: Array,
+    tiny: float,
+    contact: Array,
+    work: Array,
+) -> float:
     """Equilibrium of one ball at given motions of its flanks (4, 2): fills x (3,) and ``contact``; returns the energy [J].
 
     work (5, 3): scratch. See ``ball.settle``, of which this is the form with a body of its own.
@@ -280,7 +286,7 @@ def full_balls(v: Array, contacts: Contacts, inner: Array, contact: Array, f: Ar
     for i in range(v.shape[0]):
         energy += rest(
             inner[i], v[i].reshape(4, 2), geometry[i], closure[i], local[i], r_ball[i], profile, tiny, contact[i], work
-        )  # fmt: skip
+        )
         for s in range(4):
             force = contact[i, s, FORCE]
             scale = max(scale, force)

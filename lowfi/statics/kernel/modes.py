@@ -84,8 +84,8 @@ def near(W: Array, C: Array, B: Array, Z: Array, schur: Array, target: Array, u:
 
 @kernel
 def coupled(
-    bodies: Arrays, S: Array, counts: Array, starts: Array, B: Array, u: Array, a: Array, work: Arrays, out: Array,
-) -> None:  # fmt: skip
+    bodies: Arrays, S: Array, counts: Array, starts: Array, B: Array, u: Array, a: Array, work: Arrays, out: Array
+) -> None:
     """out (q,) = (I + S G S^T) u - B^T a; work: two arrays (N, d)."""
     force, motion = work
     force[:] = 0.0
@@ -101,9 +101,17 @@ def coupled(
 
 @kernel
 def gradients(
-    bodies: Arrays, S: Array, counts: Array, starts: Array, soft: Arrays, target: Array, hold: float, wanted: float,
-    u: Array, a: Array,
-) -> int:  # fmt: skip
+    bodies: Arrays,
+    S: Array,
+    counts: Array,
+    starts: Array,
+    soft: Arrays,
+    target: Array,
+    hold: float,
+    wanted: float,
+    u: Array,
+    a: Array,
+) -> int:
     """Solve (I + S G S^T) u - B^T a = u (given), B u + hold a = target, B = (S R)^T of the free motions R.
 
     Conjugate gradients in the space that keeps the second equation, preconditioned by P (W and its factor in ``soft``).

@@ -154,9 +154,8 @@ def slope_along(gradient: Array, step: Array, fixed: Array) -> float:
 
 @kernel
 def line_search(
-    beam: Arrays, contacts: Contacts, state: Arrays, out: Arrays,
-    step: Array, energy: float, slope: float, limit: float,
-) -> tuple[float, float, int]:  # fmt: skip
+    beam: Arrays, contacts: Contacts, state: Arrays, out: Arrays, step: Array, energy: float, slope: float, limit: float
+) -> tuple[float, float, int]:
     """Step length along ``step``: shrunk on overshoot, stretched while the slope does not change (open gaps).
 
     Returns the energy, scale, and the number of evaluations; the state is left at the accepted point.
@@ -189,8 +188,8 @@ def line_search(
 
 @kernel
 def solve(
-    beam: Arrays, contacts: Contacts, state: Arrays, options: Array, history: Array,
-) -> tuple[int, int, int, float, float, float]:  # fmt: skip
+    beam: Arrays, contacts: Contacts, state: Arrays, options: Array, history: Array
+) -> tuple[int, int, int, float, float, float]:
     """Minimise the energy from the given state; returns status, iterations, evaluations, residual, energy, scale.
 
     options (7,): tolerance, largest number of iterations, reference stiffness [N/m], arm [m], largest motion [m] before
@@ -269,9 +268,17 @@ def solve(
 
 @kernel
 def ensemble(
-    beam: Arrays, contacts: Contacts, state: Arrays, options: Array, radii: Array,
-    closures: Array, geometries: Array, forces: Array, statuses: Array, residuals: Array,
-) -> int:  # fmt: skip
+    beam: Arrays,
+    contacts: Contacts,
+    state: Arrays,
+    options: Array,
+    radii: Array,
+    closures: Array,
+    geometries: Array,
+    forces: Array,
+    statuses: Array,
+    residuals: Array,
+) -> int:
     """Solve many specimens of one screw from the same start; they differ in ball radii [m] and groove centres.
 
     radii (M, N), closures (M, N, 2), geometries (M, N, 4, 9) replace those of ``contacts``; forces (M, N, 4),

@@ -73,9 +73,18 @@ def near(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     base = 2.0 * edge * cy + i_x + b2 * i_xh + x2 * i_x + y2 * i_y + h2 * i_h
     r_x, r_y, r_h = xx * x + xy * y + xh * h, xy * x + yy * y + yh * h, xh * x + yh * y + hh * h
     return (
-        0.1875 * base + 0.25 * along, x * f_x, y * f_y, h * f_h, 0.1875 * base - 0.75 * along,
-        xx, xy, yy, r_x, r_y, x * r_x + y * r_y + h * r_h,
-    )  # fmt: skip
+        0.1875 * base + 0.25 * along,
+        x * f_x,
+        y * f_y,
+        h * f_h,
+        0.1875 * base - 0.75 * along,
+        xx,
+        xy,
+        yy,
+        r_x,
+        r_y,
+        x * r_x + y * r_y + h * r_h,
+    )
 
 
 @kernel
@@ -111,7 +120,15 @@ def far(x: float, y: float, h: float, b2: float, low: float) -> Potential:
     g_x, g_y, g_h = 0.75 * x * f_x, 0.75 * y * f_y, 0.75 * h * f_h
     turning = 0.1875 * moment * rho
     return (
-        turning + rho * (x * g_x + y * g_y + h * g_h), g_x, g_y, g_h, turning,
-        (0.75 * f_x - 1.5 * x2 * xx) / rho, -1.5 * x * y * xy / rho, (0.75 * f_y - 1.5 * y2 * yy) / rho,
-        0.375 * x * r_x, 0.375 * y * r_y, 0.375 * r_r * rho,
-    )  # fmt: skip
+        turning + rho * (x * g_x + y * g_y + h * g_h),
+        g_x,
+        g_y,
+        g_h,
+        turning,
+        (0.75 * f_x - 1.5 * x2 * xx) / rho,
+        -1.5 * x * y * xy / rho,
+        (0.75 * f_y - 1.5 * y2 * yy) / rho,
+        0.375 * x * r_x,
+        0.375 * y * r_y,
+        0.375 * r_r * rho,
+    )

@@ -33,9 +33,18 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
     )
     sign, lever = copysign(1.0, turn), a / size
     return (
-        size * value, -sign * g_y, sign * g_x, sign * a * moment, g_h,
-        yy / size, -xy / size, xx / size, lever * r_y, -lever * r_x, lever * a * r_r,
-    )  # fmt: skip
+        size * value,
+        -sign * g_y,
+        sign * g_x,
+        sign * a * moment,
+        g_h,
+        yy / size,
+        -xy / size,
+        xx / size,
+        lever * r_y,
+        -lever * r_x,
+        lever * a * r_r,
+    )
 
 
 @kernel

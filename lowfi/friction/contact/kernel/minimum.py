@@ -16,8 +16,8 @@ from .dissipation import dissipation
 
 @kernel
 def evaluate(
-    shape: Array, maps: Array, drives: Array, push: Array, speed: float, q: Array, grad: Array, hess: Array,
-) -> tuple[float, float]:  # fmt: skip
+    shape: Array, maps: Array, drives: Array, push: Array, speed: float, q: Array, grad: Array, hess: Array
+) -> tuple[float, float]:
     """Value of the function at q and its part from the speed; writes gradient (n,) and Hessian (n, n).
 
     shape (m, 3): semi-axes a, b [m] and strength mu F [N]; maps (m, 3, n); drives (m, 3); push (n,).
@@ -105,9 +105,16 @@ def residual(grad: Array, units: Array) -> float:
 
 @kernel
 def descend(
-    shape: Array, maps: Array, drives: Array, push: Array, speed: float, q: Array, tolerance: float, limit: int,
+    shape: Array,
+    maps: Array,
+    drives: Array,
+    push: Array,
+    speed: float,
+    q: Array,
+    tolerance: float,
+    limit: int,
     reach: float,
-) -> tuple[float, float, float, int]:  # fmt: skip
+) -> tuple[float, float, float, int]:
     """Minimise at one regularising speed, from q (n,) onwards, which is overwritten; arguments as in ``evaluate``.
 
     Ends where no generalised force is out of balance by more than ``tolerance`` times the sum of the strengths, or

@@ -65,10 +65,7 @@ def slip_only(shape: Array, rest: Array) -> Array:
 
 
 @kernel
-def free_motion(
-    slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array,
-    reach: float,
-) -> int:  # fmt: skip
+def free_motion(slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float) -> int:
     """Minimise without regularisation over q + span of the rows of ``basis`` (f, n); overwrites q (n,); steps."""
     m, n, f = maps.shape[0], maps.shape[2], basis.shape[0]
     part, pull, y = np.zeros((m, 3, f)), np.zeros(f), np.zeros(f)
@@ -88,9 +85,16 @@ def free_motion(
 
 @kernel
 def reactions(
-    slipping: Array, maps: Array, drives: Array, push: Array, rest: Array, units: Array, inverse: Array, q: Array,
+    slipping: Array,
+    maps: Array,
+    drives: Array,
+    push: Array,
+    rest: Array,
+    units: Array,
+    inverse: Array,
+    q: Array,
     forces: Array,
-) -> float:  # fmt: skip
+) -> float:
     """Completes ``forces`` by what rest needs for balance; inverse (n, 3k): pseudo-inverse of the resting rows.
 
     Where the reactions are not unique they are those nearest to the forces given. Returns what stays out of balance.
@@ -146,8 +150,8 @@ def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
 
 @kernel
 def lock(
-    shape: Array, maps: Array, drives: Array, push: Array, q: Array, forces: Array, rest: Array, still: float,
-) -> tuple[bool, float, int]:  # fmt: skip
+    shape: Array, maps: Array, drives: Array, push: Array, q: Array, forces: Array, rest: Array, still: float
+) -> tuple[bool, float, int]:
     """Impose rest on contacts slower than ``still`` [m/s] and minimise over the others; overwrites q, forces, rest.
 
     Returns whether that is the least dissipation (rest possible, every reaction inside its limit surface), the largest
@@ -182,9 +186,8 @@ def lock(
 
 @kernel
 def least_dissipation(
-    shape: Array, maps: Array, drives: Array, push: Array, warm: bool, q: Array, forces: Array, rest: Array,
-    bounds: Array,
-) -> tuple[int, float, int]:  # fmt: skip
+    shape: Array, maps: Array, drives: Array, push: Array, warm: bool, q: Array, forces: Array, rest: Array, bounds: Array
+) -> tuple[int, float, int]:
     """Motion of least dissipation; arguments as in ``evaluate``; writes q (n,), forces (m, 3), rest (m,), bounds (2,).
 
     A regularising speed falls from a tenth of the drive's to 1e-6 times it (further, to 1e-10, where a contact is on

@@ -67,6 +67,10 @@ def regularised(
     b = (eps / eta) * (eps / eta) / eta
     c = phi / eta
     return (
-        phi * phi / (eta + eps), c * f, c * m,
-        a * n_s * n_s + b * f * f, a * n_s * n_w + b * f * m, a * n_w * n_w + b * m * m,
-    )  # fmt: skip
+        phi * phi / (eta + eps),
+        c * f,
+        c * m,
+        a * n_s * n_s + b * f * f,
+        a * n_s * n_w + b * f * m,
+        a * n_w * n_w + b * m * m,
+    )

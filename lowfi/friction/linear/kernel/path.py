@@ -67,9 +67,8 @@ def _tangent(problem: Problem, point: Point, s: float, eps: float, work: Work, c
 
 @kernel
 def _correct(
-    problem: Problem, point: Point, s: float, eps: float, work: Work, change: Array, tau: Array, length: float,
-    fixed: bool,
-) -> tuple[bool, int, float]:  # fmt: skip
+    problem: Problem, point: Point, s: float, eps: float, work: Work, change: Array, tau: Array, length: float, fixed: bool
+) -> tuple[bool, int, float]:
     """Newton steps back to the path, across tau or, fixed, at the same s; whether they arrived, how many, and s.
 
     Given up where they lead farther than most of the step's ``length``: it may be another path.

@@ -39,14 +39,21 @@ def seen(groove: Groove, i: int, rows: Array, x: Array) -> tuple[float, float, f
         rows[0, 0] * own + rows[0, 1] * x[1] + rows[0, 2] * x[2] + rows[0, 3] * x[3],
         rows[1, 0] * own + rows[1, 1] * x[1] + rows[1, 2] * x[2] + rows[1, 3] * x[3],
         rows[2, 0] * own + rows[2, 1] * x[1] + rows[2, 2] * x[2] + rows[2, 3] * x[3],
-    )  # fmt: skip
+    )
 
 
 @kernel
 def ball(
-    groove: Groove, force: Array, normal: Array, axes: tuple[Array, Array], strength: float, x: Array, eps: float,
-    gradient: Array, hessian: Array,
-) -> None:  # fmt: skip
+    groove: Groove,
+    force: Array,
+    normal: Array,
+    axes: tuple[Array, Array],
+    strength: float,
+    x: Array,
+    eps: float,
+    gradient: Array,
+    hessian: Array,
+) -> None:
     """Adds gradient (4,), Hessian (4, 4) of a ball's scaled dissipation; force (4,), normal (4, 2), semi-axes (4,)."""
     rows, speed = np.empty((3, 4)), groove[8]
     for i in range(4):
@@ -102,9 +109,8 @@ def rubbing(groove: Groove, this: Array, other: Array, eps: float) -> tuple[floa
 
 @kernel
 def meeting(
-    groove: Groove, balls: Balls, x: Array, f: Array, eps: float, push: Array, slide: Array, on_ball: Array,
-    loss: Array,
-) -> None:  # fmt: skip
+    groove: Groove, balls: Balls, x: Array, f: Array, eps: float, push: Array, slide: Array, on_ball: Array, loss: Array
+) -> None:
     """Writes what neighbours do to balls (N, 3) [N] and the losses (N,) [W] where ball k slides on k + 1.
 
     f (N,): forces between them [N]; push (2, 3), slide (2, 2, 3): as in ``screw_groove.PairGeometry``.

@@ -66,9 +66,16 @@ def _together(system: System, at: Place, k: int, part: float, eps: float, start:
 
 @kernel
 def _pushed(
-    system: System, which: int, row: int, other: int, rub: tuple[float, float, float], f: float, mu: float, part: float,
+    system: System,
+    which: int,
+    row: int,
+    other: int,
+    rub: tuple[float, float, float],
+    f: float,
+    mu: float,
+    part: float,
     matrix: Matrix,
-) -> None:  # fmt: skip
+) -> None:
     """Adds the force in the groove's plane on the first or second ball of a pair; rub: sliding, direction and size."""
     first, second, push, slide = system[1][5], system[1][6], system[5], system[6]
     side, K = matrix[0], matrix[2]
@@ -176,8 +183,14 @@ def newton_joint(system: System, at: Place, part: float, eps: float, goal: float
     """
     p, u, x, f = at
     n, m, length, reach = f.shape[0], u.shape[0], system[4], system[0][7]
-    matrix = (np.empty(SIZE * n), np.empty(m), np.empty((SIZE * n, 3 * HALF + 1)), np.empty((SIZE * n, m)),
-              np.empty((m, SIZE * n)), np.empty((m, m)))  # fmt: skip
+    matrix = (
+        np.empty(SIZE * n),
+        np.empty(m),
+        np.empty((SIZE * n, 3 * HALF + 1)),
+        np.empty((SIZE * n, m)),
+        np.empty((m, SIZE * n)),
+        np.empty((m, m)),
+    )
     d = (np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
     start = opening(system[1], system[2], x, f)
     size = assemble(system, at, part, eps, start, matrix)

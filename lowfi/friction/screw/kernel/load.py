@@ -130,8 +130,7 @@ def settle(cell: Cell, load: float, p: Array, u: Array, state: State, goal: floa
     """
     reach = cell[7]
     dp, du = np.zeros_like(p), np.zeros_like(u)
-    trial = (np.zeros_like(p), np.zeros_like(u), np.zeros_like(state[2]), np.zeros_like(state[3]),
-             np.zeros_like(state[4]))  # fmt: skip
+    trial = (np.zeros_like(p), np.zeros_like(u), np.zeros_like(state[2]), np.zeros_like(state[3]), np.zeros_like(state[4]))
     energy, steps = evaluate(cell, p, u, state), 0
     worst = largest(state[0], state[1])
     while steps < limit and worst > goal * (load + np.sum(state[3])):

@@ -37,9 +37,8 @@ def _law(groove: Groove, i: int, f: float, rows: Array, x: Array, eps: float, g:
 
 @kernel
 def _add_force(
-    f: float, bound: float, n_x: float, n_z: float, rows: Array, g: Array, speed: float, part: float, on: bool,
-    out: Array,
-) -> None:  # fmt: skip
+    f: float, bound: float, n_x: float, n_z: float, rows: Array, g: Array, speed: float, part: float, on: bool, out: Array
+) -> None:
     """Adds one contact to the ball's rows ``out`` (9,), see ``own``."""
     out[0] += f * n_x + part * bound * g[0] * n_z
     out[1] += f * n_z - part * bound * g[0] * n_x
@@ -53,9 +52,19 @@ def _add_force(
 
 @kernel
 def _by_load(
-    groove: Groove, i: int, f: float, mu: float, n_x: float, n_z: float, rows: Array, x: Array, g: Array, h: Array,
-    part: float, by: Array,
-) -> None:  # fmt: skip
+    groove: Groove,
+    i: int,
+    f: float,
+    mu: float,
+    n_x: float,
+    n_z: float,
+    rows: Array,
+    x: Array,
+    g: Array,
+    h: Array,
+    part: float,
+    by: Array,
+) -> None:
     """Writes the derivatives (9, 3) of a contact's rows by its force and by n_x and n_z, taken apart."""
     affine, speed, bound = groove[0], groove[8], mu * f
     turned, own_turn = np.zeros((2, 3)), np.zeros((2, 4))
@@ -78,7 +87,7 @@ def _by_load(
 @kernel
 def _by_motion(
     bound: float, n_x: float, n_z: float, rows: Array, h: Array, speed: float, part: float, on: bool, by: Array
-) -> None:  # fmt: skip
+) -> None:
     """Adds the derivatives of a contact's rows by the ball's motion."""
     bent = bound * (h[:3] @ rows)
     for j in range(4):
@@ -93,9 +102,7 @@ def _by_motion(
 
 
 @kernel
-def own(
-    system: System, k: int, p: Array, shift: Array, x: Array, part: float, eps: float, out: Array, by: Array
-) -> None:  # fmt: skip
+def own(system: System, k: int, p: Array, shift: Array, x: Array, part: float, eps: float, out: Array, by: Array) -> None:
     """Writes out (9,) and its derivatives (9, 8) for ball k at p (2,) [m], motion x (4,), screw shifted by shift (2,).
 
     Rows: force out of balance in x3, z3 with ``part`` of the friction, the grooves' gradient by the motion, force of
