@@ -1,7 +1,7 @@
 """Coupled loads and friction of a pair in a ball screw do not depend on where the search begins.
 
 Valid where the load presses both balls against their grooves by more than friction moves them: a ball with play may
-float or be wedged by its own friction (tests/unit/test_friction_screw_coupled.py).
+float or be wedged by its own friction (tests/unit/friction/test_screw_coupled.py).
 """
 
 from dataclasses import replace

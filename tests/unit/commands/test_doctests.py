@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 PACKAGES = ("lowfi", "hifi", "meshes", "compare", "reports")
 MODULES = sorted(
     ".".join(path.relative_to(ROOT).with_suffix("").parts)

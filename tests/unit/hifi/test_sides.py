@@ -15,7 +15,7 @@ from meshes.helix import ball_layout
 from meshes.sockets import AZIMUTH_TURNED
 from meshes.solid import dimensions
 from tests.helpers import relative
-from tests.unit.test_reference_small import SMALL, two_balls
+from tests.unit.hifi.test_reference_small import SMALL, two_balls
 
 SETTINGS = replace(SMALL, modes=8, ball_modes=12)
 

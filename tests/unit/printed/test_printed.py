@@ -234,7 +234,7 @@ def test_counts_of_the_report_keep_kinds_apart():
 
 
 def test_readme_and_report_name_what_was_inferred_from_printed_results():
-    readme = " ".join((Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8").split()).replace("µ", "u")
+    readme = " ".join((Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8").split()).replace("µ", "u")
     for what in ("32 mm", "helix phase", "5.2 and 8.0 um", "k_S = 100", "map step of 0.08", "1.7 um"):
         assert what in overview.INFERRED
         assert what in readme.split("## How to read the errors")[1]
