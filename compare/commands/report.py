@@ -101,9 +101,9 @@ class Source:
 def compute_references(study: Study, source: Source, step: Step) -> None:
     """Compute the runs that the report needs and ``source`` does not hold yet."""
     from compare.models.comparison import REFERENCED
+    from compare.models.modelling import REFINED, VARIED
     from compare.reference.jobs import all_variants, ensure, plan, refinements
     from compare.reference.levels import LEVELS
-    from compare.reference.modelling import REFINED, VARIED
 
     if not source.compute or source.stores is None:
         return

@@ -15,11 +15,11 @@ import numpy as np
 from compare.errors import InputError, Refusal
 from compare.measure import error_percent
 from compare.models.comparison import CONTENDERS, contenders, from_model, reference_answers, rows, suited
+from compare.models.modelling import base_run
 from compare.reference import grid_order
 from compare.reference.convergence import observe
 from compare.reference.jobs import Engine, all_variants, ensure, plan
 from compare.reference.levels import LEVELS, SOURCE_LEVEL
-from compare.reference.modelling import base_run
 from compare.reference.runs import Run, load, reference, reference_of, shipped_store
 from compare.reference.variants import VARIANTS
 from compare.scenes import catalogue

@@ -22,11 +22,11 @@ from compare.models.comparison import (
     summary,
 )
 from compare.models.ladder import UNSEEN
+from compare.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
 from compare.models.study import Study
 from compare.printed.findings import Finding, entry
 from compare.reference.grid_summary import uncertainty_percent
 from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from compare.reference.modelling import VARIED, Modelling, combined, modelling_percent, varied
 from compare.reference.runs import Reference, Run, load, reference
 from compare.sections.reference_time import time_items
 from meshes.parts import SIDES, Scene

@@ -11,11 +11,11 @@ from compare.commands.study import study_table
 from compare.measure import error_percent, load_error
 from compare.models.comparison import CONTENDERS, REFERENCED, from_model
 from compare.models.ladder import UNSEEN
+from compare.models.modelling import REFINED, VARIED, varied
 from compare.models.study import Study
 from compare.reference.convergence import LABELS
 from compare.reference.grid_summary import mean_load, summarise
 from compare.reference.levels import LEVELS, SOURCE_LEVEL
-from compare.reference.modelling import REFINED, VARIED, varied
 from compare.reference.runs import Reference, Run, load
 from compare.reference.variants import NOT_VARIED, VARIANTS
 from compare.sections.reference import modelling, references, study_figure

@@ -16,12 +16,12 @@ from threadpoolctl import threadpool_limits
 from lowfi import jit
 from lowfi.compliance.bodies import REFINED, Backend, idealised
 from lowfi.compliance.imported import Condensed
-from lowfi.compliance.shaft import flank_loads, node_motions
 from lowfi.statics.elastic_system import Array, Elastic, Rebuild
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import actual_hertz
 from lowfi.statics.result import SolverReport, StaticResult
 from lowfi.statics.selection import choose_sides, describe_left_out
+from lowfi.statics.shaft import flank_loads, node_motions
 from lowfi.statics.static import (
     ACCEPTED,
     NO_LOADS,

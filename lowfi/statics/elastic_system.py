@@ -19,9 +19,9 @@ from lowfi.compliance.bodies import (
 )
 from lowfi.compliance.imported import Condensed
 from lowfi.compliance.modes import soft_modes
-from lowfi.compliance.shaft import Shaft, flank_response, shaft_of
 from lowfi.statics.conformity import oblique_term
 from lowfi.statics.problem import Problem, build, nominal_hertz
+from lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, reference_scale
 from meshes.errors import Specimen
 from meshes.helix import BallLayout

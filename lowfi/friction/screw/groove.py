@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from lowfi.friction.contact.ellipse import Array
-from lowfi.friction.whole.path import ON_SCREW, SIGN_X, SIGN_Z, HelicalMotion, contact_axes
+from lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z, HelicalMotion, contact_axes
 from lowfi.hertz import contact_modulus, printed_hertz
 from lowfi.statics.problem import nominal_hertz
 from meshes.errors import specimen

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.friction.contact.ellipse import Array
-from lowfi.friction.whole.path import SIGN_X, SIGN_Z
+from lowfi.friction.screw.path import SIGN_X, SIGN_Z
 from lowfi.hertz import contact_modulus, printed_hertz
 from lowfi.statics.problem import actual_hertz, drawn_hertz, nominal_curvatures, nominal_hertz, relative_curvatures
 from lowfi.statics.result import StaticResult

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.motion import Mixer
+from lowfi.friction.screw.path import ON_SCREW
 from lowfi.friction.whole.contacts import StaticContacts, taken, with_loads
 from lowfi.friction.whole.losses import BallFriction, ball_friction
-from lowfi.friction.whole.path import ON_SCREW
 from lowfi.statics.result import StaticResult
 from meshes.errors import specimen
 from meshes.parts import Friction, Scene

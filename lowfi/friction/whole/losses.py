@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from lowfi.friction.contact.ellipse import Array, Contacts
 from lowfi.friction.contact.motion import Problem, least_dissipation
 from lowfi.friction.screw.motion import contact_wrench
+from lowfi.friction.screw.path import HelicalMotion
 from lowfi.friction.whole.contacts import StaticContacts
-from lowfi.friction.whole.path import HelicalMotion
 from meshes.helix import reduced_lead
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive

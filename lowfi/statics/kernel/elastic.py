@@ -234,7 +234,7 @@ def solve_forces(
     state = (phi (N, d) [N], a (k,), inner (N, 3), contact (N, 4 or 1, 5)); options (7,): tolerance, largest number of
     iterations, reference stiffness [N/m], force [N] below which a contact carries none, largest free motion [m] before the
     screw counts as not held, least force [N] that residuals are measured by, furthest start [m] of a flank. arms (k,): see
-    `lowfi.compliance.shaft`.
+    `lowfi.statics.shaft`.
     """
     tolerance, most, stiffness, tiny, bound, floor = (
         options[0],

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from skfem import MeshHex
 
+from compare.models.modelling import VARIED, combined, effect, modelling_percent, varied
 from compare.models.registry import DEFAULT, Options, run_model
-from compare.reference.modelling import VARIED, combined, effect, modelling_percent, varied
 from compare.reference.runs import Run, save, settings_of
 from compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
 from compare.scenes import catalogue

@@ -9,13 +9,13 @@ from compare.scenes import catalogue
 from lowfi import jit
 from lowfi.as_source.static import beam_matrix
 from lowfi.compliance.bodies import LADDER, REFINED, geometry_only, grooved_section
-from lowfi.compliance.shaft import flank_response, node_motions, shaft_of
 from lowfi.statics import elastic_system as model
 from lowfi.statics.elastic import contacts_of, flank_shifts, run, solve_elastic
 from lowfi.statics.elastic_system import Rebuild, ready
 from lowfi.statics.kernel import elastic_balls
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import build
+from lowfi.statics.shaft import flank_response, node_motions, shaft_of
 from lowfi.statics.static import pin, solve_static
 from meshes.errors import specimen
 from meshes.helix import ball_layout
