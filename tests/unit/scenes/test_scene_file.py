@@ -154,7 +154,7 @@ def model_keys(model: type) -> set[str]:
     found = set()
     for name, field in model.model_fields.items():
         found.add(name)
-        for inner in re.findall(r"scene_schema\.(\w+Keys)", repr(field.annotation)):
+        for inner in re.findall(r"schema\.(\w+Keys)", repr(field.annotation)):
             found |= model_keys(getattr(sys.modules["compare.scenes.schema"], inner))
     return found
 
@@ -237,7 +237,7 @@ def test_unknown_name_suggests_near_ones(tmp_path):
 
 def test_imports_stay_light():
     code = (
-        "import sys; from compare import catalogue; catalogue.scene_names(); "
+        "import sys; from compare.scenes import catalogue; catalogue.scene_names(); "
         "heavy = {'gmsh', 'pyvista', 'matplotlib', 'scipy.spatial', 'pint'} & set(sys.modules); "
         "sys.exit(f'imported: {heavy}' if heavy else 0)"
     )
