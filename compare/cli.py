@@ -108,6 +108,7 @@ def solve(
     """
     from compare.commands.solve_output import as_json as to_json
     from compare.commands.solve_output import as_table
+    from compare.models.model_form import estimate
     from compare.models.registry import DEFAULT, Options, run_model
     from compare.scenes import catalogue
 
@@ -118,10 +119,11 @@ def solve(
         raise InputError("command line", "--member", str(member), "0 to 999999999", "give the specimen's number")
     parts = catalogue.scene(scene)
     result = run_model(parts, model, Options(everything=everything, member=member, condensed=condensed))
+    worth = estimate(parts, result) if result.converged else None
     if as_json:
-        _print_json(to_json(parts, result))
+        _print_json(to_json(parts, result, worth))
     else:
-        _show(*as_table(parts, result))
+        _show(*as_table(parts, result, worth))
     return 0 if result.converged else 1
 
 

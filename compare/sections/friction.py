@@ -2,34 +2,20 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 from math import degrees, radians
 
 import numpy as np
 
-from compare.evidence.rotary_linear import (
-    AXIAL,
-    CASES,
-    LINEAR,
-    LOADS,
-    ROTARY,
-    TABLES,
-    VERTICAL,
-    WORST,
-    Ours,
-    as_printed,
-    findings,
-    numbers,
-    ours,
-    pair,
-    right,
-)
+from compare.evidence.registry import evidence
+from compare.evidence.rotary_linear import AXIAL, CASES, LINEAR, LOADS, ROTARY, VERTICAL, WORST, as_printed, pair, right
 from compare.measure import error_percent
 from compare.models.study import Study
-from compare.printed.findings import Finding, entry, sentences
+from compare.printed.printed_data import entry
+from compare.sections.curves import numbers
+from compare.sections.finding_table import printed_table
 from lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, inner_torque, source_law, sweep
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.contact.motion import balance_by_root, least_dissipation
@@ -39,82 +25,23 @@ from reports.records import Cell, Column, Figure, Panel, Section, Series, Table,
 
 # --- tables
 
-NO_FAULT = "As printed is empty where the source has no fault that changes the number."
+TABLES = ("lin-3.1", "lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
 #: Significant digits shown; Table 3.2 prints seven.
 DIGITS = {"lin-3.2": 7}
+NOTES = {
+    "lin-3.2": "As printed: Hertz constants by the method of Table B.1 (F = 1, second fundamental form alone), the sigmoid "
+    "with k_S = 100, maps interpolated linearly. Right: exact Hertz constants, Coulomb friction, least dissipation. The "
+    "error is that of the value that the class says: as printed for class as-printed, right for the others.",
+    "lin-3.5": "The times are those of the source's machine and are not compared.",
+}
 
 
-def printed_columns(digits: int) -> tuple[Column, ...]:
-    """Columns of a table of printed entries."""
-    return (
-        Column("label", "quantity or claim", "", "s"),
-        Column("unit", "unit", "", "s"),
-        Column("printed", "printed", "", "s"),
-        Column("as_printed", "as printed, ours", "", f"g{digits}"),
-        Column("right", "right", "", f"g{digits}"),
-        Column("error", "error", "%", "g3"),
-        Column("class", "class", "", "s"),
-        Column("verdict", "verdict", "", "s"),
-        Column("remark", "remark", "", "s"),
-    )
-
-
-def own_error(f: Finding) -> float | None:
-    """Error [%] for a cell: none where the printed number is zero and ours is not, zero where it is round-off."""
-    error = f.error_percent
-    if error is None or not np.isfinite(error):
-        return None
-    return error if abs(error) > 1e-9 else 0.0
-
-
-def printed_rows(found: Sequence[Finding]) -> list[dict[str, Cell]]:
-    """Rows of the printed entries of one table; an entry from elsewhere in the text says where from."""
-    own = Counter(f.printed.place for f in found).most_common(1)[0][0]
-    rows: list[dict[str, Cell]] = []
-    for f in found:
-        p = f.printed
-        true = ours()[p.table].get(p.key, Ours()).right
-        where = "" if p.place == own else f" ({p.place.removeprefix('Lin (2019), ')})"
-        rows.append(
-            {
-                "label": (p.claim or p.label) + where,
-                "unit": p.unit,
-                "printed": p.printed or "–",
-                "as_printed": f.as_printed,
-                "right": true,
-                "error": own_error(f),
-                "class": p.cls,
-                "verdict": f.verdict,
-                "remark": sentences(f.evidence, p.remark),
-            }
-        )
-    return rows
-
-
-def number_remarks(rows: Sequence[dict[str, Cell]]) -> list[str]:
-    """Replace remarks that rows share by their number; returns these remarks in order."""
-    count = Counter(str(row["remark"]) for row in rows)
-    common = [text for text, times in count.items() if times > 2]
-    for row in rows:
-        if row["remark"] in common:
-            row["remark"] = f"remark {common.index(str(row['remark'])) + 1}"
-    return common
-
-
-def printed_table(found: Sequence[Finding], table: str) -> Table:
-    """One printed table with ours beside it."""
-    rows = printed_rows([f for f in found if f.printed.table == table])
-    common = number_remarks(rows)
-    notes = {
-        "lin-3.2": "As printed: Table B.1's way of Hertz (F = 1, second fundamental form alone), the sigmoid with "
-        "k_S = 100, maps interpolated linearly. Right: exact Hertz constants, Coulomb friction, least dissipation. The "
-        "error is that of the value that the class says: as printed for class as-printed, right for the others.",
-        "lin-3.5": f"{NO_FAULT} The times are those of the source's machine and are not compared.",
-    }
-    title = {"lin-G": "Appendix G"}.get(table, f"Table {table.removeprefix('lin-')}")
-    note = " ".join([notes.get(table, NO_FAULT), *(f"Remark {i}: {text}" for i, text in enumerate(common, 1))])
-    columns = printed_columns(DIGITS.get(table, 4))
-    return Table(f"friction-{table}", f"{title}: printed, as printed, right", columns, rows, note)
+def table_of(study: Study, name: str) -> Table:
+    """One printed table with what is computed for it."""
+    title = {"lin-G": "Appendix G"}.get(name, f"Table {name.removeprefix('lin-')}")
+    digits = DIGITS.get(name, 4)
+    found = evidence(study, name)
+    return printed_table(f"friction-{name}", f"{title}: printed and computed", found, NOTES.get(name, ""), digits=digits)
 
 
 def balance_table() -> Table:
@@ -407,14 +334,14 @@ INTRODUCTION = (
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("printed numbers of 3.2, 3.3 and appendix G")
-    found = findings(study)
+    evidence(study, *TABLES)
     step("torque and velocities of the rotary bearing")
     drawn = [torque_figure(), velocity_figure()]
     step("maps of the linear pair")
     drawn += map_figures()
     step("extreme cases and starts")
     checks = (stability_table(), root_table())
-    tables = {t: printed_table(found, t) for t in TABLES}
+    tables = {t: table_of(study, t) for t in TABLES}
     return Section(
         "friction",
         "Friction and ball motion: one ball in a rotary bearing; balls in contact in a linear bearing",

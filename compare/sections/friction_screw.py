@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import degrees, radians
 
 import numpy as np
 
+from compare.evidence.registry import evidence
 from compare.evidence.screw import (
     AMPLITUDES,
     ANGLES,
@@ -16,21 +16,18 @@ from compare.evidence.screw import (
     IDLE,
     SCREWS,
     SHORT,
-    TABLES,
     THETA,
-    Ours,
     cut,
-    findings_of,
     increase,
     onset,
-    ours,
     run,
     settled,
     variation,
 )
 from compare.measure import error_percent
 from compare.models.study import Study
-from compare.printed.findings import entry, sentences
+from compare.printed.printed_data import entry
+from compare.sections.finding_table import printed_table
 from compare.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
 from lowfi.as_source.run import simulate_by_root
 from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BearingCase, Row, double_row, four_point, torque_curve
@@ -41,60 +38,18 @@ from reports.records import Cell, Column, Section, Table, Text
 
 # --- tables
 
-COLUMNS = (
-    Column("label", "quantity or claim", "", "s"),
-    Column("printed", "printed", "", "s"),
-    Column("as_printed", "inferred reading", "", "g5"),
-    Column("right", "right (plain reading)", "", "g5"),
-    Column("inferred_error", "inferred against printed", "%", ".2f"),
-    Column("error", "error of the right value", "%", ".2f"),
-    Column("class", "class", "", "s"),
-    Column("verdict", "verdict", "", "s"),
-    Column("remark", "remark", "", "s"),
-)
+TABLES = ("lin-3.6", "lin-3.7", "lin-3.4.4", "lin-4.2", "lin-4.3")
+NOTES = {
+    "lin-3.7": "Open: the load state behind the numbers is not printed, and the text as it stands gives others.",
+    "lin-3.4.4": "Held against the band of the assumptions' results; the right value is that of theta = 3 deg.",
+}
 
 
-def printed_rows(values: dict[str, dict[str, Ours]], table: str) -> list[dict[str, Cell]]:
-    """Rows of a printed table; an entry from elsewhere in the text says where from."""
-    rows: list[dict[str, Cell]] = []
-    found = findings_of({table: values[table]})
-    usual = Counter(f.printed.place for f in found).most_common(1)[0][0]
-    for f in found:
-        p, own = f.printed, values[table].get(f.printed.key, Ours())
-        off = None if own.inferred is None or p.value is None else float(error_percent(own.inferred, p.value))
-        error, where = f.error_percent, "" if p.place == usual else f" ({p.place.removeprefix('Lin (2019), ')})"
-        rows.append(
-            {
-                "label": (p.claim or p.label) + where + (f" [{p.unit}]" if p.unit else ""),
-                "printed": p.printed or "–",
-                "as_printed": own.inferred,
-                "right": own.value,
-                "inferred_error": off,
-                "error": None if error is None else round(error, 9) + 0.0,
-                "class": p.cls,
-                "verdict": f.verdict,
-                "remark": sentences(own.evidence, p.remark, p.origin and f"Band: {p.origin}"),
-            }
-        )
-    return rows
-
-
-def printed_table(values: dict[str, dict[str, Ours]], table: str) -> Table:
-    """One printed table with ours beside it."""
-    rows, columns = printed_rows(values, table), list(COLUMNS)
-    if all(row["as_printed"] is None for row in rows):
-        labels = {"right": "right", "error": "error"}
-        columns = [
-            replace(c, label=labels.get(c.key, c.label)) for c in COLUMNS if c.key not in ("as_printed", "inferred_error")
-        ]
-        rows = [{c.key: row[c.key] for c in columns} for row in rows]
-    notes = {
-        "lin-3.7": "Open: the load state behind the numbers is not printed, and the text as it stands gives others.",
-        "lin-3.4.4": "Held against the band of the assumptions' results; the right value is that of theta = 3 deg.",
-    }
-    name = table.removeprefix("lin-")
-    title = f"Section {name}" if name in ("3.4.4", "4.3") else f"Table {name}"
-    return Table(f"friction-{table}", f"{title}: printed and ours", columns, rows, notes.get(table, ""))
+def table_of(study: Study, name: str) -> Table:
+    """One printed table with what is computed for it."""
+    short = name.removeprefix("lin-")
+    title = f"Section {short}" if short in ("3.4.4", "4.3") else f"Table {short}"
+    return printed_table(f"friction-{name}", f"{title}: printed and computed", evidence(study, name), NOTES.get(name, ""))
 
 
 def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
@@ -338,8 +293,7 @@ INTRODUCTION: Sequence[str] = (
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("printed numbers of 3.4 and 4.3")
-    values = ours(study)
-    tables = {t: printed_table(values, t) for t in TABLES}
+    tables = {t: table_of(study, t) for t in TABLES}
     step("readings and maps of two balls")
     pairs = (readings_table(), map_figure())
     step("whole screw and what its assumptions change")
