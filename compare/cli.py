@@ -37,24 +37,22 @@ def _show(*parts: Any) -> None:
 
 
 @app.command(name="list")
-def list_(*, as_json: Json = False) -> None:
-    """List the scenes, the models and the printed tables that are shipped."""
-    from compare.models.registry import MODELS
-    from compare.printed import printed_data
-    from compare.scenes import catalogue, friction_scene
+def list_(*, trace: Annotated[bool, Parameter(negative="")] = False, as_json: Json = False) -> None:
+    """List the scenes, the models and the printed tables that are shipped.
 
-    friction = {name: friction_scene.scene(name).title for name in friction_scene.scene_names()}
-    scenes = {name: catalogue.scene(name).title for name in catalogue.scene_names()}
-    tables = {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()}
-    if as_json:
-        models = {m.name: m.about for m in MODELS.values()}
-        _print_json({"scenes": scenes, "friction_scenes": friction, "models": models, "printed_tables": tables})
-        return
-    width = max(map(len, (*scenes, *friction, *tables, *MODELS)))
-    _show("scenes", *(f"  {name:{width}}  {title}" for name, title in scenes.items()))
-    _show("friction scenes", *(f"  {name:{width}}  {title}" for name, title in friction.items()))
-    _show("models", *(f"  {m.name:{width}}  {m.about}" for m in MODELS.values()))
-    _show("printed tables", *(f"  {name:{width}}  {count} rows" for name, count in tables.items()))
+    Parameters
+    ----------
+    trace
+        Instead: every printed number and claim with its scenes, the function that computes it and its test.
+    """
+    from compare.commands import listing
+
+    if trace:
+        _print_json(listing.trace_json()) if as_json else _show(listing.trace_table())
+    elif as_json:
+        _print_json(listing.shipped_json())
+    else:
+        _show(*listing.shipped_lines())
 
 
 @app.command

@@ -87,7 +87,7 @@ def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_on
     scene = catalogue.scene("lin-case1")
     found = reference(scene)
     assert found is not None
-    rung = {r.model: r for r in ladder.climb(scene, found)}
+    rung = {r.model: r for r in ladder.climb(scene, found, None)}
     assert rung["condensed"].error.max_percent < 0.5
     assert rung["condensed"].error.rms_percent < 0.25
     assert rung["refined"].error.max_percent < 1.2
@@ -101,7 +101,7 @@ def test_unseen_screws_hold() -> None:
     for name in ladder.UNSEEN:
         found = reference(study.scene(name))
         assert found is not None
-        rungs = {r.model: r for r in ladder.climb(study.scene(name), found)}
+        rungs = {r.model: r for r in ladder.climb(study.scene(name), found, None)}
         bar = rungs["refined"].uncertainty or 0.0  # none of one level
         assert rungs["refined"].error.max_percent - bar < 1.4  # thin nut: 2.39 - 1.06; the grooved wall is no smooth tube
         if study.scene(name).track.lead:  # rings are short: their wall is what little both models lack
@@ -136,7 +136,7 @@ def test_kept_points_are_what_the_ladder_gives_now() -> None:
     for name in ("lin-case1", "unseen-flange"):
         found = reference(study.scene(name))
         assert found is not None
-        for p in ladder.points(study, ladder.climb(study.scene(name), found)):
+        for p in ladder.points(study, ladder.climb(study.scene(name), found, None)):
             old = kept[p.scene, p.model]
             assert p.percent == pytest.approx(old.percent, abs=2e-3)
             assert p.features == pytest.approx(old.features, abs=2e-3)
