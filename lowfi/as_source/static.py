@@ -13,13 +13,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi import jit
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import SIGNS, Problem, build, error_free
 from lowfi.statics.result import SolverReport, StaticResult
-from lowfi.statics.shape import rigid_transport, shape_polynomials
-from lowfi.statics.static import prepare
-from lowfi.statics.summary import assemble_result, failed_result
+from lowfi.statics.selection import shifts_of_beam
+from lowfi.statics.shape import shape_polynomials
+from lowfi.statics.solved import SolvedState
+from lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Scene
@@ -34,13 +34,15 @@ Start = Literal["nominal", "guess", "load steps"]
 @dataclass(frozen=True)
 class SourceSolution:
     """Outcome of the source's Newton: status, loads ``(N, 4)`` [N], angles ``(N, 4)`` [rad], centres ``(N, 2)`` [m],
-    nodal motions ``(n, 6)``, iterations, relative residual, seconds, number of unknowns."""
+    nodal motions ``(n, 6)``, reactions of the supports ``(n, 6)`` [N, N m], iterations, relative residual, seconds, number
+    of unknowns."""
 
     status: str
     load: Array
     contact_angle: Array
     centre: Array
     motion: Array
+    reactions: Array
     iterations: int
     residual: float
     seconds: float
@@ -261,13 +263,14 @@ def solve_source(
             total += iterations
             if status != "converged":
                 break
-        _, _, forces = equations(system, x, problem.load.ravel(), jacobian=False)
+        phi, _, forces = equations(system, x, problem.load.ravel(), jacobian=False)
     return SourceSolution(
         status=status,
         load=forces,
         contact_angle=x[2 * count : 6 * count].reshape(count, 4),
         centre=x[: 2 * count].reshape(count, 2),
         motion=x[6 * count :].reshape(-1, 6),
+        reactions=np.where(problem.fixed, phi[6 * count :].reshape(-1, 6), 0.0),
         iterations=total,
         residual=residual,
         seconds=perf_counter() - begin,
@@ -290,14 +293,17 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
     solution = solve_source(scene, everything=everything, member=member)
     if not np.all(np.isfinite(solution.load)) or not np.all(np.isfinite(solution.motion)):
         return failed_result(problem, "source", solution.status, solution.seconds)
-    prepared = prepare(problem, jit.kernels(jit.STATICS, compiled=False))
-    q, d, p, contact = prepared.state
-    q[:] = solution.motion
-    d[:] = q[1:] - np.einsum("nij,nj->ni", np.stack([rigid_transport(x) for x in np.diff(problem.nodes)]), q[:-1])
-    p[:] = solution.centre
-    contact[..., 0] = solution.load
-    contact[..., 1] = SIGNS[:, 0] * np.cos(solution.contact_angle)
-    contact[..., 2] = SIGNS[:, 1] * np.sin(solution.contact_angle)
+    angle = solution.contact_angle
+    solved = SolvedState(
+        problem,
+        solution.motion,
+        solution.centre,
+        solution.load,
+        SIGNS * np.stack([np.cos(angle), np.sin(angle)], axis=-1),
+        solution.reactions,
+        shifts_of_beam(problem, solution.motion),
+        0.0,
+    )
     report = SolverReport(
         solution.iterations,
         solution.iterations + 1,
@@ -308,7 +314,8 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
         "numpy, dense",
         "equilibrium equations of the source",
     )
-    return assemble_result(prepared, "source", solution.status, report, ("nothing: all four sides are built",))
+    left_out = ("nothing: all four sides are built",)
+    return assemble_result(solved, "source", solution.status, report, left_out, model_assumptions(scene))
 
 
 def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
