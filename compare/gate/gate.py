@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -50,10 +49,10 @@ class GateRow:
         return asdict(self)
 
 
-def number_row(name: str, kind: str, value: float, reference: float, limit: float, detail: str = "") -> GateRow:
+def number_row(name: str, kind: str, value: float, reference: float, limit: float) -> GateRow:
     """Row of a number against a reference with a limit in per cent."""
     error = float(error_percent(value, reference))
-    return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit, detail)
+    return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit)
 
 
 def evidence_row(found: Evidence, max_error: float) -> GateRow:
@@ -136,13 +135,12 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
     return rows
 
 
-def reference_rows(study: Study, max_error: float, loads: Mapping[str, Array] | None = None) -> list[GateRow]:
+def reference_rows(study: Study, max_error: float) -> list[GateRow]:
     """The default model against the stored 3D references, case studies and screws that it was not made with: the worst
     contact at ``max_error``, and the largest error of the mean load at ``TIGHT``.
 
     Errors of a contact are per cent of its own load (of the mean for small loads); the reference's uncertainty is deducted,
     at ``TIGHT`` no more than the limit itself: a coarse reference does not excuse everything.
-    ``loads``: of another model, by scene, to see whether the gate would catch it.
     """
     rows: list[GateRow] = []
     for name in (*REFERENCED, *UNSEEN):
@@ -151,8 +149,7 @@ def reference_rows(study: Study, max_error: float, loads: Mapping[str, Array] | 
             text = "no stored run of the 3D reference: run rollbench mesh-study"
             rows.append(GateRow(f"{name}: 3D reference", "3D reference", None, None, None, max_error, False, text))
             continue
-        own = (loads or {}).get(name)
-        load = study.solve(name, DEFAULT).load if own is None else own
+        load = study.solve(name, DEFAULT).load
         bar = uncertainty_percent(found) or 0.0
         points = gate_points(name, found, max_error, load)
         over = [p for p in points if p.exceeds]

@@ -186,7 +186,11 @@ def stability_table() -> Table:
     return Table("friction-stability", "Linear pair: extreme cases", columns, pair_stability(), note)
 
 
-def root_rows(starts: int = 8) -> list[dict[str, Cell]]:
+#: Random starts of root finding, near and far.
+ROOT_STARTS = 8
+
+
+def root_rows() -> list[dict[str, Cell]]:
     """The source's root finding on cases I to III from random starts, beside least dissipation from the same."""
     rng, rows = np.random.default_rng(5), []
     first = {case: right(case, "as printed") for case in CASES}
@@ -194,12 +198,12 @@ def root_rows(starts: int = 8) -> list[dict[str, Cell]]:
         s, law = first[case], source_law(ROTARY, sharpness, None)
         row: dict[str, Cell] = {"case": case, "sharpness": sharpness}
         for key, off in (("near", 0.01), ("far", 0.5)):
-            begin = [s.motion.q * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(starts)]
+            begin = [s.motion.q * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
             theirs = sum(balance_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
-            row[key] = f"{theirs} of {starts}"
+            row[key] = f"{theirs} of {ROOT_STARTS}"
         least = [least_dissipation(s.problem, q, fast=True) for q in begin]
         good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
-        rows.append(row | {"ours": f"{good} of {starts}"})
+        rows.append(row | {"ours": f"{good} of {ROOT_STARTS}"})
     return rows
 
 

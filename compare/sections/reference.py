@@ -236,16 +236,20 @@ def line_figure(study: Study, found: References) -> Figure:
     return Figure("reference-centreline", "Lateral displacement of the centreline", tuple(panels))
 
 
-def gate_text(found: References, study: Study, limit: float = 7.0) -> str:
+#: Line [%] of the gate that the contacts of the source's model are held against.
+LIMIT = 7.0
+
+
+def gate_text(found: References, study: Study) -> str:
     """What the gate sees, in words from the data."""
     worst = []
     for name, ref in found.items():
-        points = gate_points(name, ref, limit, study.solve(name, "lin").load)
+        points = gate_points(name, ref, LIMIT, study.solve(name, "lin").load)
         top = max(points, key=lambda p: abs(p.error_percent))
         over = [p for p in points if p.exceeds]
         worst.append(
             f"{name}: largest error {abs(top.error_percent):.1f} % at ball {top.ball} {top.side}, "
-            f"{len(over)} of {len(points)} contacts beyond {limit:g} %"
+            f"{len(over)} of {len(points)} contacts beyond {LIMIT:g} %"
         )
     return (
         "The source's model at the gate (per cent of each load, of the mean for loads below a tenth of it; the reference's "
@@ -263,12 +267,12 @@ def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | No
     return float(error_percent(low, own)) if own > 0.0 else None
 
 
-def exceedance_table(found: References, study: Study, limit: float = 7.0) -> Table:
+def exceedance_table(found: References, study: Study) -> Table:
     """Contacts beyond the gate's limit, with the cause that the gate's data name and its evidence."""
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[dict[str, Cell]] = []
     for name, ref in found.items():
-        for p in gate_points(name, ref, limit, study.solve(name, "lin").load):
+        for p in gate_points(name, ref, LIMIT, study.solve(name, "lin").load):
             if p.exceeds:
                 k = SIDES.index(p.side)
                 rows.append(
@@ -293,7 +297,7 @@ def exceedance_table(found: References, study: Study, limit: float = 7.0) -> Tab
         Column("rigid", "the same, nut rigid in both", "%", "+.1f"),
         Column("cause", "cause", "", "s"),
     )
-    return Table("reference-exceedances", f"Contacts of the source's model beyond {limit:g} %", columns, rows)
+    return Table("reference-exceedances", f"Contacts of the source's model beyond {LIMIT:g} %", columns, rows)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:

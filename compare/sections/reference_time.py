@@ -25,6 +25,10 @@ References = Mapping[str, Reference]
 Step = Callable[[str], None]
 #: Lower edge of the figures [% of the mean load].
 FLOOR = 1e-2
+#: Calls whose median is the warm time.
+WARM_CALLS = 10
+#: Scene whose first process is timed with and without compiling.
+FIRST = "lin-case1"
 #: Panels of one figure.
 PANELS = 6
 
@@ -63,10 +67,10 @@ def error_range(value: Array, found: Reference) -> tuple[float, float, float | N
     return e.max_percent, e.rms_percent, max(0.0, float((off - bar).max())), float((off + bar).max())
 
 
-def warm_seconds(model: Model, scene: Scene, options: Options, repeats: int = 10) -> float:
+def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
     """Seconds of a further solve, bodies known and kernels compiled: the median of some calls."""
     spent = []
-    for _ in range(repeats + 1):
+    for _ in range(WARM_CALLS + 1):
         start = perf_counter()
         run_model(scene, model.name, options)
         spent.append(perf_counter() - start)
@@ -163,13 +167,13 @@ def time_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
     return Table("reference-time", "Error against run time", columns, rows, note)
 
 
-def compile_table(step: Step, scene: str = "lin-case1") -> Table:
+def compile_table(step: Step) -> Table:
     """The first process on a machine: with and without compiling the kernels."""
     rows: list[dict[str, Cell]] = []
     for name in ("lin", "refined"):
         for engine in ("interpreted", "compiled"):
-            step(f"{scene}, {name} {engine}: first process")
-            cold = measure(scene, name, engine=engine)
+            step(f"{FIRST}, {name} {engine}: first process")
+            cold = measure(FIRST, name, engine=engine)
             rows.append(
                 {
                     "model": MODELS[name].label,
@@ -192,7 +196,7 @@ def compile_table(step: Step, scene: str = "lin-case1") -> Table:
         "Compiled kernels are made once per machine and kept beside the sources; the command line solves single scenes "
         "interpreted. Each row is a process of its own; the first solve of the refined model makes the geometry's bodies."
     )
-    return Table("reference-cold", f"{scene}: first process, with and without compiling", columns, rows, note)
+    return Table("reference-cold", f"{FIRST}: first process, with and without compiling", columns, rows, note)
 
 
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:

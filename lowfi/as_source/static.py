@@ -29,6 +29,8 @@ from meshes.surface import groove_profile
 Array = NDArray[np.float64]
 Kinematics = Literal["arc", "source"]
 Start = Literal["nominal", "guess", "load steps"]
+#: Iterations after which Newton gives up.
+MOST = 60
 
 
 @dataclass(frozen=True)
@@ -232,14 +234,12 @@ def solve_source(
     everything: bool = False,
     member: int = 0,
     tolerance: float = 1e-12,
-    most: int = 60,
-    hertz: Array | None = None,
 ) -> SourceSolution:
     """Solve a scene with the source's equations and plain Newton iteration (Lin 2.26).
 
     kinematics: ``"source"``, lever arm and station follow the contact angle (Lin 2.18-2.21), or ``"arc"``, the same
     rigid arcs as the energy solver, for which both must agree to round-off. start: nominal state, a designer's guess,
-    or ten load steps from that guess. hertz: constants C ``(N, 4)`` to use instead of the scene's.
+    or ten load steps from that guess.
     A scene with a rigid screw is refused (ValueError): the source's equations are those of a beam.
     """
     begin = perf_counter()
@@ -247,8 +247,6 @@ def solve_source(
         raise ValueError("the source's formulation needs a beam screw")
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
-    if hertz is not None:
-        problem.C[:] = hertz
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     free_u = np.flatnonzero(~problem.fixed.ravel())
     count = problem.C.shape[0]
@@ -259,7 +257,7 @@ def solve_source(
     total, residual, status = 0, np.inf, "converged"
     with np.errstate(all="ignore"):
         for fraction in steps:
-            x, iterations, residual, status = newton(system, x, fraction * problem.load.ravel(), tolerance, most)
+            x, iterations, residual, status = newton(system, x, fraction * problem.load.ravel(), tolerance)
             total += iterations
             if status != "converged":
                 break
@@ -332,11 +330,11 @@ def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
     return max(unbalanced / scale, skew)
 
 
-def newton(system: System, x: Array, load: Array, tolerance: float, most: int) -> tuple[Array, int, float, str]:
+def newton(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
     """Plain Newton (Lin 2.26): state, iterations, relative residual and status in words."""
     best, stalled = np.inf, 0
     residual = np.inf
-    for iteration in range(most + 1):
+    for iteration in range(MOST + 1):
         phi, jac, forces = equations(system, x, load)
         residual = _measure(system, phi, forces, load) if np.all(np.isfinite(phi)) else np.inf
         if residual <= tolerance:
@@ -361,4 +359,4 @@ def newton(system: System, x: Array, load: Array, tolerance: float, most: int) -
             return x, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
         x = x.copy()
         x[free] += step
-    return x, most, residual, f"not converged after {most} iterations (residual {residual:.1e})"
+    return x, MOST, residual, f"not converged after {MOST} iterations (residual {residual:.1e})"

@@ -24,6 +24,8 @@ MODEL_ASSUMPTIONS = (
 )
 
 
+#: Distance of the stations that the centreline is given at, besides the nodes [m].
+STATION = 10e-3
 #: Place of the statement about the screw in MODEL_ASSUMPTIONS, and what stands there for a rigid one.
 SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
 #: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
@@ -40,10 +42,10 @@ def model_assumptions(scene: Scene) -> tuple[str, ...]:
     return (*MODEL_ASSUMPTIONS[:SCREW], RIGID_SCREW, *MODEL_ASSUMPTIONS[SCREW + 1 :])
 
 
-def centreline(problem: Problem, q: Array, step: float = 10e-3) -> tuple[Array, Array]:
+def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
     """Stations ``(k,)`` [m] over the whole screw, nodes included, and the motions there ``(k, 6)``."""
     length = problem.scene.screw.length
-    stations = np.unique(np.concatenate([np.arange(0.0, length + 0.5 * step, step), problem.nodes, [length]]))
+    stations = np.unique(np.concatenate([np.arange(0.0, length + 0.5 * STATION, STATION), problem.nodes, [length]]))
     stations = stations[stations <= length]
     flat = q.ravel()
     if problem.basis is not None:

@@ -18,7 +18,6 @@ from lowfi.friction.bearing.pairs import (
     four_point,
     solve_bearing,
     torque_curve,
-    vary,
 )
 from lowfi.friction.screw.errors import Onset, contact_onset, groove_of
 from lowfi.statics.static import solve_static
@@ -88,12 +87,6 @@ def test_double_row_varies_less() -> None:
     face = torque_curve(double_row(rows=(Row(-6e-3, DIAGONAL), Row(6e-3, OTHER)), tilt=True), ANGLES)
     assert face.ratio < 1.28
     assert min(assumptions()) > 3.0 * face.ratio
-
-
-def test_vary_is_the_curve_cut_off() -> None:
-    table = vary([("tilt", four_point(tilt=True))], ANGLES, (np.radians(10.0), np.radians(18.0)))
-    assert table[1][2] == pytest.approx(curve("4P", True).ratio, rel=1e-6)
-    assert table[0][2] == pytest.approx(curve("4P", True).torque[5] / curve("4P", True).torque[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("tilt", [False, True])
