@@ -78,10 +78,12 @@ def balance_table() -> Table:
         Column("rest", "contacts at rest", "", "s"),
         Column("status", "status", "", "s"),
     )
+    worst = max(rows, key=lambda row: abs(float(row["balance"] or 0.0)))
+    more = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
     note = (
-        "The source takes its torque from the dissipation (3.21); interpolation between its maps makes that 0.2 % more "
-        "than friction's moment in case III. In cases I and II the sigmoid moves a contact that in truth rests: the "
-        "total stays, who spends it does not."
+        f"The source takes its torque from the dissipation (3.21); interpolation between its maps makes that {more:+.1f} % "
+        f"of friction's moment in case {worst['case']}. In cases I and II the sigmoid moves a contact that rests under "
+        "Coulomb friction: the sum of the losses stays, their distribution over the contacts does not."
     )
     return Table("friction-balance", "Rotary bearing: balance of power", columns, rows, note)
 
@@ -89,7 +91,8 @@ def balance_table() -> Table:
 def sensitivity_table() -> Table:
     """The linear pair under each assumption on loads and on friction between the balls."""
     rows: list[dict[str, Cell]] = []
-    target = entry("lin-3.5", "a_force_numerical").value or 0.0
+    printed = entry("lin-3.5", "a_force_numerical")
+    target = printed.value or 0.0
     for loads, mu in product(LOADS, (0.1, 0.0)):
         r, worst = pair(loads=loads, mu_balls=mu), pair(WORST, loads, mu_balls=mu)
         rows.append(
@@ -111,15 +114,19 @@ def sensitivity_table() -> Table:
         Column("eps1", "ε₁, θ = 2°", "%", ".3f"),
         Column("eps2", "ε₂, θ = 2°", "%", ".3f"),
         Column("force", "force, θ = 2°", "N", ".3f"),
-        Column("error", "against 4.01 N", "%", ".2f"),
+        Column("error", f"against the printed {printed.printed} N", "%", ".2f"),
         Column("ratio", "total over baseline, θ = 3°", "%", ".1f"),
         Column("increase", "increase of all losses, θ = 3°", "%", ".1f"),
         Column("status", "status", "", "s"),
     )
+    forces = [float(row["force"] or 0.0) for row in rows]
+    inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
+    deviations = " and ".join(f"{entry('lin-3.4', f'a_eps{k}_numerical').printed} %" for k in (1, 2))
     note = (
-        "diagonal: the text before (3.54); balanced: in equilibrium at the stated angles, which alone gives Table 3.4; "
-        "elastic: angles follow the loads. The printed 4.01 N lies between diagonal with and balanced without friction "
-        "between the balls; none gives all of 0.87 %, -0.79 % and 4.01 N."
+        "diagonal: the text before (3.54); balanced: in equilibrium at the stated angles; elastic: angles follow the "
+        "loads. "
+        f"The printed force of {printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
+        f"{max(forces):.2f} N; Table 3.4 prints deviations of {deviations} for the same case."
     )
     return Table("friction-sensitivity", "Linear pair: what the load assumption changes", columns, rows, note)
 
@@ -314,7 +321,8 @@ def map_figures() -> tuple[Figure, Figure]:
         "Ball-to-ball force and total over baseline loss (Figure 3.15)",
         [*map_panels(m, "force", "force / N"), *map_panels(m, "ratio", "loss ratio")],
         "No force where the balls part. Where they close in, force and loss grow with both parameters, up to "
-        f"{m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an increase of 185.2 %); "
+        f"{m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an increase of "
+        f"{entry('lin-3.3', 'worst_ratio').printed} %); "
         f"the formula's force falls short by up to {-m.force_error.min():.2f} N at the corners, its ratio is off by "
         f"up to {np.abs(m.ratio_error).max():.2f}, less than the force tells because its baseline errs too.",
         3,
@@ -326,12 +334,13 @@ INTRODUCTION = (
     "Cases I to III of the rotary bearing come out to every printed digit, but for one misprinted sum, when the "
     "source's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, the sigmoid"
     " with k_S = 100 on the spin's magnitude, and friction interpolated linearly between maps. Radial displacements"
-    " of 0, 5.2 and 8 µm and the maps' step of 0.08 are not printed: they are inferred, and every number of a case "
-    "follows from one of them. Right values beside them use exact Hertz constants and Coulomb friction in closed "
+    f" of {', '.join(f'{1e6 * u:g}' for u in CASES.values())} µm and the maps' step of 0.08 are not printed: they are "
+    "inferred, and every number of a case "
+    "follows from one of them. The right values use exact Hertz constants and Coulomb friction in closed "
     "form.",
     "The linear pair uses exact Hertz constants in the source too; its formulas carry misprints (exponents of 3.51)"
-    " that are mended here. What stays open is the state of load behind the printed 4.01 N, see friction-"
-    "sensitivity.",
+    " that are mended here. What stays open is the state of load behind the printed "
+    f"{entry('lin-3.5', 'a_force_numerical').printed} N, see friction-sensitivity.",
 )
 
 

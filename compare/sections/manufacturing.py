@@ -9,6 +9,7 @@ import numpy as np
 
 from compare.evidence.errors_4_3_2 import SCREWS, section_4_3_2, spread, unloaded
 from compare.models.study import Study
+from compare.printed.printed_data import entry
 from compare.sections.curves import loads
 from compare.sections.finding_table import printed_table
 from meshes.helix import lead_angle
@@ -40,8 +41,9 @@ def equivalent_errors(scene: Scene) -> Panel:
     """Errors along the nominal contact normal over the azimuth (Lin 4.2, 4.4)."""
     phi = np.linspace(0.0, 2.0 * np.pi, 181)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
-    pitch = 5.0 * np.cos(alpha) * np.sin(beta) * np.sin(phi)
-    roundness = 5.0 * np.cos(beta) * np.sin(2.0 * phi)
+    size = {key: entry("lin-4.3.2", key).value or np.nan for key in ("e_p", "e_R")}
+    pitch = size["e_p"] * np.cos(alpha) * np.sin(beta) * np.sin(phi)
+    roundness = size["e_R"] * np.cos(beta) * np.sin(2.0 * phi)
     degrees = [float(x) for x in np.degrees(phi)]
     return Panel(
         "equivalent error along the contact normal",
@@ -113,7 +115,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                     "The conclusion holds: roundness error unloads balls and pitch error does not. One cycle per turn "
                     "of pitch error is nearly a tilt of the screw, which the screw can follow; two cycles per turn are "
                     "not. The statement that all balls stay in two-point contact does not hold without clearance: "
-                    "a groove displaced by 5 µm touches balls on their unloaded side.",
+                    f"a groove displaced by {entry('lin-4.3.2', 'e_p').printed} µm touches balls on their unloaded side.",
                 )
             ),
         ),

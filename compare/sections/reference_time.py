@@ -16,6 +16,7 @@ from compare.models.comparison import REFERENCED, suited
 from compare.models.ladder import UNSEEN, finest_bodies
 from compare.models.registry import MODELS, Model, Options, run_model
 from compare.models.study import Study
+from compare.printed.printed_data import entry
 from compare.reference.levels import SOURCE_LEVEL
 from compare.reference.runs import Array, Reference, load
 from meshes.parts import Scene
@@ -228,7 +229,8 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
         Column("warm", "load case alone : warm", "", ".0f"),
         Column("both", "cold : warm", "", ".0f"),
     )
-    title = "Speed ratio, 3D reference : the source's model (the source: over 6,800, ANSYS : its model)"
+    printed = entry("lin-2.4.1", "speed_ratio").printed
+    title = f"Speed ratio, 3D reference : the source's model (the source: over {printed}, ANSYS : its model)"
     return Table("reference-speed", title, columns, rows)
 
 
