@@ -37,24 +37,22 @@ def _show(*parts: Any) -> None:
 
 
 @app.command(name="list")
-def list_(*, as_json: Json = False) -> None:
-    """List the scenes, the models and the printed tables that are shipped."""
-    from compare.models.registry import MODELS
-    from compare.printed import printed_data
-    from compare.scenes import catalogue, friction_scene
+def list_(*, trace: Annotated[bool, Parameter(negative="")] = False, as_json: Json = False) -> None:
+    """List the scenes, the models and the printed tables that are shipped.
 
-    friction = {name: friction_scene.scene(name).title for name in friction_scene.scene_names()}
-    scenes = {name: catalogue.scene(name).title for name in catalogue.scene_names()}
-    tables = {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()}
-    if as_json:
-        models = {m.name: m.about for m in MODELS.values()}
-        _print_json({"scenes": scenes, "friction_scenes": friction, "models": models, "printed_tables": tables})
-        return
-    width = max(map(len, (*scenes, *friction, *tables, *MODELS)))
-    _show("scenes", *(f"  {name:{width}}  {title}" for name, title in scenes.items()))
-    _show("friction scenes", *(f"  {name:{width}}  {title}" for name, title in friction.items()))
-    _show("models", *(f"  {m.name:{width}}  {m.about}" for m in MODELS.values()))
-    _show("printed tables", *(f"  {name:{width}}  {count} rows" for name, count in tables.items()))
+    Parameters
+    ----------
+    trace
+        Instead: every printed number and claim with its scenes, the function that computes it and its test.
+    """
+    from compare.commands import listing
+
+    if trace:
+        _print_json(listing.trace_json()) if as_json else _show(listing.trace_table())
+    elif as_json:
+        _print_json(listing.shipped_json())
+    else:
+        _show(*listing.shipped_lines())
 
 
 @app.command
@@ -108,6 +106,7 @@ def solve(
     """
     from compare.commands.solve_output import as_json as to_json
     from compare.commands.solve_output import as_table
+    from compare.models.model_form import estimate
     from compare.models.registry import DEFAULT, Options, run_model
     from compare.scenes import catalogue
 
@@ -118,10 +117,11 @@ def solve(
         raise InputError("command line", "--member", str(member), "0 to 999999999", "give the specimen's number")
     parts = catalogue.scene(scene)
     result = run_model(parts, model, Options(everything=everything, member=member, condensed=condensed))
+    worth = estimate(parts, result) if result.converged else None
     if as_json:
-        _print_json(to_json(parts, result))
+        _print_json(to_json(parts, result, worth))
     else:
-        _show(*as_table(parts, result))
+        _show(*as_table(parts, result, worth))
     return 0 if result.converged else 1
 
 

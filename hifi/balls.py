@@ -25,6 +25,8 @@ from hifi.contact import ContactResult
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+#: Rounds after which the solution over all balls is given up.
+MOST = 60
 
 
 @dataclass
@@ -130,7 +132,6 @@ def solve_balls(
     *,
     start: tuple[Array, Array] | None = None,
     tolerance: float = 1e-10,
-    most: int = 60,
 ) -> tuple[ContactResult, Array]:
     """Forces, gaps and rigid motions, and the amplitudes w; ``start``: (w, y) of a neighbouring solution.
 
@@ -142,7 +143,7 @@ def solve_balls(
     w, y = (start[0].copy(), start[1].copy()) if start is not None else (np.zeros(r), np.zeros(k))
     phi, back, balance = system.evaluate(w, y)
     status, it, residual = "", 0, np.inf
-    for it in range(1, most + 1):  # noqa: B007
+    for it in range(1, MOST + 1):  # noqa: B007
         heaviest = max(float(b.forces.sum()) for b in system.balls)
         scale = max(heaviest, float(np.abs(f).max(initial=0.0)) / len(system.balls))
         residual = float(np.abs(balance).max(initial=0.0)) / scale
@@ -166,7 +167,7 @@ def solve_balls(
             status = f"stalled at a relative residual of {residual:.1e}"
             break
     if not status:
-        status = f"not converged after {most} iterations (relative residual {residual:.1e})"
+        status = f"not converged after {MOST} iterations (relative residual {residual:.1e})"
     forces = np.concatenate([b.forces for b in system.balls])
     z = C.coupling @ w
     slack = np.concatenate(

@@ -67,12 +67,12 @@ def expected_semi_axes(scene: Scene) -> tuple[float, float]:
     return _rounded(expected_contacts(scene).semi())
 
 
-def expected_reach(scene: Scene, sides: tuple[int, ...] = (0, 1, 2, 3)) -> tuple[float, float]:
-    """How far contacts of a scene's ``sides`` reach from their nominal middle, across and along the groove [m], rounded up.
+def expected_reach(scene: Scene) -> tuple[float, float]:
+    """How far contacts of a scene reach on any side from their nominal middle, across and along the groove [m], rounded up.
 
     Raises ValueError as `expected_contacts`.
     """
-    return _rounded(expected_contacts(scene).reach(sides))
+    return _rounded(expected_contacts(scene).reach((0, 1, 2, 3)))
 
 
 def _rounded(lengths: tuple[float, float]) -> tuple[float, float]:

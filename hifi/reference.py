@@ -187,7 +187,6 @@ def solve_reference(
     scene: Scene,
     *,
     updates: int = 6,
-    member: int = 0,
     sides: tuple[int, ...] | None = None,
     leave_out: frozenset[str] = frozenset(),
 ) -> ReferenceResult:
@@ -199,16 +198,14 @@ def solve_reference(
     if leave_out - set(INGREDIENTS):
         raise ValueError(f"unknown ingredients {sorted(leave_out - set(INGREDIENTS))}")
     with threadpool_limits(1):  # many small factors: the threads of two BLAS libraries only wait for one another
-        return _solve(setup, scene, updates, member, setup.sides if sides is None else sides, leave_out)
+        return _solve(setup, scene, updates, setup.sides if sides is None else sides, leave_out)
 
 
-def _solve(
-    setup: Setup, scene: Scene, updates: int, member: int, sides: tuple[int, ...], leave_out: frozenset[str]
-) -> ReferenceResult:
+def _solve(setup: Setup, scene: Scene, updates: int, sides: tuple[int, ...], leave_out: frozenset[str]) -> ReferenceResult:
     begin = perf_counter()
     sides = tuple(s for s in setup.sides if s in sides)
     moving = updates > 0 and "moving normals" not in leave_out
-    drawn = specimen(scene, setup.layout, member)
+    drawn = specimen(scene, setup.layout)
     count, m, zones = setup.layout.z.size, setup.map, _zones(setup, sides)
     mounted = mounted_screw(setup, scene, leave_out)
     C = compliance_of(setup, mounted, sides, leave_out)

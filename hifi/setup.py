@@ -327,10 +327,14 @@ def screw_response(
     return ScrewResponse(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
 
 
-def section_motion(points: Array, hole: Index, z: float, size: int, least: int = 30) -> sp.csr_matrix:
+#: Least number of nodes that the motion of a section is taken from.
+LEAST = 30
+
+
+def section_motion(points: Array, hole: Index, z: float, size: int) -> sp.csr_matrix:
     """Rows ``(6, size)`` of the mean rigid motion at z of the nearest nodes ``hole`` of the screw's hole."""
     order = np.argsort(np.abs(points[hole, 2] - z), kind="stable")
-    reach = np.abs(points[hole, 2] - z)[order[min(least, order.size) - 1]]
+    reach = np.abs(points[hole, 2] - z)[order[min(LEAST, order.size) - 1]]
     near = hole[np.abs(points[hole, 2] - z) <= 1.0001 * reach + 1e-12]
     motion = np.linalg.pinv(rigid_modes(points[near], np.array([0.0, 0.0, z])))
     return sp.csr_matrix((motion.ravel(), (np.repeat(np.arange(6), 3 * near.size), np.tile(freedoms(near), 6))), (6, size))

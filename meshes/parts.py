@@ -263,6 +263,7 @@ class Scene:
     members: int = 1
     friction: Friction | None = field(default=None, repr=False)
     motion: Motion | None = field(default=None, repr=False)
+    role: str = field(default="", repr=False, compare=False)
 
     @property
     def ball_count(self) -> int:

@@ -100,7 +100,11 @@ def refuse_bad(quality: Quality, name: str, least: float = 0.0) -> None:
     )
 
 
-def untangle(mesh: Mesh, surface: Index, threshold: float = 0.05) -> Mesh:
+#: Scaled Jacobian below which a curved cell is mended.
+BENT = 0.05
+
+
+def untangle(mesh: Mesh, surface: Index) -> Mesh:
     """The mesh with inner mid-edge nodes of badly curved P2 tetrahedra moved; surface: nodes that stay.
 
     A bent edge of the surface may cut into its cell; the cell's inner edges are then bent too. One node after the other
@@ -116,7 +120,7 @@ def untangle(mesh: Mesh, surface: Index, threshold: float = 0.05) -> Mesh:
     size = 0.2
     near = cells
     for _ in range(12):
-        bad = near[_of_cells(moved(mesh, points), near) < threshold]
+        bad = near[_of_cells(moved(mesh, points), near) < BENT]
         node = np.unique(bad[:, 4:])
         node = node[free[node]]
         if not len(node):

@@ -190,11 +190,13 @@ class Text:
 
 @dataclass(frozen=True)
 class Section:
-    """A numbered section of the report; ``name`` selects it with ``--only``."""
+    """A numbered section of the report; ``name`` selects it with ``--only``; headline: its figures (label, value) for the
+    head of the report."""
 
     name: str
     title: str
     items: Sequence[Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap]
+    headline: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -148,7 +148,7 @@ def solve_scene(scene: Scene, choices: Choices) -> Answer:
         return Answer(data, [], [], False)
     motion = scene.motion or Motion(ONE_TURN)
     states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
-    drags = drag_torques(scene, states, pairs, model, replace(options, estimate=False))
+    drags = drag_torques(scene, states, pairs, model, options)
     return _answer(scene, result, head, (pairs, states, drags))
 
 

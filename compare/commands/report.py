@@ -8,14 +8,13 @@ import platform
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from importlib import metadata
+from importlib import import_module, metadata
 from pathlib import Path
 from time import perf_counter
 
 from compare import __version__
 from compare.errors import InputError
 from compare.models.study import Study
-from compare.printed.findings import Finding
 from compare.reference.jobs import Engine
 from compare.scenes import catalogue
 from compare.scenes.scene_file import scene_hash
@@ -23,30 +22,41 @@ from compare.system import need_gmsh
 from reports.records import Report, Section
 
 Step = Callable[[str], None]
-#: Sections that a quick report leaves out.
-LONG = ("pictures", "stability", "timing")
-#: Sections by name, in order.
-SECTIONS = (
-    "overview",
-    "ladder",
-    "reference",
-    "reference-mesh",
-    "crosscheck",
-    "pictures",
-    "hertz",
-    "cases",
-    "errors",
-    "manufacturing",
-    "friction",
-    "friction-screw",
-    "formulations",
-    "verification",
-    "stability",
-    "timing",
-    "notes",
+
+
+@dataclass(frozen=True)
+class Part:
+    """A section of the report by name: its module in ``compare.sections``; long: left out of a quick report; runs: shows
+    runs of the 3D reference; meshes: needs gmsh."""
+
+    name: str
+    module: str
+    long: bool = False
+    runs: bool = False
+    meshes: bool = False
+
+
+#: Sections in order.
+PARTS = (
+    Part("overview", "overview", runs=True),
+    Part("ladder", "ladder", runs=True, meshes=True),
+    Part("reference", "reference", runs=True, meshes=True),
+    Part("reference-mesh", "reference_mesh", runs=True),
+    Part("crosscheck", "crosscheck", runs=True, meshes=True),
+    Part("pictures", "pictures", long=True, meshes=True),
+    Part("hertz", "hertz"),
+    Part("cases", "cases", runs=True),
+    Part("errors", "errors"),
+    Part("manufacturing", "manufacturing"),
+    Part("friction", "friction"),
+    Part("friction-screw", "friction_screw"),
+    Part("formulations", "formulations"),
+    Part("verification", "verification", meshes=True),
+    Part("stability", "stability", long=True),
+    Part("timing", "timing", long=True),
+    Part("notes", "notes", runs=True),
 )
-#: Sections that show runs of the 3D reference.
-WITH_RUNS = ("overview", "ladder", "reference", "reference-mesh", "crosscheck", "notes")
+SECTIONS = tuple(part.name for part in PARTS)
 
 
 def provenance() -> dict[str, str]:
@@ -131,85 +141,33 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
             grid_order.save(source.stores[0], order)
 
 
-def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], Section, Section]:
-    """Findings of all tables, and the two sections that share the ensembles."""
-    from compare.evidence import rotary_linear as friction_values
-    from compare.evidence import screw as friction_screw_values
-    from compare.sections import cases, errors, hertz, manufacturing, reference
-
-    section, found = errors.section_with_findings(study, step)
-    against = {f.printed.key: f for f in reference.findings(study, source.stores)}
-    own = [against.get(f.printed.key, f) for f in cases.findings_241(study)]
-    everything = [*hertz.findings(study), *own, *found, *manufacturing.findings(study), *friction_values.findings(study)]
-    everything += friction_screw_values.findings(study)
-    return everything, section, manufacturing.section(study, step)
+def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
+    """Sections asked for; all if none, but for the long ones of a quick report. Raises InputError for a bad name."""
+    for name in only:
+        if name not in SECTIONS:
+            raise InputError("command line", "--only", f'"{name}"', ", ".join(SECTIONS), "name a section")
+    return [part for part in PARTS if (part.name in only if only else not (quick and part.long))]
 
 
-def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list[Section], list[tuple[str, str]], Study]:
-    """Sections asked for (all if none), headline figures, and the study they were made from."""
-    from compare.sections import (
-        cases,
-        crosscheck,
-        formulations,
-        friction,
-        friction_screw,
-        hertz,
-        ladder,
-        notes,
-        overview,
-        pictures,
-        reference,
-        reference_mesh,
-        stability,
-        timing,
-        verification,
-    )
+def build(wanted: Sequence[Part], progress: Progress, study: Study) -> list[Section]:
+    """The sections in order, each made by its module."""
+    made = []
+    for part in wanted:
+        progress.section(part.name)
+        section: Callable[[Study, Step], Section] = import_module(f"compare.sections.{part.module}").section
+        made.append(section(study, progress.step))
+    return made
 
-    study = Study()
-    wanted = [name for name in SECTIONS if (name in only if only else not (source.quick and name in LONG))]
-    made: dict[str, Section] = {}
-    headline: list[tuple[str, str]] = []
-    found: list[Finding] = []
-    if any(name in wanted for name in WITH_RUNS):
-        progress.section("runs of the 3D reference")
-        compute_references(study, source, progress.step)
-    if any(name in wanted for name in ("overview", "errors", "manufacturing", "notes")):
-        progress.section("printed numbers and claims, geometric errors")
-        found, made["errors"], made["manufacturing"] = _printed(study, source, progress.step)
-        made["overview"] = overview.section(found)
-        headline += overview.counts(found)
-    simple: dict[str, Callable[[Study, Step], Section]] = {
-        "hertz": hertz.section,
-        "cases": cases.section,
-        "formulations": formulations.section,
-        "ladder": partial(ladder.section, stores=source.stores, keep=source.stores[0] if source.stores else None),
-        "reference": partial(reference.section, stores=source.stores, quick=source.quick),
-        "reference-mesh": partial(reference_mesh.section, stores=source.stores),
-        "crosscheck": partial(crosscheck.section, stores=source.stores),
-        "pictures": partial(pictures.section, cache=source.engine.cache),
-        "friction": friction.section,
-        "friction-screw": friction_screw.section,
-    }
-    for name in wanted:
-        if name in simple:
-            progress.section(name)
-            made[name] = simple[name](study, progress.step)
-        elif name == "verification":
-            progress.section(name)
-            wanted_levels = verification.QUICK if source.quick else verification.LEVELS
-            made[name] = verification.section(progress.step, wanted_levels)
-        elif name == "stability":
-            progress.section(name)
-            made[name], line = stability.section(progress.step)
-            headline.append(line)
-        elif name == "timing":
-            progress.section(name)
-            made[name], lines = timing.section(progress.step)
-            headline += lines
-    if "notes" in wanted:
-        progress.section("notes")
-        made["notes"] = notes.section(study, found, progress.step)
-    return [made[name] for name in wanted], headline, study
+
+def save_model_form(study: Study, source: Source) -> None:
+    """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
+    shipped; nothing without references or without a store."""
+    from compare.models.ladder import ladder, points
+    from compare.models.model_form import save_points
+
+    rungs = study.once(ladder)
+    if rungs and source.stores:
+        save_points(source.stores[0], points(study, rungs))
 
 
 def make_report(
@@ -228,9 +186,7 @@ def make_report(
     computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them.
     Raises InputError for a bad section name or folder.
     """
-    unknown = [name for name in only if name not in SECTIONS]
-    if unknown:
-        raise InputError("command line", "--only", f'"{unknown[0]}"', ", ".join(SECTIONS), "name a section")
+    wanted = wanted_parts(only, quick=quick)
     if fresh and stored:
         raise InputError("command line", "--fresh", "also --stored", "one of both", "leave --stored out to compute")
     from reports.html import check_target, write
@@ -239,29 +195,34 @@ def make_report(
         check_target(out)
     except (ValueError, OSError) as error:
         raise _bad_folder(out, error) from None
-    if any(not only or n in only for n in ("ladder", "reference", "crosscheck", "pictures", "verification")):
+    if any(part.meshes for part in wanted):
         need_gmsh()
-    made = [n for n in SECTIONS if (n in only if only else not (quick and n in LONG))]
-    total = len([n for n in made if n not in ("overview", "errors", "manufacturing")])
-    total += 1 + any(not only or n in only for n in ("overview", "errors", "manufacturing", "notes"))
-    total += any(not only or n in only for n in WITH_RUNS)
     from compare.reference.runs import shipped_store
 
     own = (store,) if fresh or quick else (store, shipped_store())
     source = Source(None if stored else own, engine or Engine(), not stored, quick, fresh)
-    progress = Progress(total)
+    runs, ladder = any(part.runs for part in wanted), any(part.name == "ladder" for part in wanted)
+    progress = Progress(len(wanted) + runs + ladder + 1)
     start = perf_counter()
-    sections, headline, study = build(only, progress, source)
+    study = Study(source.stores, quick=quick, cache=source.engine.cache)
+    if runs:
+        progress.section("runs of the 3D reference")
+        compute_references(study, source, progress.step)
+    sections = build(wanted, progress, study)
+    if ladder:
+        progress.section("points of the model-form estimate")
+        save_model_form(study, source)
     progress.section("drawing and writing")
     facts = provenance()
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
     facts["3D reference"] = "stored runs of the package" if stored else computed
+    left_out = ", ".join(part.name for part in PARTS if part.long)
     report = Report(
         title="rollbench validation report",
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
-        + (f" (quick run: coarse meshes, cases 1 and 2 only, without {', '.join(LONG)})" if quick else ""),
-        headline=headline,
+        + (f" (quick run: coarse meshes, cases 1 and 2 only, without {left_out})" if quick else ""),
+        headline=[line for section in sections for line in section.headline],
         provenance=facts,
         sections=sections,
         scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in sorted(study.scenes)},

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compare.measure import error_percent
-from lowfi.statics.result import Array, ModelForm, StaticResult
+from compare.models.model_form import ModelForm
+from lowfi.statics.result import Array, StaticResult
 from meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
@@ -57,8 +58,7 @@ def _equilibrium(result: StaticResult) -> dict[str, Any] | None:
     }
 
 
-def _model_form(result: StaticResult) -> dict[str, Any] | None:
-    m = result.model_form
+def _model_form(m: ModelForm | None) -> dict[str, Any] | None:
     if m is None:
         return None
     return {
@@ -91,8 +91,9 @@ def discretisation_percent(result: StaticResult) -> float | None:
     return None if measured is None else number(float(error_percent(measured[0], 0.0, measured[1])))
 
 
-def as_json(scene: Scene, result: StaticResult) -> dict[str, Any]:
-    """The result as a JSON-ready object: angles in deg, stations in mm, displacements in um, forces in N."""
+def as_json(scene: Scene, result: StaticResult, worth: ModelForm | None = None) -> dict[str, Any]:
+    """The result as a JSON-ready object: angles in deg, stations in mm, displacements in um, forces in N; worth: the
+    model-form error to expect, where it was estimated."""
     s = result.solver
     finite = np.isfinite(result.load).all()
     return {
@@ -129,7 +130,7 @@ def as_json(scene: Scene, result: StaticResult) -> dict[str, Any]:
             "discretisation_percent": discretisation_percent(result),
             "notes": list(s.notes),
         },
-        "model_form": _model_form(result),
+        "model_form": _model_form(worth),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),
         "warnings": list(result.warnings),
@@ -140,8 +141,8 @@ def _cell(value: float, form: str) -> str:
     return format(value, form) if math.isfinite(value) else "–"
 
 
-def as_table(scene: Scene, result: StaticResult) -> list[RenderableType]:
-    """The result for the terminal: ball table, summary, solver, assumptions, what was left out."""
+def as_table(scene: Scene, result: StaticResult, worth: ModelForm | None = None) -> list[RenderableType]:
+    """The result for the terminal: ball table, summary, solver, model-form error, assumptions, what was left out."""
     from rich.table import Table
 
     drawn = f", member {result.member} of its random errors" if scene.errors.random else ""
@@ -175,8 +176,8 @@ def as_table(scene: Scene, result: StaticResult) -> list[RenderableType]:
         + (f" (discretisation error {error:.1e} % of the mean load)" if error is not None else "")
         + f", {s.seconds:.3g} s"
     )
-    if result.model_form is not None:
-        parts.append(model_form_text(result.model_form))
+    if worth is not None:
+        parts.append(model_form_text(worth))
     headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
     for heading, lines in headed:
         parts += [f"{heading}: {line}" for line in lines]

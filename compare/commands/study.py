@@ -5,127 +5,24 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from compare.errors import InputError, Refusal
-from compare.measure import error_percent
-from compare.models.comparison import CONTENDERS, contenders, from_model, reference_answers, rows, suited
-from compare.models.modelling import base_run
-from compare.reference import grid_order
-from compare.reference.convergence import observe
+from compare.models.comparison import compared_models, from_model, reference_answers, rows, suited
+from compare.models.mesh_study import study_table
+from compare.models.registry import MODELS
 from compare.reference.jobs import Engine, all_variants, ensure, plan
 from compare.reference.levels import LEVELS, SOURCE_LEVEL
-from compare.reference.runs import Run, load, reference, reference_of, shipped_store
-from compare.reference.variants import VARIANTS
+from compare.reference.runs import Run, load, reference, shipped_store
 from compare.scenes import catalogue
 from compare.writing import replace_file
 from meshes.parts import SIDES, Scene
 
 Show = Callable[..., None]
-Take = partial[float]
-
-
-def _extreme(side: int, sign: float, run: Run) -> float:
-    return float(sign * (sign * run.load[:, side]).max())
-
-
-def _single(ball: int, side: int, run: Run) -> float:
-    return float(run.load[ball, side])
-
-
-def _line(station: int, axis: int, run: Run) -> float:
-    """Displacement [um] at one of the stations that every level shares."""
-    return float(1e6 * run.centreline[station, 1 + axis])
-
-
-def quantities(run: Run) -> list[tuple[str, str, Take]]:
-    """What a mesh study follows: name, unit, how to take it from a run."""
-    out: list[tuple[str, str, Take]] = []
-    for s, side in enumerate(SIDES):
-        if (run.load[:, s] > 0.0).any():
-            out += [
-                (f"largest load, {side}", "N", partial(_extreme, s, 1.0)),
-                (f"smallest load, {side}", "N", partial(_extreme, s, -1.0)),
-            ]
-            out += [(f"load of ball {i + 1}, {side}", "N", partial(_single, i, s)) for i in range(len(run.load))]
-    for k in sorted({0, len(run.centreline) // 2}):
-        for axis, name in enumerate("xyz"):
-            z = 1e3 * run.centreline[k, 0]
-            out.append((f"centreline u{name} at {z:.4g} mm", "um", partial(_line, k, axis)))
-    return out
-
-
-def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(LEVELS)) -> list[dict[str, Any]]:
-    """Per quantity: value on each level, its own order, extrapolated value, grid uncertainty and why it has an order or
-    none; modelling uncertainty (root of squares over the choices that were varied) and the effect of the scene's own ones.
-
-    Loads of single contacts, extremes that every level finds at the same ball among them, have the uncertainty of the fit
-    with one order for all contacts, the others that of their own.
-    """
-    runs = tuple(r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None)
-    if not runs:
-        return []
-    order = grid_order.load((*(stores or ()), shipped_store()))
-    found = reference_of(scene.name, runs, None if order is None else order.interval)
-    coarsest = min(LEVELS)
-    base = base_run(scene, coarsest, stores)
-    others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]
-    changed = {v: r for v in others if (r := load(scene, coarsest, v, stores)) is not None}
-    table = []
-    for name, unit, take in quantities(runs[-1]):
-        values = [take(r) for r in runs]
-        row: dict[str, Any] = {"quantity": name, "unit": unit}
-        row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
-        if len(runs) >= 2:
-            contact = _contact(take, runs)
-            pooled = found.convergence is not None and contact is not None
-            c = found.convergence[contact[0]][contact[1]] if pooled else observe(values, found.sizes)  # type: ignore[index]
-            row |= {
-                "order": c.order,
-                "extrapolated": c.extrapolated,
-                "uncertainty": c.uncertainty,
-                "uncertainty_percent": _percent(c.uncertainty, values[-1]),
-                "kind": c.text,
-            }
-        if base is not None and changed:
-            moves = {v: abs(take(r) - take(base)) for v, r in changed.items()}
-            row["modelling_spread"] = _root_of_squares(moves)
-            row["scene_choices"] = max((m for v, m in moves.items() if VARIANTS[v].kind == "scene"), default=None)
-        table.append(row)
-    return table
-
-
-def _contact(take: Take, runs: Sequence[Run]) -> tuple[int, int] | None:
-    """Ball and side of the contact whose load a quantity is on every level, if it is that of one contact."""
-    if take.func is _single:
-        return take.args[0], take.args[1]
-    if take.func is not _extreme:
-        return None
-    side, sign = take.args
-    balls = {int((sign * run.load[:, side]).argmax()) for run in runs}
-    return (balls.pop(), side) if len(balls) == 1 else None
-
-
-def _percent(value: float | None, of: float) -> float | None:
-    """A number in per cent of another; None where there is none, or nothing to compare it with."""
-    if value is None or (of == 0.0 and value != 0.0):
-        return None
-    return float(error_percent(value, 0.0, of))
-
-
-def _root_of_squares(moves: Mapping[str, float]) -> float | None:
-    """Root of squares over modelling choices, each by the larger of its variants; None where none was varied."""
-    by_choice: dict[str, float] = {}
-    for name, move in moves.items():
-        variant = VARIANTS[name]
-        if variant.kind == "modelling":
-            by_choice[variant.choice] = max(move, by_choice.get(variant.choice, 0.0))
-    return float(np.linalg.norm(list(by_choice.values()))) if by_choice else None
 
 
 def on_terminal(text: str) -> None:
@@ -184,7 +81,7 @@ def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
 
 
 def _figure(name: str, table: Sequence[dict[str, Any]], store: Path) -> None:
-    from compare.sections.reference import study_figure
+    from compare.sections.study_figure import study_figure
     from reports.figures import draw
 
     figure = study_figure(name, table)
@@ -232,7 +129,7 @@ def run_compare(
     levels: None for the best stored reference (all levels are computed where there is none); else just those. fresh:
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
-    own = contenders(tuple(models))
+    own = compared_models(tuple(models))
     scenes = [catalogue.scene(name) for name in names]
     stores = (store, shipped_store())
     without = [s for s in scenes if reference(s, stores) is None] if levels is None and not fresh else scenes
@@ -246,7 +143,7 @@ def run_compare(
         found = reference(scene, stores)
         if found is None:
             raise unconverged(scene.name, failed)
-        answers = [from_model(c, scene) for c in (own or suited(scene))]
+        answers = [from_model(m, scene) for m in (own or suited(scene))]
         answers += reference_answers(found, load(scene, SOURCE_LEVEL, stores=stores))
         for answer in answers:
             out += rows(scene, answer, found)
@@ -284,7 +181,7 @@ def _summary(scene: Scene, own: Sequence[Any]) -> Any:
 
 
 def _label(name: str) -> str:
-    return CONTENDERS[name].label if name in CONTENDERS else name
+    return MODELS[name].label if name in MODELS else name
 
 
 def _contacts(scene: Scene, own: Sequence[Any]) -> Any:

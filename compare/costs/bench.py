@@ -156,14 +156,14 @@ class Source:
 
     def solve(self) -> Array:
         """Newton from the present start; the solution."""
-        x, _, _, self.status = lin.newton(self.system, self.begin, self.load, self.tolerance, 60)
+        x, _, _, self.status = lin.newton(self.system, self.begin, self.load, self.tolerance)
         return x
 
     def solve_by_steps(self) -> Array:
         """Newton by ten load steps, the first from the guess for a tenth of the load; the solution."""
         x = lin.initial_state(self.system, "load steps", 0.1)
         for fraction in np.linspace(0.1, 1.0, 10):
-            x, _, _, self.status = lin.newton(self.system, x, float(fraction) * self.load, self.tolerance, 60)
+            x, _, _, self.status = lin.newton(self.system, x, float(fraction) * self.load, self.tolerance)
             if self.status != "converged":
                 break
         return x

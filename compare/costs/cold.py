@@ -27,7 +27,6 @@ CHILD = """
 import sys
 sys.path.insert(0, {root!r})
 from time import perf_counter, time
-from dataclasses import replace
 from pathlib import Path
 import json
 from compare.scenes import catalogue
@@ -35,9 +34,8 @@ from compare.reference.memory import peak_MB
 from compare.models.registry import Options, run_model
 ask = json.loads({ask!r})
 scene = catalogue.scene(ask["scene"])
-scene = replace(scene, ingredients=replace(scene.ingredients, **ask["ingredients"]))
 path = Path(ask["condensed"]) if ask["condensed"] else None
-options = Options(discretisation=False, engine=ask["engine"], condensed=path, estimate=False)
+options = Options(discretisation=False, engine=ask["engine"], condensed=path)
 spent = []
 for _ in range(1 + ask["repeats"]):
     start = perf_counter()
@@ -63,20 +61,13 @@ class Cold:
 
 
 def measure(
-    scene: str,
-    model: str,
-    *,
-    engine: str = "interpreted",
-    ingredients: tuple[tuple[str, object], ...] = (),
-    condensed: Path | None = None,
-    repeats: int = REPEATS,
+    scene: str, model: str, *, engine: str = "interpreted", condensed: Path | None = None, repeats: int = REPEATS
 ) -> Cold:
     """Times of a shipped scene in a new process with empty caches. Raises RuntimeError where the process fails."""
     ask = {
         "scene": scene,
         "model": model,
         "engine": engine,
-        "ingredients": dict(ingredients),
         "repeats": repeats,
         "condensed": str(condensed.resolve()) if condensed else "",
     }

@@ -13,7 +13,7 @@ import numpy as np
 from compare.costs.bench import timed
 from compare.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
 from compare.extremes.friction_chains import chain_state
-from compare.printed.findings import entry
+from compare.printed.printed_data import entry
 from lowfi.as_source.chain import SourceMotion
 from lowfi.as_source.linear import linear_pair_by_root, solve_linear_by_root
 from lowfi.as_source.run import simulate_by_root

@@ -19,6 +19,7 @@ from compare.crosscheck.deck_contacts import (
     sphere_faces,
 )
 from compare.errors import InputError
+from compare.models.model_form import estimate
 from compare.models.registry import Options, run_model
 from compare.reference.runs import needed_sides
 from lowfi.statics.result import StaticResult
@@ -293,7 +294,7 @@ def _heading(
         "of the screw that no support holds (turning: N mm/rad); their force is that times the motion that is printed.",
         "Oversize of balls and errors of groove radii are in the geometry; flanks are exact arcs.",
         *dims.assumed,
-        f"Expected contact loads / N: low-order model refined, {_worth(found)}; mean {mean:.1f} N.",
+        f"Expected contact loads / N: low-order model refined, {_worth(scene, found)}; mean {mean:.1f} N.",
         "ball " + " ".join(f"{s:>10}" for s in SIDES),
         *(f"{i:>4} " + " ".join(f"{x:10.2f}" for x in row) for i, row in enumerate(load, start=1)),
         "CalculiX: ccx -i FILE (without .inp); loads by *CONTACT PRINT in FILE.dat.",
@@ -301,9 +302,9 @@ def _heading(
     )
 
 
-def _worth(found: StaticResult) -> str:
-    """What the expected loads may be worth, in words."""
-    form = found.model_form
-    if form is None or form.percent is None:
+def _worth(scene: Scene, found: StaticResult) -> str:
+    """Model-form error to expect of the loads, in words."""
+    form = estimate(scene, found)
+    if not found.converged or form.percent is None:
         return "nothing like the scene was compared with a 3D reference"
     return f"error to expect {form.percent:.1f} % of the mean load on the worst contact (nearest compared: {form.nearest})"

@@ -1,1 +1,1 @@
-"""What the models give for the printed numbers of a chapter: computed once, for report, gate and tests."""
+"""What is computed for each printed number and claim, once: the gate, the report and the literature tests read it."""

@@ -1,18 +1,18 @@
-"""Lin 3.2 and 3.3: our values of every printed number, and the findings; each solution is made once."""
+"""Sections 3.2 and 3.3 and appendix G: evidence of every printed number; each solution is made once."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from math import degrees, radians
 
 import numpy as np
 
+from compare.evidence.record import Evidence, Sheet
 from compare.measure import error_percent
 from compare.models.study import Study
-from compare.printed.findings import Finding, collect, entry
-from compare.printed.printed_data import load_table
+from compare.printed.printed_data import entry, load_table
 from lowfi.friction.bearing.rotary import SIDES, Bearing, Mode, Solution, solve_ball, solve_ball_as_printed
 from lowfi.friction.contact.ellipse import Array, cubic_factor, linear_error, linear_factor
 from lowfi.friction.linear.analytic import velocity_deviation
@@ -21,7 +21,6 @@ from lowfi.friction.linear.loads import Loads
 from lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
 from lowfi.hertz import contact_modulus, hertz_constants
 
-TABLES = ("lin-3.1", "lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
 #: Tables 3.1 and 3.3: inputs of the two case studies.
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
 AXIAL = 100.0
@@ -32,16 +31,6 @@ CASES = {"I": 0.0, "II": 5.2e-6, "III": 8.0e-6}
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
 #: Yield strength [MPa] and its multiple that make the allowable pressure of appendix G.
 YIELD, MULTIPLE = 370.0, 4.2
-
-
-@dataclass(frozen=True)
-class Ours:
-    """Our values of a printed entry in its unit: faults repeated, right; for a claim whether it holds; evidence."""
-
-    as_printed: float | None = None
-    right: float | None = None
-    holds: bool | None = None
-    evidence: str = ""
 
 
 # --- solutions, each made once
@@ -74,9 +63,9 @@ def claim_maps() -> PairMaps:
 # --- values of the printed entries
 
 
-def given_rotary() -> dict[str, Ours]:
+def table_3_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Table 3.1: inputs."""
-    b = ROTARY
+    b, sheet = ROTARY, Sheet("lin-3.1")
     values = {
         "R_B": 1e3 * b.ball_radius,
         "conformity": 0.5 * b.groove_radius / b.ball_radius,
@@ -88,7 +77,9 @@ def given_rotary() -> dict[str, Ours]:
         "E": b.young,
         "nu": b.poisson,
     }
-    return {key: Ours(right=float(v)) for key, v in values.items()}
+    for key, value in values.items():
+        sheet.number(key, float(value))
+    return sheet.evidence()
 
 
 def rotary_value(s: Solution, key: str) -> float:
@@ -110,25 +101,24 @@ def rise(first: Solution, now: Solution, what: str) -> float:
     return now.torque / first.torque - 1.0
 
 
-def table_3_2() -> dict[str, Ours]:
+def table_3_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Table 3.2 and the increases of 3.2.2: as printed beside exact Hertz constants and least dissipation."""
-    out = {}
+    sheet = Sheet("lin-3.2")
     for row in load_table("lin-3.2"):
         key, _, case = row.key.rpartition("_")
         if key.endswith("_increase"):
             what = key.removesuffix("_increase")
-            two = rise(as_printed("I"), as_printed(case), what), rise(right("I"), right(case), what)
-            out[row.key] = Ours(*two)
-            continue
-        faulty, true = rotary_value(as_printed(case), key), rotary_value(right(case), key)
-        words = f"ours as printed adds to {faulty:.4f} N" if row.cls == "open" else ""
-        out[row.key] = Ours(faulty, true, evidence=words)
-    return out
+            faulty, true = rise(as_printed("I"), as_printed(case), what), rise(right("I"), right(case), what)
+        else:
+            faulty, true = rotary_value(as_printed(case), key), rotary_value(right(case), key)
+        words = f"as printed, the computed forces add to {faulty:.4f} N" if row.cls == "open" else ""
+        sheet.number(row.key, true, words, as_printed=faulty)
+    return sheet.evidence()
 
 
-def table_3_3() -> dict[str, Ours]:
+def table_3_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Table 3.3: inputs, the worst case of 3.3.4.1 and its claims."""
-    b, worst, m = LINEAR, pair(WORST), claim_maps()
+    b, sheet = LINEAR, Sheet("lin-3.3")
     values = {
         "ball_radius": 1e3 * b.ball_radius,
         "conformity": b.conformity,
@@ -141,34 +131,47 @@ def table_3_3() -> dict[str, Ours]:
         "contact_angle": degrees(b.contact_angle),
         "yaw": abs(SIDE) * VERTICAL * 2e3 * b.ball_radius,
     }
-    out = {key: Ours(right=v) for key, v in values.items()}
+    for key, value in values.items():
+        sheet.number(key, value)
+    _worst_case(sheet)
+    _claims_of_maps(sheet, claim_maps())
+    return sheet.evidence()
+
+
+def _worst_case(sheet: Sheet) -> None:
+    worst = pair(WORST)
     total = 100.0 * worst.touching.loss / worst.free.loss
     added = float(error_percent(worst.rubbing_ratio, 1.0))
-    out["worst_ratio"] = Ours(
-        100.0 * worst.rubbing_ratio,
+    sheet.number(
+        "worst_ratio",
         total,
-        evidence=f"an increase of {added:.1f} %, of {float(error_percent(total, 100.0)):.1f} % with the groove losses' "
+        f"an increase of {added:.1f} %, of {float(error_percent(total, 100.0)):.1f} % with the groove losses' "
         "change, which the right value counts",
+        as_printed=100.0 * worst.rubbing_ratio,
     )
+
+
+def _claims_of_maps(sheet: Sheet, m: PairMaps) -> None:
     fields = (m.force[4:, 2::-1], m.ratio[4:, 2::-1])
     grows = all(bool(np.all(np.diff(f, axis=axis) > 0.0)) for f in fields for axis in (0, 1))
     top = float(error_percent(m.ratio.max(), 1.0))
-    out["worst_increase"] = Ours(holds=grows and top > 50.0, evidence=f"grows along both axes, up to {top:.0f} %")
+    sheet.claim("worst_increase", grows and top > 50.0, f"grows along both axes, up to {top:.0f} %")
     pairs = ((m.difference, m.difference_error), (m.force, m.force_error), (m.ratio - 1.0, m.ratio_error))
     inside = max(float(np.abs(e[2:5, 2:5]).max() / np.abs(v).max()) for v, e in pairs)
     corner = min(float(np.abs(e).max() / np.abs(v).max()) for v, e in pairs)
-    out["maps_agree"] = Ours(
-        holds=inside < 0.02 and corner > 3.0 * inside,
-        evidence=f"error of the formulas over the largest value: at most {inside:.1%} within half of both ranges, "
+    sheet.claim(
+        "maps_agree",
+        inside < 0.02 and corner > 3.0 * inside,
+        f"error of the formulas over the largest value: at most {inside:.1%} within half of both ranges, "
         f"at least {corner:.1%} at the corners",
     )
     closing = m.difference > 1e-9
     apart = float(np.abs(m.force[~closing]).max())
-    out["sign_region"] = Ours(
-        holds=bool(np.all(m.force[closing] > 0.0)) and apart < 1e-8,
-        evidence=f"{int(closing.sum())} of {closing.size} points close in, each with a force; elsewhere {apart:.0e} N",
+    sheet.claim(
+        "sign_region",
+        bool(np.all(m.force[closing] > 0.0)) and apart < 1e-8,
+        f"{int(closing.sum())} of {closing.size} points close in, each with a force; elsewhere {apart:.0e} N",
     )
-    return out
 
 
 def formula_deviation(mated: bool) -> Array:
@@ -177,16 +180,20 @@ def formula_deviation(mated: bool) -> Array:
     return velocity_deviation(LINEAR.contact_angle, angles - LINEAR.contact_angle, loads[:, 0], loads[:, 1])
 
 
-def table_3_4() -> dict[str, Ours]:
+def table_3_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Table 3.4: velocity deviations [%]."""
-    out = {}
+    sheet = Sheet("lin-3.4")
     for case, ball in product("ab", (1, 2)):
-        found, formula = pair(mated=case == "b").free.deviation, formula_deviation(case == "b")
-        of_text = pair(loads="diagonal", mated=case == "b").free.deviation  # the text: equal loads on each diagonal
-        as_printed_, right_ = (100.0 * float(d[ball - 1]) for d in (found, of_text))
-        out[f"{case}_eps{ball}_numerical"] = Ours(as_printed_, right_) if case == "a" else Ours(right=as_printed_)
-        out[f"{case}_eps{ball}_analytic"] = Ours(right=100.0 * float(formula[ball - 1]))
-    return out
+        mated = case == "b"
+        found, formula = pair(mated=mated).free.deviation, formula_deviation(mated)
+        of_text = pair(loads="diagonal", mated=mated).free.deviation  # the text: equal loads on each diagonal
+        balanced, diagonal = (100.0 * float(d[ball - 1]) for d in (found, of_text))
+        if mated:
+            sheet.number(f"{case}_eps{ball}_numerical", balanced)
+        else:
+            sheet.number(f"{case}_eps{ball}_numerical", diagonal, as_printed=balanced)
+        sheet.number(f"{case}_eps{ball}_analytic", 100.0 * float(formula[ball - 1]))
+    return sheet.evidence()
 
 
 def misprinted_force() -> float:
@@ -197,27 +204,22 @@ def misprinted_force() -> float:
     return pair_formulas(LINEAR, THETA, SIDE, VERTICAL)[1] * both[1] / both[0]
 
 
-def table_3_5() -> dict[str, Ours]:
+def table_3_5(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Table 3.5: ball-to-ball forces [N] and the differences from ANSYS; times stay open."""
-    printed = {r.key: r.value or 0.0 for r in load_table("lin-3.5")}
+    sheet = Sheet("lin-3.5")
     spread = ", ".join(f"{loads} {pair(loads=loads).force:.2f} N" for loads in LOADS)
-    out = {}
-    for case in "ab":
-        mated = case == "b"
-        out[f"{case}_force_numerical"] = Ours(right=pair(mated=mated).force, evidence=f"loads {spread}" * (not mated))
-        out[f"{case}_force_analytic"] = Ours(right=pair_formulas(LINEAR, THETA, SIDE, VERTICAL, mated=mated)[1])
-    inverse = misprinted_force()
-    words = f"with the exponents -2/3 as printed the formula gives {inverse:.2g} N"
-    out["a_force_analytic"] = replace(out["a_force_analytic"], evidence=words)
-    ansys = printed["a_force_ansys"]
-    off = abs(float(error_percent(out["a_force_analytic"].right or 0.0, ansys)))
-    out["error_numerical"] = Ours(right=float(error_percent(printed["a_force_numerical"], ansys)))
-    out["error_analytic"] = Ours(holds=off < 6.0, evidence=f"{off:.1f} % off the printed ANSYS force")
-    for model in ("numerical", "analytic", "ansys"):
-        for case in "ab":
-            words = "another machine and language; not compared, see table timing-friction"
-            out[f"{case}_time_{model}"] = Ours(evidence=words)
-    return out
+    formula = {case: pair_formulas(LINEAR, THETA, SIDE, VERTICAL, mated=case == "b")[1] for case in "ab"}
+    as_is = f"with the exponents -2/3 as printed the formula gives {misprinted_force():.2g} N"
+    for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
+        sheet.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads)
+        sheet.number(f"{case}_force_analytic", formula[case], of_formula)
+    ansys, numerical = (entry("lin-3.5", f"a_force_{name}").value or np.nan for name in ("ansys", "numerical"))
+    sheet.number("error_numerical", float(error_percent(numerical, ansys)))
+    off = abs(float(error_percent(formula["a"], ansys)))
+    sheet.claim("error_analytic", off < 6.0, f"{off:.1f} % off the printed ANSYS force")
+    for model, case in product(("numerical", "analytic", "ansys"), "ab"):
+        sheet.words(f"{case}_time_{model}", "another machine and language; not compared, see table timing-friction")
+    return sheet.evidence()
 
 
 def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
@@ -226,43 +228,23 @@ def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
     return float(h.C_b / h.C_a), float(h.C_a) * pressure * np.pi * float(h.C_a * h.C_b) / 1.5
 
 
-def appendix_g() -> dict[str, Ours]:
+def appendix_g(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Appendix G: the linear range of the friction force, for the groove of Table 3.3 and conformity 0.52."""
-    pressure = MULTIPLE * YIELD
+    sheet, pressure = Sheet("lin-G"), MULTIPLE * YIELD
     ratio = straight_groove(LINEAR.conformity, 1e6 * pressure)[0]
     slope, cubic = float(linear_factor(ratio)), float(cubic_factor(ratio))
     a_over_r = straight_groove(0.52, 1e6 * pressure)[1]
     reach, cut = entry("lin-G", "reach").value or 0.0, np.floor(1e3 * a_over_r) / 1e3
     off = 100.0 * float(linear_error(ratio, entry("lin-G", "k_f").value or 0.0))
-    return {
-        "k_f": Ours(
-            right=slope,
-            evidence=f"exact slope at c = 0 for conformity {LINEAR.conformity}; secant to c/a = 0.5 "
-            f"{slope - 0.25 * cubic:.3f}; the printed slope is off by up to {off:.1f} % of the force",
-        ),
-        "reach": Ours(evidence=f"a choice: the cubic term is {0.25 * cubic / slope:.1%} of the linear one there"),
-        "pressure": Ours(right=pressure),
-        "a_over_R": Ours(cut, a_over_r, evidence="the printed digits are those of the exact value, cut off"),
-        "eta": Ours(degrees(reach * cut), degrees(reach * a_over_r), evidence="from the value that was cut off"),
-    }
-
-
-@cache
-def ours() -> dict[str, dict[str, Ours]]:
-    """Our values of all tables."""
-    made = (given_rotary(), table_3_2(), table_3_3(), table_3_4(), table_3_5(), appendix_g())
-    return dict(zip(TABLES, made, strict=True))
-
-
-def findings(study: Study) -> list[Finding]:  # noqa: ARG001 - every section's findings take the study
-    """Every printed entry of 3.2, 3.3 and appendix G."""
-    out = []
-    for table, values in ours().items():
-        found = {key: Finding(entry(table, key), v.right, v.as_printed, v.holds, v.evidence) for key, v in values.items()}
-        out += collect(table, found)
-    return out
-
-
-def numbers(values: Array, factor: float = 1.0) -> list[float]:
-    """Plain numbers for a record."""
-    return [factor * float(v) for v in values]
+    sheet.number(
+        "k_f",
+        slope,
+        f"exact slope at c = 0 for conformity {LINEAR.conformity}; secant to c/a = 0.5 {slope - 0.25 * cubic:.3f}; the "
+        f"printed slope is off by up to {off:.1f} % of the force",
+    )
+    sheet.words("reach", f"a choice: the cubic term is {0.25 * cubic / slope:.1%} of the linear one there")
+    sheet.number("pressure", pressure)
+    sheet.number("a_over_R", a_over_r, "the printed digits are those of the exact value, cut off", as_printed=cut)
+    eta = degrees(reach * a_over_r)
+    sheet.number("eta", eta, "from the value that was cut off", as_printed=degrees(reach * cut))
+    return sheet.evidence()

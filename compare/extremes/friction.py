@@ -33,6 +33,16 @@ COLUMNS = (
 )
 
 
+def by_model(tried: Sequence[Record]) -> str:
+    """How many starts the source's root finding solves, model by model, the worst first."""
+    counts: dict[str, tuple[int, int]] = {}
+    for r in tried:
+        solved, tries = counts.get(r.model, (0, 0))
+        counts[r.model] = solved + (r.source or 0), tries + (r.source_tries or 0)
+    worst_first = sorted(counts.items(), key=lambda item: item[1][0] / max(item[1][1], 1))
+    return ", ".join(f"{model} {solved} of {tries}" for model, (solved, tries) in worst_first)
+
+
 def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | Table, ...]:
     """The table and what it says, for a section of the report; ``found``: rows made before."""
     found = rows() if found is None else found
@@ -44,10 +54,9 @@ def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | T
     tried = [r for r in found if r.source is not None]
     text = (
         f"Ours solved {sum(r.ours for r in found)} of {sum(r.tries for r in found)}; the source's root finding "
-        f"{sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. It fails most in rotary "
-        "and linear bearings (from most starts, near two-point contact from nearly all) and in pairs of a screw with "
-        "clearance. What touches, it decides from the motions apart (Lin 3.31, 3.77), so that most roots of longer "
-        "chains let balls overlap; these do not count as solved.",
+        f"{sum(r.source or 0 for r in tried)} of {sum(r.source_tries or 0 for r in tried)}. By model: "
+        f"{by_model(tried)}. It decides which balls touch from their motions without contact (Lin 3.31, 3.77), so that "
+        "roots of longer chains may let balls overlap; these do not count as solved.",
     )
     note = (
         "Each case is solved from the solver's own start and from random ones. Spread: of the loss of one ball, or of "

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.measure import error_percent
+from compare.models.registry import MODELS
 from compare.scenes.catalogue import scene as shipped
 from lowfi.as_source.static import Start, solve_source
 from lowfi.compliance.bodies import LADDER
@@ -40,8 +41,8 @@ SOURCE: dict[str, Start] = {
     "source, good guess": "guess",
     "source, load steps": "load steps",
 }
-#: Elastic bodies by model name: the same scenes must be solved with every backend.
-BACKENDS = {"refined model": "refined", "nut as a beam": "lin-nut"}
+#: Models with elastic bodies by label: the same scenes must be solved with their backends.
+BACKENDS = {m.label: m.name for m in MODELS.values() if m.extremes}
 FORMULATIONS = (OURS, *BACKENDS, *SOURCE)
 CONVERGED = "converged"
 #: The source's dense Jacobian is not attempted above this many unknowns.

@@ -13,19 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.errors import InputError
-from compare.measure import LoadError, error_percent, load_error
-from compare.models.registry import Options, run_model
-from compare.printed.findings import entry
+from compare.measure import error_percent, load_error
+from compare.models.registry import MODELS, Model, Options, run_model
+from compare.printed.printed_data import entry
 from compare.reference.convergence import pool
 from compare.reference.grid_summary import uncertainty_percent
 from compare.reference.runs import Reference, Run
+from compare.scenes.catalogue import with_role
 from lowfi.statics.result import StaticResult
 from meshes.parts import SIDES, Scene
 
 Array = NDArray[np.float64]
 
 #: Scenes whose reference runs come with the package.
-REFERENCED = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
+REFERENCED = with_role("referenced")
 #: A contact below this share of the mean load is compared in per cent of the mean load, not of its own [-].
 SMALL = 0.1
 #: Printed errors (largest, RMS) and load ratio by scene.
@@ -35,47 +36,18 @@ PRINTED = {
 }
 
 
-@dataclass(frozen=True)
-class Contender:
-    """A low-order model as it takes part: name on the command line, label, model, changed ingredients."""
-
-    name: str
-    label: str
-    model: str
-    ingredients: tuple[tuple[str, Any], ...] = ()
-
-    def scene(self, scene: Scene) -> Scene:
-        """The scene with this contender's ingredients."""
-        return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
+def suited(scene: Scene) -> list[Model]:
+    """Compared models that can describe a scene."""
+    return [m for m in MODELS.values() if m.compared and m.suits(scene)]
 
 
-CONTENDERS = {
-    c.name: c
-    for c in (
-        Contender("refined", "refined model", "refined"),
-        Contender("lin", "the source's low-order model", "lin"),
-        Contender("lin-source-partition", "the source's model on its 15 mm partition", "lin", (("partition", "source"),)),
-        Contender("lin-printed-hertz", "the source's model, Hertz constants as printed", "lin", (("hertz", "as printed"),)),
-        Contender("mei", "Mei: axial bars, rigid nut", "mei"),
-        Contender("mei-nut", "Mei: axial bars, nut as a bar", "mei-nut"),
-    )
-}
-
-
-def suited(scene: Scene) -> list[Contender]:
-    """Contenders that can describe a scene: Mei's model knows axial loads without preload or lateral support only."""
-    axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
-    plain = axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1
-    any_scene = ("refined", "lin")
-    return [c for c in CONTENDERS.values() if c.model in any_scene or (plain and scene.ingredients.screw == "beam")]
-
-
-def contenders(names: tuple[str, ...]) -> list[Contender]:
-    """Contenders by name. Raises InputError for an unknown one."""
+def compared_models(names: tuple[str, ...]) -> list[Model]:
+    """Compared models by name. Raises InputError for another name."""
+    allowed = [m.name for m in MODELS.values() if m.compared]
     for name in names:
-        if name not in CONTENDERS:
-            raise InputError("command line", "--model", f'"{name}"', ", ".join(CONTENDERS), "name a low-order model")
-    return [CONTENDERS[name] for name in names]
+        if name not in allowed:
+            raise InputError("command line", "--model", f'"{name}"', ", ".join(allowed), "name a low-order model")
+    return [MODELS[name] for name in names]
 
 
 @dataclass(frozen=True)
@@ -113,19 +85,18 @@ class Loads:
     seconds: float | None
 
 
-def timed(contender: Contender, scene: Scene) -> tuple[StaticResult, float]:
-    """Result of a contender and the seconds of the call, interpreted; bodies of a geometry solved before are known then."""
-    own = contender.scene(scene)
-    start = perf_counter()
-    result = run_model(own, contender.model, Options(discretisation=False, engine="interpreted", estimate=False))
-    return result, perf_counter() - start
-
-
-def from_model(contender: Contender, scene: Scene) -> Loads:
-    """A low-order model's answer."""
-    result, seconds = timed(contender, scene)
+def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
+    """The answer of a low-order model that was solved."""
     line = result.centreline[:, :3]
-    return Loads(contender.name, result.load, np.degrees(result.contact_angle), result.centreline_z, line, seconds)
+    return Loads(result.model, result.load, np.degrees(result.contact_angle), result.centreline_z, line, seconds)
+
+
+def from_model(model: Model, scene: Scene) -> Loads:
+    """A low-order model's answer with the seconds of the call, interpreted; bodies of a geometry solved before are known
+    then."""
+    start = perf_counter()
+    result = run_model(scene, model.name, Options(discretisation=False, engine="interpreted"))
+    return from_result(result, perf_counter() - start)
 
 
 def from_run(run: Run, name: str) -> Loads:
@@ -293,10 +264,8 @@ class GatePoint:
     exceeds: bool
 
 
-def gate_points(scene: Scene, found: Reference, max_error: float, load: Array | None = None) -> list[GatePoint]:
-    """Every contact loaded in the reference or in ``load`` (the ``lin`` model's unless given), with the gate's verdict."""
-    if load is None:
-        load = timed(CONTENDERS["lin"], scene)[0].load
+def gate_points(name: str, found: Reference, max_error: float, load: Array) -> list[GatePoint]:
+    """Every contact of a scene loaded in the reference or in ``load`` (n, 4) [N], with the gate's verdict."""
     mean = float(found.load[found.load > 0.0].mean())
     points = []
     for i, s in zip(*np.nonzero((found.load > 0.0) | (load > 0.0)), strict=True):
@@ -304,11 +273,5 @@ def gate_points(scene: Scene, found: Reference, max_error: float, load: Array | 
         scale = own if own >= SMALL * mean else mean
         error = float(error_percent(load[i, s], own, scale))
         bar = 0.0 if found.uncertainty is None else float(error_percent(found.uncertainty[i, s], 0.0, scale))
-        points.append(GatePoint(scene.name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
+        points.append(GatePoint(name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
     return points
-
-
-def summary(contender: Contender, scene: Scene, found: Reference) -> tuple[LoadError, StaticResult, float]:
-    """Errors of a contender against the reference, its result and seconds."""
-    result, seconds = timed(contender, scene)
-    return load_error(result.load, found.load), result, seconds

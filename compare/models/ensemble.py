@@ -1,16 +1,14 @@
 """Many specimens of one screw with random errors: loads of every member, and bands over them.
 
 Where only the ball radii are random, one system serves all members and compiled kernels run through them. Anything else
-goes member by member through ``solve_static``, by joblib, so that the same call runs on a cluster.
+goes member by member through ``solve_static``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from time import perf_counter
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +23,8 @@ from meshes.helix import BallLayout, ball_layout, nominal_groove_centres
 from meshes.parts import SIDES, BallErrors, Scene
 
 Array = NDArray[np.float64]
-Backend = Literal["loky", "dask", "sequential"]
+#: Many solves pay for compiled kernels.
+ENGINE: Engine = "compiled"
 
 #: A flank left out at first counts as touched when a ball comes this near [m]: the member is solved with all four.
 MARGIN = 1e-7
@@ -72,23 +71,20 @@ def only_radii_differ(scene: Scene) -> bool:
     return not drawn and not uneven and scene.ingredients.hertz != "actual"
 
 
-def run_ensemble(
-    scene: Scene, members: int | None = None, engine: Engine = "compiled", *, n_jobs: int = 1, backend: Backend = "loky"
-) -> EnsembleResult:
+def run_ensemble(scene: Scene, members: int | None = None) -> EnsembleResult:
     """Solve members 0 to ``members - 1`` (default: as many as the scene states); same loads as ``solve_static``.
 
-    n_jobs and backend serve the general path: processes (``"loky"``), a Dask cluster (``"dask"``, its client made by
-    the caller), or this process (``"sequential"``). Members without solution are reported in ``statuses``.
+    Members without solution are reported in ``statuses``. Raises ValueError for less than one member.
     """
     count = scene.members if members is None else members
     if count < 1:
         raise ValueError(f"members = {count}; allowed: 1 or more")
     if only_radii_differ(scene):
-        result = _RadiiEnsemble(scene, count, engine).solve()
+        result = _RadiiEnsemble(scene, count).solve()
         if result is not None:
             return result
     begin = perf_counter()
-    found = _solve_members(scene, range(count), engine, n_jobs, backend)
+    found = [_one(scene, m) for m in range(count)]
     return EnsembleResult(
         scene.name,
         np.stack([f[0] for f in found]),
@@ -102,28 +98,17 @@ def run_ensemble(
     )
 
 
-def _solve_members(
-    scene: Scene, members: Sequence[int], engine: Engine, n_jobs: int, backend: Backend
-) -> list[tuple[Array, str, float]]:
-    if n_jobs == 1 and backend != "dask":
-        return [_one(scene, m, engine) for m in members]
-    from joblib import Parallel, delayed
-
-    jobs = Parallel(n_jobs=n_jobs, backend=backend)
-    return list(jobs(delayed(_one)(scene, m, engine) for m in members))
-
-
-def _one(scene: Scene, member: int, engine: Engine) -> tuple[Array, str, float]:
-    result = solve_static(scene, engine=engine, member=member)
+def _one(scene: Scene, member: int) -> tuple[Array, str, float]:
+    result = solve_static(scene, engine=ENGINE, member=member)
     return result.load, result.status, float(result.solver.residual)
 
 
 class _RadiiEnsemble:
     """State of one run: the drawn radii, the common system and the members' results."""
 
-    def __init__(self, scene: Scene, count: int, engine: Engine) -> None:
+    def __init__(self, scene: Scene, count: int) -> None:
         begin = perf_counter()
-        self.scene, self.engine = scene, engine
+        self.scene = scene
         self.layout = ball_layout(scene)
         self.mean = specimen(_without_draws(scene), self.layout)
         n = scene.ball_count
@@ -153,7 +138,7 @@ class _RadiiEnsemble:
         statuses = ["converged"] * len(self.radii)
         left = np.flatnonzero(~self.solved)
         for m in left:
-            self.loads[m], statuses[m], self.residuals[m] = _one(self.scene, int(m), self.engine)
+            self.loads[m], statuses[m], self.residuals[m] = _one(self.scene, int(m))
         count = len(self.radii)
         return EnsembleResult(
             self.scene.name,
@@ -176,7 +161,7 @@ class _RadiiEnsemble:
         mechanism = free_motions(problem)
         if mechanism.driven:
             return None
-        prepared = prepare(pin(problem, mechanism), pick_engine(self.engine, self.scene.ball_count))
+        prepared = prepare(pin(problem, mechanism), pick_engine(ENGINE, self.scene.ball_count))
         run(prepared)
         return prepared
 
@@ -313,32 +298,3 @@ def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
         j, matrix = motion_matrix(float(layout.z[i]), problem.nodes, problem.section)
         out[i, :, 6 * j : 6 * j + 12] = rows[i] @ matrix
     return out
-
-
-# --- what an ensemble says
-
-
-def bands(result: EnsembleResult, percent: Sequence[float] = (5.0, 50.0, 95.0)) -> Array:
-    """Percentiles of the load of each ball and side over the converged members, ``(len(percent), N, 4)`` [N]."""
-    return np.asarray(np.percentile(_converged_loads(result), percent, axis=0))
-
-
-def share_touching(result: EnsembleResult, sides: Sequence[str] = ("SR", "NL")) -> float:
-    """Fraction of converged members in which any ball carries load on any of the named sides."""
-    picked = [SIDES.index(name) for name in sides]
-    return float(np.mean((_converged_loads(result)[:, :, picked] > 0.0).any(axis=(1, 2))))
-
-
-def load_ratios(result: EnsembleResult, side: str = "SL") -> Array:
-    """Largest over smallest ball load on a side per converged member; inf where a ball is lost, nan without load."""
-    loads = _converged_loads(result)[:, :, SIDES.index(side)]
-    high, low = loads.max(axis=1), loads.min(axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(high / low)
-
-
-def _converged_loads(result: EnsembleResult) -> Array:
-    mask = result.converged
-    if not np.any(mask):
-        raise ValueError(f"no member of {result.scene} converged: {result.statuses[0]}")
-    return np.asarray(result.loads[mask])

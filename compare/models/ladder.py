@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from compare.measure import LoadError, error_percent, load_error
 from compare.models.comparison import REFERENCED
 from compare.models.model_form import Point, estimate, features
-from compare.models.registry import Options, run_model
+from compare.models.registry import MODELS, Options, run_model
 from compare.models.study import Study
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.runs import Reference, bodies_path, reference, shipped_store
+from compare.reference.runs import Reference, bodies_path, shipped_store
+from compare.scenes.catalogue import with_role
 from lowfi.compliance.bodies import forget
 from lowfi.statics.result import StaticResult
 from meshes.parts import Scene
@@ -25,19 +26,11 @@ from meshes.parts import Scene
 Array = NDArray[np.float64]
 
 #: Screws and a bearing that were not used while the refined model was developed: changed parts, and catalogue sizes.
-CHANGED = ("unseen-thin-nut", "unseen-short-nut", "unseen-hollow", "unseen-flange", "unseen-lead10")
-CATALOGUE = ("unseen-16x5", "unseen-25x5", "unseen-32x10", "unseen-40x10", "unseen-63x20", "unseen-four-point")
-UNSEEN = (*CHANGED, *CATALOGUE)
+CHANGED, CATALOGUE, UNSEEN = (with_role(f"unseen{kind}") for kind in (", changed", ", catalogue", ""))
 #: Those of most contacts, whose finest level takes six minutes and 6 GB: two levels.
 LARGE = ("unseen-25x5", "unseen-40x10", "unseen-lead10")
-#: Rungs by model name, with what each adds.
-RUNGS = {
-    "lin": "the source's model: beam by C.8, rigid nut",
-    "lin-cell": "+ section of the grooved cell",
-    "lin-nut": "+ nut as a beam",
-    "refined": "+ kernels, flanks and balls (the default)",
-    "condensed": "bodies from the condensed 3D model",
-}
+#: Models on the ladder, from the source's upwards.
+RUNGS = tuple(sorted((m for m in MODELS.values() if m.ladder_step), key=lambda m: m.ladder_step or (0, "")))
 
 
 @dataclass(frozen=True)
@@ -64,36 +57,39 @@ def finest_bodies(scene: Scene, found: Reference, stores: Sequence[Path] | None)
     return None
 
 
-def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None = None) -> list[Rung]:
+def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> list[Rung]:
     """Every rung that a scene's stored data allow."""
     rungs = []
     for model in RUNGS:
-        options = Options(discretisation=False, engine="interpreted", estimate=False)
-        if model == "condensed":
+        options = Options(discretisation=False, engine="interpreted")
+        if model.name == "condensed":
             path = finest_bodies(scene, found, stores)
             if path is None:
                 continue
             options = replace(options, condensed=path)
         forget()
         start = perf_counter()
-        result = run_model(scene, model, options)
+        result = run_model(scene, model.name, options)
         seconds = perf_counter() - start
         bias = float(error_percent(result.load.sum(), found.load.sum()))
         rungs.append(
-            Rung(scene.name, model, result, load_error(result.load, found.load), uncertainty_percent(found), bias, seconds)
+            Rung(
+                scene.name,
+                model.name,
+                result,
+                load_error(result.load, found.load),
+                uncertainty_percent(found),
+                bias,
+                seconds,
+            )
         )
     return rungs
 
 
-def ladder(study: Study, stores: Sequence[Path] | None = None, names: Sequence[str] = (*REFERENCED, *UNSEEN)) -> list[Rung]:
+def ladder(study: Study) -> list[Rung]:
     """Every rung of every scene that has a stored reference."""
-    rungs = []
-    for name in names:
-        scene = study.scene(name)
-        found = reference(scene, stores)
-        if found is not None:
-            rungs += climb(scene, found, stores)
-    return rungs
+    found = study.references((*REFERENCED, *UNSEEN))
+    return [rung for name, ref in found.items() for rung in climb(study.scene(name), ref, study.stores)]
 
 
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:

@@ -17,10 +17,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.models.registry import MODELS
 from compare.reference.runs import shipped_store
 from compare.writing import replace_file
 from lowfi.statics.problem import nominal_hertz
-from lowfi.statics.result import ModelForm, StaticResult
+from lowfi.statics.result import StaticResult
 from meshes.parts import Scene
 from meshes.solid import dimensions
 
@@ -45,18 +46,24 @@ SCALES: dict[str, tuple[str, float]] = {
 }
 #: Fixings of the nut as a feature: any two differ by one unit.
 HELD = {"left face": (0.0, 0.0), "right face": (0.0, 0.0), "both faces": (1.0, 0.0), "outer surface": (0.0, 1.0)}
-WORDS = {
-    "lin": "screw a beam by Lin C.8, nut rigid, balls half spaces",
-    "lin-cell": "screw a beam of the grooved cell's section, nut rigid, balls half spaces",
-    "lin-nut": "screw and nut beams of the grooved cells' sections, balls half spaces",
-    "refined": "screw, nut and balls elastic, by kernels",
-    "condensed": "screw, nut and balls from a condensed 3D model",
-    "source": "screw a beam by Lin C.8, nut rigid, balls half spaces",
-    "mei": "axial bars and springs of fixed direction, nut rigid",
-    "mei-nut": "axial bars and springs of fixed direction, nut a bar",
-}
-#: Models that share their points.
-SAME = {"source": "lin"}
+
+
+@dataclass(frozen=True)
+class ModelForm:
+    """What a result may be worth: errors of the same model against a 3D reference on scenes like it.
+
+    percent, rms_percent: largest and RMS error to expect, in per cent of the mean contact load; both None where nothing
+    like the scene was ever compared: not covered. distance: to the nearest compared scene, 1 at the edge of what counts as
+    like it; nearest: that scene; compared: how many scenes of its kind were; words: which ingredients are in, and what is
+    unlike.
+    """
+
+    percent: float | None
+    rms_percent: float | None
+    distance: float
+    nearest: str
+    compared: int
+    words: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -133,11 +140,11 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings count apart from screws), and
     scenes further than one unit from every compared one.
     """
-    model = SAME.get(result.model, result.model)
+    model = MODELS[result.model]
     ring = scene.track.lead == 0.0
-    own = [p for p in (shipped_points() if points is None else points) if p.model == model]
+    own = [p for p in (shipped_points() if points is None else points) if p.model == (model.errors_of or model.name)]
     like = [p for p in own if (p.features["lead"] == 0.0) == ring]
-    words: tuple[str, ...] = (WORDS[model],)
+    words: tuple[str, ...] = (model.words,)
 
     def uncovered(why: str, away: float = float("inf"), nearest: str = "") -> ModelForm:
         return ModelForm(None, None, away, nearest, len(like), (*words, why))

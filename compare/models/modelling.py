@@ -79,7 +79,7 @@ def varied(scene: Scene, stores: Sequence[Path] | None = None) -> list[Effect]:
             out.append(effect(scene.name, name, variant.label, variant.choice, variant.kind, run.load, against.load))
     if not out:
         return []
-    options = Options(discretisation=False, estimate=False)
+    options = Options(discretisation=False)
     straight, turned = (run_model(s, DEFAULT, options).load for s in (scene, twisted(scene)))
     label = "supports turned by the largest twist that is dropped, by the refined model"
     return [*out, effect(scene.name, "coupling", label, TWIST, "modelling", turned, straight)]

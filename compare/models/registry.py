@@ -18,14 +18,13 @@ from meshes.parts import Scene
 @dataclass(frozen=True)
 class Options:
     """How to run: leave nothing out (``everything``), which specimen of a scene with random errors, which engine;
-    ``condensed``: file of condensed bodies for the elastic models; ``estimate``: add the model-form error estimate."""
+    ``condensed``: file of condensed bodies for the elastic models."""
 
     everything: bool = False
     member: int = 0
     engine: str = "auto"
     discretisation: bool = True
     condensed: Path | None = None
-    estimate: bool = True
 
 
 def _lin(scene: Scene, options: Options) -> StaticResult:
@@ -104,36 +103,145 @@ def _mei_nut(scene: Scene, options: Options) -> StaticResult:
     return solve_mei(scene, member=options.member, elastic_nut=True)
 
 
+def any_scene(scene: Scene) -> bool:  # noqa: ARG001 - the signature of Model.suits
+    """A model that can describe every scene."""
+    return True
+
+
+def with_beam(scene: Scene) -> bool:
+    """A model whose equations are those of a beam."""
+    return scene.ingredients.screw == "beam"
+
+
+def axial_only(scene: Scene) -> bool:
+    """Mei's model: axial loads on a beam, without preload and without a further support."""
+    axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
+    return axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1 and with_beam(scene)
+
+
 @dataclass(frozen=True)
 class Model:
-    """A model: what it is in one sentence, and its runner."""
+    """A low-order model, by all that the project says of it and does with it.
+
+    name: on the command line; about: one sentence for ``rollbench list``; label: in tables and figures; words: how screw,
+    nut and balls answer a contact force; run: its runner; suits: whether it can describe a scene; compared: takes part in
+    ``rollbench compare``; extremes: takes part in the stability table; ingredients: changes of the scene that make it a
+    variant of another model; ladder_step: its rank on the ladder from the source's model to
+    the refined one and what it adds there; errors_of: the model whose compared errors speak for it (itself unless given).
+    """
 
     name: str
     about: str
+    label: str
+    words: str
     run: Callable[[Scene, Options], StaticResult]
+    suits: Callable[[Scene], bool] = any_scene
+    compared: bool = False
+    extremes: bool = False
+    ingredients: tuple[tuple[str, Any], ...] = ()
+    ladder_step: tuple[int, str] | None = None
+    errors_of: str = ""
+
+    def scene(self, scene: Scene) -> Scene:
+        """The scene with the ingredients of this model."""
+        return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
 
 
-MODELS = {
-    m.name: m
-    for m in (
-        Model(
-            "refined",
-            "elastic grooved screw, nut and balls between Hertz contacts, no 3D solve; the default",
-            partial(_elastic, name="refined"),
-        ),
-        Model("lin", "beam screw, rigid nut, Hertz contacts; convex energy (Lin chapter 2, misprints mended)", _lin),
-        Model("lin-cell", "the same with the section of the grooved shaft", partial(_elastic, name="lin-cell")),
-        Model("lin-nut", "the same with the nut as a beam too", partial(_elastic, name="lin-nut")),
-        Model(
-            "condensed",
-            "refined, with the bodies of a condensed 3D model read from a file (--condensed FILE)",
-            partial(_elastic, name="condensed"),
-        ),
-        Model("source", "the same model in the source's own equations, plain Newton from a designer's guess", _source),
-        Model("mei", "axial bars and springs of fixed direction, rigid nut (Mei et al. 2003)", _mei),
-        Model("mei-nut", "the same with the nut as an elastic bar held at its left face", _mei_nut),
-    )
-}
+C_8, HALF_SPACES = "screw a beam by Lin C.8, nut rigid, balls half spaces", "balls half spaces"
+BARS = "axial bars and springs of fixed direction"
+_ALL = (
+    Model(
+        "refined",
+        "elastic grooved screw, nut and balls between Hertz contacts, no 3D solve; the default",
+        "refined model",
+        "screw, nut and balls elastic, by kernels",
+        partial(_elastic, name="refined"),
+        compared=True,
+        extremes=True,
+        ladder_step=(4, "+ kernels, flanks and balls (the default)"),
+    ),
+    Model(
+        "lin",
+        "beam screw, rigid nut, Hertz contacts; convex energy (Lin chapter 2, misprints mended)",
+        "the source's low-order model",
+        C_8,
+        _lin,
+        compared=True,
+        ladder_step=(1, "the source's model: beam by C.8, rigid nut"),
+    ),
+    Model(
+        "lin-source-partition",
+        "lin with the source's beam partition of 15 mm in the nut",
+        "the source's model on its 15 mm partition",
+        C_8,
+        _lin,
+        compared=True,
+        ingredients=(("partition", "source"),),
+    ),
+    Model(
+        "lin-printed-hertz",
+        "lin with the Hertz constants as printed (faults of Table B.1)",
+        "the source's model, Hertz constants as printed",
+        C_8,
+        _lin,
+        compared=True,
+        ingredients=(("hertz", "as printed"),),
+    ),
+    Model(
+        "lin-cell",
+        "the same with the section of the grooved shaft",
+        "the source's model, section of the grooved cell",
+        f"screw a beam of the grooved cell's section, nut rigid, {HALF_SPACES}",
+        partial(_elastic, name="lin-cell"),
+        ladder_step=(2, "+ section of the grooved cell"),
+    ),
+    Model(
+        "lin-nut",
+        "the same with the nut as a beam too",
+        "the source's model, nut as a beam",
+        f"screw and nut beams of the grooved cells' sections, {HALF_SPACES}",
+        partial(_elastic, name="lin-nut"),
+        extremes=True,
+        ladder_step=(3, "+ nut as a beam"),
+    ),
+    Model(
+        "condensed",
+        "refined, with the bodies of a condensed 3D model read from a file (--condensed FILE)",
+        "refined model, bodies from the condensed 3D model",
+        "screw, nut and balls from a condensed 3D model",
+        partial(_elastic, name="condensed"),
+        ladder_step=(5, "bodies from the condensed 3D model"),
+    ),
+    Model(
+        "source",
+        "the same model in the source's own equations, plain Newton from a designer's guess",
+        "the source's own equations and iteration",
+        C_8,
+        _source,
+        suits=with_beam,
+        errors_of="lin",
+    ),
+    Model(
+        "mei",
+        "axial bars and springs of fixed direction, rigid nut (Mei et al. 2003)",
+        "Mei: axial bars, rigid nut",
+        f"{BARS}, nut rigid",
+        _mei,
+        suits=axial_only,
+        compared=True,
+    ),
+    Model(
+        "mei-nut",
+        "the same with the nut as an elastic bar held at its left face",
+        "Mei: axial bars, nut as a bar",
+        f"{BARS}, nut a bar",
+        _mei_nut,
+        suits=axial_only,
+        compared=True,
+    ),
+)
+#: Every model by name, in the order of tables.
+MODELS = {m.name: m for m in _ALL}
 
 
 #: The model that is used unless another one is asked for.
@@ -149,12 +257,7 @@ def run_model(scene: Scene, name: str = DEFAULT, options: Options | None = None)
         raise InputError(scene.name, "member", str(options.member), "0", "the scene has no random errors: leave it out")
     try:
         with np.errstate(all="ignore"):
-            result = MODELS[name].run(scene, options)
+            result = MODELS[name].run(MODELS[name].scene(scene), options)
     except ValueError as error:
         raise Refusal(scene.name, "scene", str(error), "check the geometry and the ingredients") from error
-    result = replace(result, model=name, member=options.member)
-    if options.estimate and result.converged:
-        from compare.models.model_form import estimate
-
-        result = replace(result, model_form=estimate(scene, result))
-    return result
+    return replace(result, model=name, member=options.member)

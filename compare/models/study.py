@@ -1,22 +1,38 @@
-"""Results of scenes and models, each solved once per report or gate."""
+"""Scenes, results and references, each made once per report, gate or test module."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar, cast
 
+from compare.models.ensemble import EnsembleResult, run_ensemble
 from compare.models.registry import Options, run_model
+from compare.reference.runs import Reference, reference
 from compare.scenes import catalogue
 from lowfi.statics.result import StaticResult
-from meshes.parts import Ingredients, Scene
+from meshes.parts import Scene
+
+T = TypeVar("T")
 
 
 @dataclass
 class Study:
-    """A cache of solved scenes. Scenes are named as shipped; ``changed`` makes variants of them."""
+    """What a report, a gate or a test works on: scenes by name, results, ensembles and stored 3D references.
 
+    stores: folders of runs of the 3D reference, in the order they are searched (None: those of the package); members:
+    drawn screws of an ensemble (None: as many as the scene says; 0: no ensemble is made, and what needs one stays open);
+    quick: coarse meshes only; cache: folder of meshes and condensed parts (None: none).
+    """
+
+    stores: Sequence[Path] | None = None
+    members: int | None = None
+    quick: bool = False
+    cache: Path | None = None
     scenes: dict[str, Scene] = field(default_factory=dict)
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
+    made: dict[Any, Any] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:
         """Shipped scene by name."""
@@ -34,14 +50,39 @@ class Study:
         parts = self.scene(scene) if isinstance(scene, str) else scene
         key = (parts, model, member)
         if key not in self.results:
-            self.results[key] = run_model(parts, model, Options(member=member, discretisation=False, estimate=False))
+            self.results[key] = run_model(parts, model, Options(member=member, discretisation=False))
         return self.results[key]
+
+    def once(self, make: Callable[..., T], *args: Any) -> T:
+        """``make(study, *args)``, computed on first use; the arguments must be hashable."""
+        key = (make, *args)
+        if key not in self.made:
+            self.made[key] = make(self, *args)
+        return cast(T, self.made[key])
+
+    def ensemble(self, name: str) -> EnsembleResult:
+        """Drawn screws of a shipped scene with random errors."""
+        return self.once(_ensemble, name)
+
+    def reference(self, name: str) -> Reference | None:
+        """Stored 3D reference of a shipped scene with its grid convergence; None where no store has a converged run."""
+        return self.once(_reference, name)
+
+    def references(self, names: Sequence[str]) -> dict[str, Reference]:
+        """Stored 3D references of those of the scenes that have one."""
+        found = {name: self.reference(name) for name in names}
+        return {name: ref for name, ref in found.items() if ref is not None}
+
+
+def _ensemble(study: Study, name: str) -> EnsembleResult:
+    return run_ensemble(study.scene(name), study.members)
+
+
+def _reference(study: Study, name: str) -> Reference | None:
+    return reference(study.scene(name), study.stores)
 
 
 def with_groove(scene: Scene, conformity: float) -> Scene:
     """The scene with both groove radii set to ``conformity`` times the ball's diameter."""
     radius = 2.0 * conformity * scene.balls.radius
     return replace(scene, screw=replace(scene.screw, groove_radius=radius), nut=replace(scene.nut, groove_radius=radius))
-
-
-__all__ = ["Ingredients", "Study", "with_groove"]

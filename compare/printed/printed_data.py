@@ -7,6 +7,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
+from functools import cache
 from importlib import resources
 from typing import Any, Literal, cast
 
@@ -65,13 +66,22 @@ def tables() -> list[str]:
     return sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml"))
 
 
+@cache
 def load_table(name: str) -> tuple[Printed, ...]:
-    """Rows of the shipped table ``name``, in order. Raises InputError for an unknown name or a bad row."""
+    """Rows of the shipped table ``name``, in order, read once. Raises InputError for an unknown name or a bad row."""
     if name not in tables():
         advice = "list the tables with: rollbench list"
         raise InputError("printed tables", "name", f'"{name}"', ", ".join(tables()), advice)
     text = resources.files("compare").joinpath("printed", f"{name}.toml").read_text(encoding="utf-8")
     return parse_table(text, name)
+
+
+def entry(table: str, key: str) -> Printed:
+    """Printed entry of a table by key. Raises InputError for an unknown table, KeyError for an unknown key."""
+    for row in load_table(table):
+        if row.key == key:
+            return row
+    raise KeyError(f"{table}: no printed entry {key!r}")
 
 
 def parse_table(text: str, name: str) -> tuple[Printed, ...]:

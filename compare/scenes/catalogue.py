@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import tomllib
+from functools import cache
 from importlib import resources
 from pathlib import Path
 
@@ -16,6 +18,13 @@ def scene_names() -> list[str]:
     """Names of the shipped scenes, sorted."""
     files = resources.files("compare").joinpath("scenes").iterdir()
     return sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml"))
+
+
+@cache
+def with_role(role: str) -> tuple[str, ...]:
+    """Names of the shipped scenes whose role begins with ``role``, sorted: "referenced", "unseen", "unseen, changed"."""
+    roles = {name: str(tomllib.loads(scene_text(name)).get("role", "")) for name in scene_names()}
+    return tuple(name for name, own in roles.items() if own.startswith(role))
 
 
 def scene_text(name: str) -> str:

@@ -103,8 +103,9 @@ def template() -> str:
 
 
 def scene_hash(text: str) -> str:
-    """First 16 hexadecimal digits of the SHA-256 of a scene's text."""
-    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
+    """First 16 hexadecimal digits of the SHA-256 of a scene's text, without its role: that says nothing of the scene."""
+    described = re.sub(r"(?m)^role = .*\n", "", text)
+    return hashlib.sha256(described.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 def read_toml(text: str, origin: str) -> dict[str, Any]:
@@ -163,6 +164,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
         members=keys.members,
         friction=None if keys.friction is None else _friction(keys.friction),
         motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
+        role=keys.role,
     )
 
 

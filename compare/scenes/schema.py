@@ -255,6 +255,11 @@ class SceneKeys(Table):
     """One load case of one ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
 
     title: Sentence = key("one line saying what the scene is", example="Screw under 5 kN")
+    role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = key(
+        "of a shipped scene in the report: a case study with a 3D reference, or a scene that no model was made with",
+        "",
+        "referenced",
+    )
     source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, 2.4.1.1")
     assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
         "sentences on what the source leaves open", [], ["The nut is rigid."]

@@ -2,36 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from compare.evidence.loads_2_4_1 import READINGS
 from compare.measure import load_error
 from compare.models.registry import DEFAULT
 from compare.models.study import Study
-from compare.reference.runs import reference
 from reports.records import Cell, Column, Table
-
-
-@dataclass(frozen=True)
-class Reading:
-    """One reading of the right end: words, its scenes without and with offset, and whether it is the text's own."""
-
-    label: str
-    plain: str
-    offset: str
-    of_text: bool = False
-
-
-#: Readings of the right end; the others are measured against the first, which the 3D reference has.
-READINGS = (
-    Reading("ux and uy held", "lin-case3", "lin-case3-offset"),
-    Reading("ux, uy and rotations held", "lin-case3-clamped", "lin-case3-offset-clamped"),
-    Reading("only ux held", "lin-case3-ux", "lin-case3-offset-ux", of_text=True),
-)
 
 
 def reference_words(study: Study, name: str) -> str:
     """Which 3D reference a scene has, in words."""
-    found = reference(study.scene(name))
+    found = study.reference(name)
     return "none stored" if found is None else f"level {found.runs[-1].level}"
 
 

@@ -7,106 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.measure import error_percent, load_error
+from compare.evidence.hertz_b1 import TABLE_CONFORMITY
+from compare.evidence.loads_2_4_1 import CASES, READINGS, ratio, section_2_4_1, spread_of_choices
+from compare.measure import load_error
 from compare.models.study import Study, with_groove
-from compare.printed.findings import Finding, collect, entry, share
-from compare.sections.case3 import READINGS, readings_table
-from compare.sections.hertz import TABLE_CONFORMITY
-from lowfi.statics.result import Array, StaticResult
+from compare.sections.case3 import readings_table
+from compare.sections.curves import loads
+from compare.sections.finding_table import printed_table
+from lowfi.statics.result import StaticResult
 from meshes.errors import specimen
 from meshes.helix import ball_layout
-from meshes.partition import fixed_partition
 from meshes.parts import SIDES, Scene
 from reports.records import Cell, Column, Figure, LoadedScrew, Panel, Section, Series, Table, Text
-
-CASES = ("lin-case1", "lin-case2", *(name for r in READINGS for name in (r.plain, r.offset)))
-
-
-def ball_numbers(result: StaticResult) -> list[float]:
-    """1 to n."""
-    return [float(i + 1) for i in range(result.z.size)]
-
-
-def loads(label: str, result: StaticResult, side: int, *, emphasis: bool = False) -> Series:
-    """Curve of the loads of one side over the ball number."""
-    return Series(label, ball_numbers(result), [float(x) for x in result.load[:, side]], emphasis=emphasis)
-
-
-def ratio(load: Array) -> float:
-    """Largest over smallest load; infinite where a ball is not loaded."""
-    return float(load.max() / load.min()) if load.min() > 0.0 else float("inf")
-
-
-def spread_of_choices(study: Study) -> str:
-    """Range of the ratio over the beam's partition and the readings of C.8."""
-    variants = [
-        study.changed("lin-case1", partition=p, section=s)
-        for p in ("nodal", "source")
-        for s in ("groove", "groove squared")
-    ]
-    ratios = [ratio(study.solve(v).load[:, 0]) for v in variants]
-    return f"{min(ratios):.4f} to {max(ratios):.4f} with the beam's partition and the reading of C.8"
-
-
-def findings_241(study: Study) -> list[Finding]:
-    """Numbers and claims of 2.4.1."""
-    table = "lin-2.4.1"
-    case1, case2 = study.solve("lin-case1"), study.solve("lin-case2")
-    mei = study.solve("lin-case1", "mei")
-    cases3 = [study.solve(name) for name in CASES[2:]]
-    lateral = 1e6 * float(np.hypot(case1.centreline[:, 0], case1.centreline[:, 1]).max())
-    change = error_percent(case2.load[:, 0], case1.load[:, 0], float(case1.load[:, 0].mean()))
-    others = np.delete(change, 16)
-    rise = [study.solve(a).load - study.solve(b).load for a, b in ((x.offset, x.plain) for x in READINGS)]
-    last = [int(np.argsort(r[:, 1] + r[:, 2])[-3:].min()) + 1 for r in rise]
-    times = {k: entry("lin-2.2", k).value or np.nan for k in ("time_ansys_1", "time_proposed_1")}
-    found = {
-        "case1_ratio": Finding(
-            entry(table, "case1_ratio"), value=ratio(case1.load[:, 0]), evidence=spread_of_choices(study)
-        ),
-        "case1_mei": Finding(
-            entry(table, "case1_mei"),
-            holds=bool(np.all(np.diff(mei.load[:, 0]) < 0.0)),
-            evidence=f"{mei.load[0, 0]:.1f} N at ball 1 falling at every ball to {mei.load[-1, 0]:.1f} N at ball 32",
-        ),
-        "case1_two_point": Finding(
-            entry(table, "case1_two_point"),
-            holds=bool(np.all(case1.load[:, [0, 3]] > 0.0) and not np.any(case1.load[:, [1, 2]])),
-            evidence=f"SL {share(case1.load[:, 0] > 0)} loaded, SR {share(case1.load[:, 1] > 0)}",
-        ),
-        "case1_lateral": Finding(
-            entry(table, "case1_lateral"),
-            holds=lateral > 0.1,
-            evidence=f"largest lateral displacement of the centreline {lateral:.2f} um; 0 in the axial-only model",
-        ),
-        "case2_ball17": Finding(
-            entry(table, "case2_ball17"),
-            holds=bool(change[16] > 5.0 * np.abs(others).max()),
-            evidence=f"ball 17 {change[16]:+.1f} % of the mean load, every other ball within {np.abs(others).max():.2f} %",
-        ),
-        "case3_four_point": Finding(
-            entry(table, "case3_four_point"),
-            holds=all(bool(np.all(r.load > 0.0)) for r in cases3),
-            evidence=f"smallest load of any contact in all readings {min(float(r.load.min()) for r in cases3):.1f} N",
-        ),
-        "case3_last_balls": Finding(
-            entry(table, "case3_last_balls"),
-            holds=all(x >= 30 for x in last),
-            evidence="the three largest rises of SR + NL are at balls "
-            + ", ".join(f"{ball} and up ({x.label})" for ball, x in zip(last, READINGS, strict=True)),
-        ),
-        "elements": Finding(
-            entry(table, "elements"),
-            value=float(fixed_partition(study.changed("lin-case1", partition="source")).size - 1),
-            evidence="12 outside + 3 of 15 mm inside + 12 outside",
-        ),
-        "speed_ratio": Finding(
-            entry(table, "speed_ratio"),
-            value=times["time_ansys_1"] * 3600.0 / times["time_proposed_1"],
-            evidence="arithmetic of Table 2.2, case 1; our own times are in section timing",
-        ),
-    }
-    return collect(table, found)
 
 
 def choices(study: Study) -> list[dict[str, Cell]]:
@@ -167,36 +79,6 @@ CHOICE_COLUMNS = (
     Column("uz", "axial displacement at the load", "µm", ".2f"),
     Column("status", "status", "", "s"),
 )
-
-FINDING_COLUMNS = (
-    Column("label", "quantity or claim", "", "s"),
-    Column("place", "place", "", "s"),
-    Column("printed", "printed", "", "s"),
-    Column("unit", "unit", "", "s"),
-    Column("value", "ours", "", "g5"),
-    Column("error", "error", "%", ".2f"),
-    Column("class", "class", "", "s"),
-    Column("verdict", "verdict", "", "s"),
-    Column("evidence", "evidence", "", "s"),
-)
-
-
-def finding_rows(found: Sequence[Finding]) -> list[dict[str, Cell]]:
-    """Rows of a findings table."""
-    return [
-        {
-            "label": f.printed.claim or f.printed.label,
-            "place": f.printed.place.removeprefix("Lin (2019), "),
-            "printed": f.printed.printed or "–",
-            "unit": f.printed.unit,
-            "value": f.compared,
-            "error": f.error_percent,
-            "class": f.printed.cls,
-            "verdict": f.verdict,
-            "evidence": f.evidence or f.printed.remark,
-        }
-        for f in found
-    ]
 
 
 def load_table(study: Study) -> Table:
@@ -377,7 +259,7 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("cases 1, 2, 3 on four models")
-    found = findings_241(study)
+    found = study.once(section_2_4_1)
     step("what the open choices change")
     rows = choices(study)
     offset = study.solve("lin-case3-offset")
@@ -385,7 +267,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "cases",
         "Case studies 1, 2, 3 (2.4.1)",
         (
-            Table("cases-claims", "What 2.4.1 prints, and what we find", FINDING_COLUMNS, finding_rows(found)),
+            printed_table("cases-claims", "Section 2.4.1: printed and computed", found),
             *figures(study),
             picture(
                 study.scene("lin-case3-offset"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 from compare.crosscheck.data import CrossData, load, shipped
@@ -11,7 +11,7 @@ from compare.crosscheck.rows import agreement, columns, contact_rows
 from compare.crosscheck.study import STUDIES, scene_key
 from compare.measure import error_percent, load_error
 from compare.models.study import Study
-from compare.reference.runs import Reference, reference
+from compare.reference.runs import Reference
 from reports.records import Cell, Column, Section, Table, Text
 
 ABOUT = (
@@ -94,15 +94,12 @@ def contact_table(data: CrossData, ours: Reference, limit: Extrapolation) -> Tab
     return Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads", table, [r.cells() for r in rows], note)
 
 
-def section(
-    study: Study, step: Callable[[str], None], stores: Sequence[Path] | None = None, folder: Path | None = None
-) -> Section:
+def section(study: Study, step: Callable[[str], None], folder: Path | None = None) -> Section:
     """Section of the report; folder: of CalculiX's results (None: those of the package)."""
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:
         step(f"{name}: the 3D reference beside CalculiX")
-        scene = study.scene(name)
-        data, ours = load(folder or shipped(), name), reference(scene, stores)
+        data, ours = load(folder or shipped(), name), study.reference(name)
         if data is None or data.key != scene_key(name):
             items.append(Text((f"{name}: no results of CalculiX are stored for the scene as it is.",)))
             continue

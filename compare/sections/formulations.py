@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Literal
 
 from compare.measure import load_error
+from compare.models.source_start import best_start
 from compare.models.study import Study
-from lowfi.as_source.static import SourceSolution, solve_source
-from meshes.parts import Scene
 from reports.records import Cell, Column, Section, Table, Text
 
 SCENES = (
@@ -23,19 +23,12 @@ SCENES = (
 )
 
 
-def best_start(scene: Scene, kinematics: str) -> SourceSolution:
-    """The source's Newton from its designer's guess, or by load steps where that fails."""
-    solution = solve_source(scene, kinematics=kinematics, start="guess")  # type: ignore[arg-type]
-    if solution.converged:
-        return solution
-    return solve_source(scene, kinematics=kinematics, start="load steps")  # type: ignore[arg-type]
-
-
 def agreement(study: Study, name: str) -> dict[str, Cell]:
     """Differences of the source's solver from ours on one scene, in per cent of the mean load."""
     scene, ours = study.scene(name), study.solve(name)
     row: dict[str, Cell] = {"scene": name, "iterations": ours.solver.iterations, "residual": ours.solver.residual}
-    for kinematics in ("arc", "source"):
+    kinds: tuple[Literal["arc", "source"], ...] = ("arc", "source")
+    for kinematics in kinds:
         theirs = best_start(scene, kinematics)
         row[kinematics] = load_error(ours.load, theirs.load).max_percent if theirs.converged else None
         row[f"{kinematics}_status"] = theirs.status

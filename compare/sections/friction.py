@@ -2,34 +2,20 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 from math import degrees, radians
 
 import numpy as np
 
-from compare.evidence.rotary_linear import (
-    AXIAL,
-    CASES,
-    LINEAR,
-    LOADS,
-    ROTARY,
-    TABLES,
-    VERTICAL,
-    WORST,
-    Ours,
-    as_printed,
-    findings,
-    numbers,
-    ours,
-    pair,
-    right,
-)
+from compare.evidence.registry import evidence
+from compare.evidence.rotary_linear import AXIAL, CASES, LINEAR, LOADS, ROTARY, VERTICAL, WORST, as_printed, pair, right
 from compare.measure import error_percent
 from compare.models.study import Study
-from compare.printed.findings import Finding, entry, sentences
+from compare.printed.printed_data import entry
+from compare.sections.curves import numbers
+from compare.sections.finding_table import printed_table
 from lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, inner_torque, source_law, sweep
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.contact.motion import balance_by_root, least_dissipation
@@ -39,82 +25,23 @@ from reports.records import Cell, Column, Figure, Panel, Section, Series, Table,
 
 # --- tables
 
-NO_FAULT = "As printed is empty where the source has no fault that changes the number."
+TABLES = ("lin-3.1", "lin-3.2", "lin-3.3", "lin-3.4", "lin-3.5", "lin-G")
 #: Significant digits shown; Table 3.2 prints seven.
 DIGITS = {"lin-3.2": 7}
+NOTES = {
+    "lin-3.2": "As printed: Hertz constants by the method of Table B.1 (F = 1, second fundamental form alone), the sigmoid "
+    "with k_S = 100, maps interpolated linearly. Right: exact Hertz constants, Coulomb friction, least dissipation. The "
+    "error is that of the value that the class says: as printed for class as-printed, right for the others.",
+    "lin-3.5": "The times are those of the source's machine and are not compared.",
+}
 
 
-def printed_columns(digits: int) -> tuple[Column, ...]:
-    """Columns of a table of printed entries."""
-    return (
-        Column("label", "quantity or claim", "", "s"),
-        Column("unit", "unit", "", "s"),
-        Column("printed", "printed", "", "s"),
-        Column("as_printed", "as printed, ours", "", f"g{digits}"),
-        Column("right", "right", "", f"g{digits}"),
-        Column("error", "error", "%", "g3"),
-        Column("class", "class", "", "s"),
-        Column("verdict", "verdict", "", "s"),
-        Column("remark", "remark", "", "s"),
-    )
-
-
-def own_error(f: Finding) -> float | None:
-    """Error [%] for a cell: none where the printed number is zero and ours is not, zero where it is round-off."""
-    error = f.error_percent
-    if error is None or not np.isfinite(error):
-        return None
-    return error if abs(error) > 1e-9 else 0.0
-
-
-def printed_rows(found: Sequence[Finding]) -> list[dict[str, Cell]]:
-    """Rows of the printed entries of one table; an entry from elsewhere in the text says where from."""
-    own = Counter(f.printed.place for f in found).most_common(1)[0][0]
-    rows: list[dict[str, Cell]] = []
-    for f in found:
-        p = f.printed
-        true = ours()[p.table].get(p.key, Ours()).right
-        where = "" if p.place == own else f" ({p.place.removeprefix('Lin (2019), ')})"
-        rows.append(
-            {
-                "label": (p.claim or p.label) + where,
-                "unit": p.unit,
-                "printed": p.printed or "–",
-                "as_printed": f.as_printed,
-                "right": true,
-                "error": own_error(f),
-                "class": p.cls,
-                "verdict": f.verdict,
-                "remark": sentences(f.evidence, p.remark),
-            }
-        )
-    return rows
-
-
-def number_remarks(rows: Sequence[dict[str, Cell]]) -> list[str]:
-    """Replace remarks that rows share by their number; returns these remarks in order."""
-    count = Counter(str(row["remark"]) for row in rows)
-    common = [text for text, times in count.items() if times > 2]
-    for row in rows:
-        if row["remark"] in common:
-            row["remark"] = f"remark {common.index(str(row['remark'])) + 1}"
-    return common
-
-
-def printed_table(found: Sequence[Finding], table: str) -> Table:
-    """One printed table with ours beside it."""
-    rows = printed_rows([f for f in found if f.printed.table == table])
-    common = number_remarks(rows)
-    notes = {
-        "lin-3.2": "As printed: Table B.1's way of Hertz (F = 1, second fundamental form alone), the sigmoid with "
-        "k_S = 100, maps interpolated linearly. Right: exact Hertz constants, Coulomb friction, least dissipation. The "
-        "error is that of the value that the class says: as printed for class as-printed, right for the others.",
-        "lin-3.5": f"{NO_FAULT} The times are those of the source's machine and are not compared.",
-    }
-    title = {"lin-G": "Appendix G"}.get(table, f"Table {table.removeprefix('lin-')}")
-    note = " ".join([notes.get(table, NO_FAULT), *(f"Remark {i}: {text}" for i, text in enumerate(common, 1))])
-    columns = printed_columns(DIGITS.get(table, 4))
-    return Table(f"friction-{table}", f"{title}: printed, as printed, right", columns, rows, note)
+def table_of(study: Study, name: str) -> Table:
+    """One printed table with what is computed for it."""
+    title = {"lin-G": "Appendix G"}.get(name, f"Table {name.removeprefix('lin-')}")
+    digits = DIGITS.get(name, 4)
+    found = evidence(study, name)
+    return printed_table(f"friction-{name}", f"{title}: printed and computed", found, NOTES.get(name, ""), digits=digits)
 
 
 def balance_table() -> Table:
@@ -151,10 +78,12 @@ def balance_table() -> Table:
         Column("rest", "contacts at rest", "", "s"),
         Column("status", "status", "", "s"),
     )
+    worst = max(rows, key=lambda row: abs(float(row["balance"] or 0.0)))
+    more = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
     note = (
-        "The source takes its torque from the dissipation (3.21); interpolation between its maps makes that 0.2 % more "
-        "than friction's moment in case III. In cases I and II the sigmoid moves a contact that in truth rests: the "
-        "total stays, who spends it does not."
+        f"The source takes its torque from the dissipation (3.21); interpolation between its maps makes that {more:+.1f} % "
+        f"of friction's moment in case {worst['case']}. In cases I and II the sigmoid moves a contact that rests under "
+        "Coulomb friction: the sum of the losses stays, their distribution over the contacts does not."
     )
     return Table("friction-balance", "Rotary bearing: balance of power", columns, rows, note)
 
@@ -162,7 +91,8 @@ def balance_table() -> Table:
 def sensitivity_table() -> Table:
     """The linear pair under each assumption on loads and on friction between the balls."""
     rows: list[dict[str, Cell]] = []
-    target = entry("lin-3.5", "a_force_numerical").value or 0.0
+    printed = entry("lin-3.5", "a_force_numerical")
+    target = printed.value or 0.0
     for loads, mu in product(LOADS, (0.1, 0.0)):
         r, worst = pair(loads=loads, mu_balls=mu), pair(WORST, loads, mu_balls=mu)
         rows.append(
@@ -184,15 +114,19 @@ def sensitivity_table() -> Table:
         Column("eps1", "ε₁, θ = 2°", "%", ".3f"),
         Column("eps2", "ε₂, θ = 2°", "%", ".3f"),
         Column("force", "force, θ = 2°", "N", ".3f"),
-        Column("error", "against 4.01 N", "%", ".2f"),
+        Column("error", f"against the printed {printed.printed} N", "%", ".2f"),
         Column("ratio", "total over baseline, θ = 3°", "%", ".1f"),
         Column("increase", "increase of all losses, θ = 3°", "%", ".1f"),
         Column("status", "status", "", "s"),
     )
+    forces = [float(row["force"] or 0.0) for row in rows]
+    inside = "lies within" if min(forces) <= target <= max(forces) else "lies outside"
+    deviations = " and ".join(f"{entry('lin-3.4', f'a_eps{k}_numerical').printed} %" for k in (1, 2))
     note = (
-        "diagonal: the text before (3.54); balanced: in equilibrium at the stated angles, which alone gives Table 3.4; "
-        "elastic: angles follow the loads. The printed 4.01 N lies between diagonal with and balanced without friction "
-        "between the balls; none gives all of 0.87 %, -0.79 % and 4.01 N."
+        "diagonal: the text before (3.54); balanced: in equilibrium at the stated angles; elastic: angles follow the "
+        "loads. "
+        f"The printed force of {printed.printed} N {inside} the range of the assumptions, {min(forces):.2f} to "
+        f"{max(forces):.2f} N; Table 3.4 prints deviations of {deviations} for the same case."
     )
     return Table("friction-sensitivity", "Linear pair: what the load assumption changes", columns, rows, note)
 
@@ -259,7 +193,11 @@ def stability_table() -> Table:
     return Table("friction-stability", "Linear pair: extreme cases", columns, pair_stability(), note)
 
 
-def root_rows(starts: int = 8) -> list[dict[str, Cell]]:
+#: Random starts of root finding, near and far.
+ROOT_STARTS = 8
+
+
+def root_rows() -> list[dict[str, Cell]]:
     """The source's root finding on cases I to III from random starts, beside least dissipation from the same."""
     rng, rows = np.random.default_rng(5), []
     first = {case: right(case, "as printed") for case in CASES}
@@ -267,12 +205,12 @@ def root_rows(starts: int = 8) -> list[dict[str, Cell]]:
         s, law = first[case], source_law(ROTARY, sharpness, None)
         row: dict[str, Cell] = {"case": case, "sharpness": sharpness}
         for key, off in (("near", 0.01), ("far", 0.5)):
-            begin = [s.motion.q * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(starts)]
+            begin = [s.motion.q * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
             theirs = sum(balance_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
-            row[key] = f"{theirs} of {starts}"
+            row[key] = f"{theirs} of {ROOT_STARTS}"
         least = [least_dissipation(s.problem, q, fast=True) for q in begin]
         good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
-        rows.append(row | {"ours": f"{good} of {starts}"})
+        rows.append(row | {"ours": f"{good} of {ROOT_STARTS}"})
     return rows
 
 
@@ -383,7 +321,8 @@ def map_figures() -> tuple[Figure, Figure]:
         "Ball-to-ball force and total over baseline loss (Figure 3.15)",
         [*map_panels(m, "force", "force / N"), *map_panels(m, "ratio", "loss ratio")],
         "No force where the balls part. Where they close in, force and loss grow with both parameters, up to "
-        f"{m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an increase of 185.2 %); "
+        f"{m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an increase of "
+        f"{entry('lin-3.3', 'worst_ratio').printed} %); "
         f"the formula's force falls short by up to {-m.force_error.min():.2f} N at the corners, its ratio is off by "
         f"up to {np.abs(m.ratio_error).max():.2f}, less than the force tells because its baseline errs too.",
         3,
@@ -395,26 +334,27 @@ INTRODUCTION = (
     "Cases I to III of the rotary bearing come out to every printed digit, but for one misprinted sum, when the "
     "source's faults are repeated: F = 1 with the second fundamental form alone in the Hertz constants, the sigmoid"
     " with k_S = 100 on the spin's magnitude, and friction interpolated linearly between maps. Radial displacements"
-    " of 0, 5.2 and 8 µm and the maps' step of 0.08 are not printed: they are inferred, and every number of a case "
-    "follows from one of them. Right values beside them use exact Hertz constants and Coulomb friction in closed "
+    f" of {', '.join(f'{1e6 * u:g}' for u in CASES.values())} µm and the maps' step of 0.08 are not printed: they are "
+    "inferred, and every number of a case "
+    "follows from one of them. The right values use exact Hertz constants and Coulomb friction in closed "
     "form.",
     "The linear pair uses exact Hertz constants in the source too; its formulas carry misprints (exponents of 3.51)"
-    " that are mended here. What stays open is the state of load behind the printed 4.01 N, see friction-"
-    "sensitivity.",
+    " that are mended here. What stays open is the state of load behind the printed "
+    f"{entry('lin-3.5', 'a_force_numerical').printed} N, see friction-sensitivity.",
 )
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("printed numbers of 3.2, 3.3 and appendix G")
-    found = findings(study)
+    evidence(study, *TABLES)
     step("torque and velocities of the rotary bearing")
     drawn = [torque_figure(), velocity_figure()]
     step("maps of the linear pair")
     drawn += map_figures()
     step("extreme cases and starts")
     checks = (stability_table(), root_table())
-    tables = {t: printed_table(found, t) for t in TABLES}
+    tables = {t: table_of(study, t) for t in TABLES}
     return Section(
         "friction",
         "Friction and ball motion: one ball in a rotary bearing; balls in contact in a linear bearing",

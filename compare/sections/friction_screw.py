@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from math import degrees, radians
 
 import numpy as np
 
+from compare.evidence.registry import evidence
 from compare.evidence.screw import (
     AMPLITUDES,
     ANGLES,
@@ -16,85 +16,46 @@ from compare.evidence.screw import (
     IDLE,
     SCREWS,
     SHORT,
-    TABLES,
     THETA,
-    Ours,
     cut,
-    findings_of,
     increase,
     onset,
-    ours,
     run,
     settled,
     variation,
 )
 from compare.measure import error_percent
 from compare.models.study import Study
-from compare.printed.findings import entry, sentences
+from compare.printed.printed_data import entry
+from compare.sections.finding_table import printed_table
 from compare.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
 from lowfi.as_source.run import simulate_by_root
 from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BearingCase, Row, double_row, four_point, torque_curve
 from lowfi.friction.screw.groove import Mode
-from lowfi.friction.screw.pair import INFERRED_OVERSIZE, SHIFTED, Pair, inferred, plain, solve_pair, table_3_6
+from lowfi.friction.screw.pair import INFERRED_OVERSIZE, SHIFTED, Pair, implied_load, inferred, plain, solve_pair, table_3_6
 from lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, lin_3_4_4, simulate, summarise
 from reports.records import Cell, Column, Section, Table, Text
 
 # --- tables
 
-COLUMNS = (
-    Column("label", "quantity or claim", "", "s"),
-    Column("printed", "printed", "", "s"),
-    Column("as_printed", "inferred reading", "", "g5"),
-    Column("right", "right (plain reading)", "", "g5"),
-    Column("inferred_error", "inferred against printed", "%", ".2f"),
-    Column("error", "error of the right value", "%", ".2f"),
-    Column("class", "class", "", "s"),
-    Column("verdict", "verdict", "", "s"),
-    Column("remark", "remark", "", "s"),
-)
+TABLES = ("lin-3.6", "lin-3.7", "lin-3.4.4", "lin-4.2", "lin-4.3")
+NOTES = {
+    "lin-3.7": "Open: the load state behind the numbers is not printed, and the text as it stands gives others.",
+    "lin-3.4.4": "Held against the band of the assumptions' results; the right value is that of theta = 3 deg.",
+}
 
 
-def printed_rows(values: dict[str, dict[str, Ours]], table: str) -> list[dict[str, Cell]]:
-    """Rows of a printed table; an entry from elsewhere in the text says where from."""
-    rows: list[dict[str, Cell]] = []
-    found = findings_of({table: values[table]})
-    usual = Counter(f.printed.place for f in found).most_common(1)[0][0]
-    for f in found:
-        p, own = f.printed, values[table].get(f.printed.key, Ours())
-        off = None if own.inferred is None or p.value is None else float(error_percent(own.inferred, p.value))
-        error, where = f.error_percent, "" if p.place == usual else f" ({p.place.removeprefix('Lin (2019), ')})"
-        rows.append(
-            {
-                "label": (p.claim or p.label) + where + (f" [{p.unit}]" if p.unit else ""),
-                "printed": p.printed or "–",
-                "as_printed": own.inferred,
-                "right": own.value,
-                "inferred_error": off,
-                "error": None if error is None else round(error, 9) + 0.0,
-                "class": p.cls,
-                "verdict": f.verdict,
-                "remark": sentences(own.evidence, p.remark, p.origin and f"Band: {p.origin}"),
-            }
-        )
-    return rows
+#: Labels of rows that the introduction quotes.
+AS_TEXT, UNCOUPLED = "text as it stands, friction moves the balls", "loads not coupled to friction"
+OVERSIZED = f"{1e6 * INFERRED_OVERSIZE:g} µm oversize, not coupled"
+AS_CASE, SOURCE_RULE = "as the case study", "the source's rule of contact"
 
 
-def printed_table(values: dict[str, dict[str, Ours]], table: str) -> Table:
-    """One printed table with ours beside it."""
-    rows, columns = printed_rows(values, table), list(COLUMNS)
-    if all(row["as_printed"] is None for row in rows):
-        labels = {"right": "right", "error": "error"}
-        columns = [
-            replace(c, label=labels.get(c.key, c.label)) for c in COLUMNS if c.key not in ("as_printed", "inferred_error")
-        ]
-        rows = [{c.key: row[c.key] for c in columns} for row in rows]
-    notes = {
-        "lin-3.7": "Open: the load state behind the numbers is not printed, and the text as it stands gives others.",
-        "lin-3.4.4": "Held against the band of the assumptions' results; the right value is that of theta = 3 deg.",
-    }
-    name = table.removeprefix("lin-")
-    title = f"Section {name}" if name in ("3.4.4", "4.3") else f"Table {name}"
-    return Table(f"friction-{table}", f"{title}: printed and ours", columns, rows, notes.get(table, ""))
+def table_of(study: Study, name: str) -> Table:
+    """One printed table with what is computed for it."""
+    short = name.removeprefix("lin-")
+    title = f"Section {short}" if short in ("3.4.4", "4.3") else f"Table {short}"
+    return printed_table(f"friction-{name}", f"{title}: printed and computed", evidence(study, name), NOTES.get(name, ""))
 
 
 def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
@@ -107,11 +68,11 @@ def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
     half, more = 0.5 * INFERRED_OVERSIZE, 1.5 * INFERRED_OVERSIZE
     one, faulty = (1.0, 0.0, 0.0, 0.0), table_3_6(hertz="as printed")
     return [
-        ("plain", "text as it stands, friction moves the balls", plain),
-        ("plain, varied", "loads not coupled to friction", wide(plain, coupling="none")),
+        ("plain", AS_TEXT, plain),
+        ("plain, varied", UNCOUPLED, wide(plain, coupling="none")),
         ("plain, varied", "friction moves balls and screw", wide(plain, coupling="ball and screw")),
         ("plain, varied", "50 N radially on each ball, not coupled", radial),
-        ("inferred", "1.7 µm oversize, not coupled", inferred),
+        ("inferred", OVERSIZED, inferred),
         ("inferred, varied", "1.7 µm, friction moves the balls", wide(inferred, coupling="ball")),
         ("inferred, varied", "1.7 µm, friction moves balls and screw", wide(inferred, coupling="ball and screw")),
         ("inferred, varied", "half the oversize", wide(inferred, oversize=half)),
@@ -149,8 +110,10 @@ def readings_table() -> Table:
             Column(f"load_{case}", "contact load a ball", "N", ".0f"),
         ]
     columns.append(Column("status", "status", "", "s"))
+    printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in THETA}
     note = (
-        "Printed: 1.92 N and 39.2 % (a), 2.89 N and 60.2 % (b). Oversize is of the ball's radius; it was chosen so "
+        f"Printed: {', '.join(f'{force} N and {more} % ({case})' for case, (force, more) in printed.items())}. "
+        "Oversize is of the ball's radius; it was chosen so "
         "that the printed force and increase agree on the contact load, and is nowhere in the source."
     )
     return Table("friction-readings", "Table 3.7 in plain and inferred readings", columns, rows, note)
@@ -201,7 +164,7 @@ def source_run_row(run: Run) -> dict[str, Cell]:
     torque = r.groove_torque[1:]
     overlap = 100.0 * r.overlap / run.groove.pair.spacing
     return {
-        "assumption": "the source's rule of contact",
+        "assumption": SOURCE_RULE,
         "value": f"as the case study, 3°; balls overlap in {r.overlapping} steps, by up to {overlap:.1f} % of their size",
         "largest": 100.0 * float(ratio[top]),
         "at": float(angle[top]),
@@ -216,9 +179,7 @@ def source_run_row(run: Run) -> dict[str, Cell]:
 def run_table() -> Table:
     """Sensitivity of the whole run to what 3.4.4 does not print."""
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
-    rows = [
-        summary_row("as the case study", f"{n}, 1.7 µm, 200 steps", run(a)) for n, a in zip(names, AMPLITUDES, strict=True)
-    ]
+    rows = [summary_row(AS_CASE, f"{n}, 1.7 µm, 200 steps", run(a)) for n, a in zip(names, AMPLITUDES, strict=True)]
     rows.append(source_run_row(lin_3_4_4()))
     rows += [summary_row(name, value, simulate(lin_3_4_4(**(SHORT | new)))) for name, value, new in run_changes()]
     columns = (
@@ -232,8 +193,10 @@ def run_table() -> Table:
         Column("torque", "mean groove torque", "N mm", ".2f"),
         Column("steps", "steps converged", "", "s"),
     )
+    largest, at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest", "largest_at", "none_at"))
     note = (
-        "Printed: 49.6 % at 126°, no contact at 306°, four groups. The third row is the same run by root finding as in "
+        f"Printed: {largest} % at {at}°, no contact at {none_at}°, four groups. The third row is the same run by root "
+        "finding as in "
         "the source, where neighbours touch if they are near and close in when alone (3.77): overlapping balls that "
         "part count as free, and fewer forces are found. Below these rows one assumption at a time "
         "is changed from theta = 3°, 1500 N, 1.7 µm oversize, loads not coupled, over one turn of the nut in steps of "
@@ -282,7 +245,8 @@ def bearing_table() -> Table:
         Column("status", "status", "", "s"),
     )
     note = (
-        "Printed for the four-point bearing: 5.69. Friction coefficient 0.1 and the freedom to tilt are assumed; the "
+        f"Printed for the four-point bearing: {entry('lin-4.3', 'ratio_4p').printed}. Friction coefficient "
+        f"{four_point().groove.mu:g} and the freedom to tilt are assumed; the "
         "ratio does not depend on the friction coefficient. Range of load angles read off the source's figure."
     )
     return Table("friction-bearings", "Bearings of Table 4.2: torque over load angle", columns, rows, note)
@@ -319,27 +283,54 @@ def onset_table(study: Study) -> Table:
     return Table("friction-onset", "Pitch against roundness error: when balls meet (4.3.2)", columns, rows, note)
 
 
-INTRODUCTION: Sequence[str] = (
-    "The source does not print the load state of the pair in 3.4.3. Taken at its word (no oversize, 50 N along the "
-    "axis) one diagonal carries nearly all: a quarter to a third of the printed forces, half of them where friction "
-    "moves the balls and loads a third contact. Printed force and increase together imply nearly twice that contact "
-    "load, which 1.7 µm of oversize would give. The plain reading is held against the "
-    "printed numbers; the inferred one stands beside it, labelled so, because its oversize comes from these very "
-    "numbers.",
-    "The run of 3.4.4 needs the amplitude, phase and pattern of theta, oversize, start and return tube besides: all "
-    "are assumptions, varied below. Torque ratio, groups and course in time come out within them. With amplitudes "
-    "of 2 and 3 degrees both nut angles come earlier than printed; the largest torque comes later only where there is "
-    "hardly any contact (1 µm of oversize, a longer return tube). The source's own rule of what touches gives about "
-    "two thirds of the torque that complementarity gives, with balls that overlap: it may be why the printed ratio "
-    "is smaller, but it does not bring the angles.",
-)
+def introduction(pairs: Table, runs: Table) -> Text:
+    """What the tables of readings and of the whole run say, in words."""
+    return Text((_of_the_pair(pairs), _of_the_run(runs)))
+
+
+def _of_the_pair(pairs: Table) -> str:
+    rows = {str(row["reading"]): row for row in pairs.rows}
+    loose, coupled = rows[UNCOUPLED], rows[AS_TEXT]
+    part, more = (
+        " and ".join(f"{100.0 + float(row[f'error_{case}'] or 0.0):.0f} %" for case in THETA) for row in (loose, coupled)
+    )
+    force, increase = (entry("lin-3.7", f"{what}_a").value or np.nan for what in ("force", "increase"))
+    implied = implied_load(inferred(radians(THETA["a"])), force, 1e-2 * increase)
+    return (
+        f"The source does not print the load state of the pair in 3.4.3. As the text stands (no oversize, "
+        f"{plain(0.0).force[0]:g} N along the axis) one diagonal carries nearly all: {part} of the printed forces "
+        "(cases a and "
+        f"b), {more} where friction moves the balls and loads a third contact. Printed force and increase together imply "
+        f"{implied:.0f} N of contact load a ball, against {float(coupled['load_a'] or 0.0):.0f} N; "
+        f"{1e6 * INFERRED_OVERSIZE:g} µm of oversize would give {float(rows[OVERSIZED]['load_a'] or 0.0):.0f} N. The plain "
+        "reading is held against the printed numbers; the inferred one is shown with it, labelled so, because its oversize "
+        "was inferred from these numbers."
+    )
+
+
+def _of_the_run(runs: Table) -> str:
+    own = [row for row in runs.rows if row["assumption"] == AS_CASE]
+    source = next(row for row in runs.rows if row["assumption"] == SOURCE_RULE)
+    at, none_at = (entry("lin-3.4.4", key).printed for key in ("largest_at", "none_at"))
+    found = "; ".join(
+        f"theta of {a:g}°: largest at {row['at']:.0f}°, none from {row['none_at']:.0f}°"
+        for a, row in zip(AMPLITUDES, own, strict=True)
+    )
+    ratio = float(source["largest"] or 0.0) / float(own[-1]["largest"] or np.nan)
+    return (
+        "The run of 3.4.4 needs the amplitude, phase and pattern of theta, oversize, start and return tube too: all are "
+        f"assumptions, varied below. Printed are {at}° for the largest torque and {none_at}° for the end of contact; "
+        f"{found}. "
+        f"The source's rule of what touches gives {ratio:.2f} of the largest torque ratio that complementarity gives "
+        "at the "
+        "same theta, with balls that overlap, which may be why the printed ratio is smaller; it does not bring the angles."
+    )
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("printed numbers of 3.4 and 4.3")
-    values = ours(study)
-    tables = {t: printed_table(values, t) for t in TABLES}
+    tables = {t: table_of(study, t) for t in TABLES}
     step("readings and maps of two balls")
     pairs = (readings_table(), map_figure())
     step("whole screw and what its assumptions change")
@@ -350,7 +341,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "friction-screw",
         "Friction in a ball screw: two balls, a whole screw, and bearings in pairs",
         (
-            Text(INTRODUCTION),
+            introduction(pairs[0], whole[1]),
             tables["lin-3.6"],
             tables["lin-3.7"],
             *pairs,

@@ -8,9 +8,9 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.rotary_linear import numbers
 from compare.evidence.screw import ANGLES, THETA, curve, cut, run, variation
-from compare.printed.findings import entry
+from compare.printed.printed_data import entry
+from compare.sections.curves import numbers
 from lowfi.friction.bearing.pairs import TorqueCurve
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.motion import Coupling

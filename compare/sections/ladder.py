@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from compare.measure import error_percent, load_error
 from compare.models.comparison import REFERENCED
-from compare.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, points
-from compare.models.model_form import save_points
+from compare.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one
 from compare.models.study import Study
-from compare.reference.runs import reference
 from lowfi.compliance.bodies import REFINED, Backend
 from lowfi.statics.elastic import solve_elastic
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
@@ -66,7 +63,7 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
         Column("seconds", "new geometry, interpreted", "s", "g3"),
     )
     note = (
-        "; ".join(f"{model}: {what}" for model, what in RUNGS.items())
+        "; ".join(f"{m.name}: {m.ladder_step[1]}" for m in RUNGS if m.ladder_step)
         + ". Against the finest stored level of the 3D reference. Scenes named unseen were fixed before any of them was "
         "solved in 3D, and none of the model's choices was made by them; the "
         "uncertainty of a reference of two levels is three times their difference. Seconds are those of a geometry that is "
@@ -78,7 +75,7 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
 def ladder_figure(rungs: Sequence[Rung], names: Sequence[str], key: str, title: str) -> Figure | None:
     """Largest and RMS error by rung, scene by scene, with the reference's uncertainty."""
     panels = []
-    order = list(RUNGS)
+    order = [m.name for m in RUNGS]
     for name in dict.fromkeys(r.scene for r in rungs if r.scene in names):
         own = [r for r in rungs if r.scene == name]
         x = [float(order.index(r.model) + 1) for r in own]
@@ -96,11 +93,11 @@ def ladder_figure(rungs: Sequence[Rung], names: Sequence[str], key: str, title: 
     return Figure(key, title, tuple(panels), caption)
 
 
-def choices_table(study: Study, stores: Sequence[Path] | None, step: Callable[[str], None]) -> Table:
+def choices_table(study: Study, step: Callable[[str], None]) -> Table:
     """Choices of the refined model varied one at a time: what they change, and the error with them."""
     rows: list[dict[str, Cell]] = []
     for name in VARIED:
-        scene, found = study.scene(name), reference(study.scene(name), stores)
+        scene, found = study.scene(name), study.reference(name)
         if found is None:
             continue
         step(f"choices of the refined model varied on {name}")
@@ -172,17 +169,13 @@ def headline(rungs: Sequence[Rung]) -> str:
     return "In per cent of the mean load against the 3D reference: " + "; ".join(words) + "."
 
 
-def section(
-    study: Study, step: Callable[[str], None], stores: Sequence[Path] | None = None, keep: Path | None = None
-) -> Section:
-    """Section of the report; ``keep``: folder that the points of the model-form estimate are written to."""
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
     step("every rung on every scene with a reference")
-    rungs = ladder(study, stores)
+    rungs = study.once(ladder)
     title = "From the source's model to the refined one"
     if not rungs:
         return Section("ladder", title, (Text(("No run of the 3D reference was found.",)),))
-    if keep is not None:
-        save_points(keep, points(study, rungs))
     text = (
         "The refined model keeps the source's contact mechanics and energy, and lets screw, nut and balls answer contact "
         "forces: the beam takes the section of half a lead of grooved shaft (axisymmetric elements, harmonics 0 and 1), "
@@ -200,5 +193,5 @@ def section(
     ):
         figure = ladder_figure(rungs, names, key, title_of)
         items += [figure] if figure is not None else []
-    items.append(choices_table(study, stores, step))
+    items.append(choices_table(study, step))
     return Section("ladder", title, (*items, estimate_table(study, rungs)))

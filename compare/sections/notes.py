@@ -6,8 +6,9 @@ import tomllib
 from collections.abc import Callable, Sequence
 from importlib import resources
 
+from compare.evidence.record import TAKEN, WITHIN, Evidence
+from compare.evidence.registry import evidence
 from compare.models.study import Study
-from compare.printed.findings import TAKEN, WITHIN, Finding
 from lowfi.statics.summary import MODEL_ASSUMPTIONS
 from reports.records import Cell, Column, Section, Table, Text
 
@@ -31,7 +32,7 @@ def assumptions(study: Study) -> list[dict[str, Cell]]:
     ]
 
 
-def not_reproduced(found: Sequence[Finding]) -> list[dict[str, Cell]]:
+def not_reproduced(found: Sequence[Evidence]) -> list[dict[str, Cell]]:
     """Entries that are not reproduced, and those that stay open."""
     return [
         {
@@ -39,14 +40,14 @@ def not_reproduced(found: Sequence[Finding]) -> list[dict[str, Cell]]:
             "place": f.printed.place,
             "class": f.printed.cls,
             "verdict": f.verdict,
-            "why": f.evidence if f.evidence and f.agrees is not None else f.printed.remark,
+            "why": f.words if f.words and f.agrees is not None else f.printed.remark,
         }
         for f in found
         if not (f.verdict.startswith("reproduced") or f.verdict in (WITHIN, TAKEN))
     ]
 
 
-def section(study: Study, found: Sequence[Finding], step: Callable[[str], None]) -> Section:
+def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("assumptions and misprints")
     return Section(
@@ -63,7 +64,7 @@ def section(study: Study, found: Sequence[Finding], step: Callable[[str], None])
                     Column("verdict", "verdict", "", "s"),
                     Column("why", "best explanation and its evidence", "", "s"),
                 ),
-                not_reproduced(found),
+                not_reproduced(evidence(study)),
             ),
             Table(
                 "assumptions",

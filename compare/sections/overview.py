@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
-from compare.printed.findings import TAKEN, WITHIN, Finding
+from compare.evidence.record import TAKEN, WITHIN, Evidence
+from compare.evidence.registry import evidence
+from compare.models.study import Study
 from compare.printed.printed_data import KINDS
-from compare.sections.cases import FINDING_COLUMNS, finding_rows
+from compare.sections.finding_table import printed_table
 from reports.records import Cell, Column, Section, Table, Text
 
 #: What was inferred from printed results, and from which.
@@ -33,7 +35,7 @@ HOW_TO_READ = (
 )
 
 
-def counts(found: Sequence[Finding]) -> list[tuple[str, str]]:
+def counts(found: Sequence[Evidence]) -> list[tuple[str, str]]:
     """Headline figures: entries by verdict."""
     tally = Counter(f.verdict.split(":")[0] for f in found)
     order = ("reproduced", "reproduced as printed", WITHIN, "not reproduced", "open")
@@ -45,7 +47,7 @@ def counts(found: Sequence[Finding]) -> list[tuple[str, str]]:
     ]
 
 
-def kinds_table(found: Sequence[Finding]) -> Table:
+def kinds_table(found: Sequence[Evidence]) -> Table:
     """Entries by kind and verdict."""
     verdicts = ("reproduced", "reproduced as printed", WITHIN, TAKEN, "not reproduced", f"not {TAKEN}", "open")
     tally = Counter((f.printed.kind, f.verdict.split(":")[0]) for f in found)
@@ -58,8 +60,10 @@ def kinds_table(found: Sequence[Finding]) -> Table:
     return Table("kinds", "Printed entries by kind and verdict", columns, rows)
 
 
-def section(found: Sequence[Finding]) -> Section:
-    """Section of the report."""
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report, with the headline figures."""
+    step("every printed number and claim")
+    found = evidence(study)
     tally: dict[tuple[str, str], int] = Counter((f.printed.cls, f.verdict) for f in found)
     rows: list[dict[str, Cell]] = [{"class": c, "verdict": v, "count": n} for (c, v), n in sorted(tally.items())]
     return Section(
@@ -78,6 +82,7 @@ def section(found: Sequence[Finding]) -> Section:
                 rows,
             ),
             kinds_table(found),
-            Table("printed", "Every printed entry", FINDING_COLUMNS, finding_rows(found)),
+            printed_table("printed", "Every printed entry", found, place=True),
         ),
+        tuple(counts(found)),
     )

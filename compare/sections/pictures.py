@@ -73,7 +73,7 @@ class Stresses:
     patches: dict[int, SolidField]
 
 
-def solve(study: Study, step: Step, cache: Path | None) -> Solved:
+def solve(study: Study, step: Step) -> Solved:
     """Solve the scene on the coarsest level, two-sided, and choose its most loaded ball."""
     from hifi.fields import contact_forces
     from hifi.part_meshes import mesh_parts
@@ -86,7 +86,7 @@ def solve(study: Study, step: Step, cache: Path | None) -> Solved:
     settings = settings_of([scene], LEVEL)
     step(f"{SCENE} on mesh level {LEVEL}")
     with TemporaryDirectory() as folder:
-        store = Cache(cache or Path(folder))  # the meshes are needed twice
+        store = Cache(study.cache or Path(folder))  # the meshes are needed twice
         setup = prepare(scene, sides, settings, lambda _: None, cache=store)
         meshes = mesh_parts(scene, setup.map, setup.layout, setup.dims, sides, settings, store)
     result = solve_reference(setup, scene, sides=sides)
@@ -455,9 +455,9 @@ def stress_caption(solved: Solved, found: Stresses, pressure: ContactPressure) -
     return words, (own[0] / top, own[1] / top)
 
 
-def section(study: Study, step: Step, cache: Path | None = None) -> Section:
-    """Section of the report; ``cache``: folder of meshes and condensed parts (None: none)."""
-    solved = solve(study, step, cache)
+def section(study: Study, step: Step) -> Section:
+    """Section of the report."""
+    solved = solve(study, step)
     found = stresses(solved, step)
     two = pressures(solved)
     step(f"pressures of a ball of {FOUR}")

@@ -2,97 +2,79 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from compare.measure import LoadError, error_percent, load_error
 from compare.models.comparison import (
-    CONTENDERS,
     PRINTED,
     REFERENCED,
-    Contender,
-    from_model,
+    Loads,
+    from_result,
     gate_points,
     known_exceedances,
     load_ratio,
     reference_answers,
     suited,
-    summary,
 )
 from compare.models.ladder import UNSEEN
 from compare.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
+from compare.models.registry import MODELS
 from compare.models.study import Study
-from compare.printed.findings import Finding, entry
+from compare.printed.printed_data import entry
 from compare.reference.grid_summary import uncertainty_percent
 from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from compare.reference.runs import Reference, Run, load, reference
+from compare.reference.runs import Reference, Run, load
 from compare.sections.reference_time import time_items
-from meshes.parts import SIDES, Scene
+from meshes.parts import SIDES
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 References = Mapping[str, Reference]
 
 
-def references(
-    study: Study, stores: Sequence[Any] | None = None, names: Sequence[str] = REFERENCED
-) -> dict[str, Reference]:
-    """Stored references of the scenes that have one: the case studies unless ``names`` says otherwise."""
-    found = {name: reference(study.scene(name), stores) for name in names}
-    return {name: r for name, r in found.items() if r is not None}
+def case_studies(study: Study) -> dict[str, Reference]:
+    """Stored references of the case studies."""
+    return study.references(REFERENCED)
 
 
-def modelling(study: Study, stores: Sequence[Any] | None) -> dict[str, Modelling]:
+def modelling(study: Study) -> dict[str, Modelling]:
     """Modelling uncertainty of the scenes on which choices were varied."""
+    return study.once(_modelling)
+
+
+def _modelling(study: Study) -> dict[str, Modelling]:
     scenes = [study.scene(name) for name in VARIED]
-    found = {scene.name: combined(scene, varied(scene, stores)) for scene in scenes}
+    found = {scene.name: combined(scene, varied(scene, study.stores)) for scene in scenes}
     return {name: m for name, m in found.items() if m is not None}
 
 
-def findings(study: Study, stores: Sequence[Any] | None = None) -> list[Finding]:
-    """The source's errors against ANSYS, with ours against the 3D reference beside them; they stay open."""
-    out = []
-    for name, keys in PRINTED.items():
-        found = reference(study.scene(name), stores)
-        if found is None:
-            continue
-        e = load_error(study.solve(name).load, found.load)
-        for key, own, mean in zip(
-            keys[:2], (e.own_max_percent, e.own_rms_percent), (e.max_percent, e.rms_percent), strict=True
-        ):
-            out.append(
-                Finding(
-                    entry("lin-2.4.1", key),
-                    value=own,
-                    evidence=f"ours: the source's model against this project's 3D reference, in per cent of each load "
-                    f"({mean:.2f} % of the mean load); the source's ANSYS loads are not printed",
-                )
-            )
-    return out
+def answer(study: Study, name: str, model: str) -> Loads:
+    """What a low-order model says of a scene, without seconds."""
+    return from_result(study.solve(name, model))
 
 
-def error_table(study: Study, found: References, stores: Sequence[Any] | None) -> Table:
+def error_table(study: Study, found: References) -> Table:
     """Errors of every low-order model, of the source's mesh and of the extrapolation against the finest reference."""
     rows: list[dict[str, Cell]] = []
-    modelled = modelling(study, stores)
+    modelled = modelling(study)
     for name, ref in found.items():
         scene = study.scene(name)
         keys = PRINTED.get(name)
-        for contender in suited(scene):
-            e, result, _ = summary(contender, scene, ref)
-            shown = keys[:2] if keys and contender.name == "lin" else ()
+        for model in suited(scene):
+            result = study.solve(name, model.name)
+            e = load_error(result.load, ref.load)
+            shown = keys[:2] if keys and model.name == "lin" else ()
             printed = " / ".join(entry("lin-2.4.1", k).printed for k in shown) or "–"
-            rows.append(_error_row(name, contender.label, e, load_ratio(result.load), printed, uncertainty_percent(ref)))
-        source = load(scene, SOURCE_LEVEL, stores=stores)
-        for answer in reference_answers(ref, source):
-            if answer.model != f"3D level {ref.best.level}":
-                e = load_error(answer.load, ref.load)
-                rows.append(
-                    _error_row(name, LABELS[answer.model], e, load_ratio(answer.load), "–", uncertainty_percent(ref))
-                )
-        own: dict[str, Cell] = {"scene": name, "model": LABELS[f"3D level {ref.best.level}"]}
-        rows.append(own | {"load_ratio": load_ratio(ref.load), "bar": uncertainty_percent(ref)})
+            rows.append(_error_row(name, model.label, e, load_ratio(result.load), printed, uncertainty_percent(ref)))
+        source = load(scene, SOURCE_LEVEL, stores=study.stores)
+        for own in reference_answers(ref, source):
+            if own.model != f"3D level {ref.best.level}":
+                e = load_error(own.load, ref.load)
+                rows.append(_error_row(name, LABELS[own.model], e, load_ratio(own.load), "–", uncertainty_percent(ref)))
+        finest: dict[str, Cell] = {"scene": name, "model": LABELS[f"3D level {ref.best.level}"]}
+        rows.append(finest | {"load_ratio": load_ratio(ref.load), "bar": uncertainty_percent(ref)})
         for row in rows:
             if row["scene"] == name:
                 row["modelling"] = modelling_percent(name, modelled)
@@ -140,16 +122,16 @@ def _error_row(scene: str, label: str, e: LoadError, ratio: float, printed: str,
     }
 
 
-def load_tables(study: Study, found: References, stores: Sequence[Any] | None) -> list[Table]:
+def load_tables(study: Study, found: References) -> list[Table]:
     """Every contact load of every model, scene by scene."""
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
-        answers = [from_model(c, scene) for c in suited(scene)]
-        answers += reference_answers(ref, load(scene, SOURCE_LEVEL, stores=stores))
+        answers = [answer(study, name, m.name) for m in suited(scene)]
+        answers += reference_answers(ref, load(scene, SOURCE_LEVEL, stores=study.stores))
         columns = [Column("ball", "ball", "", "s"), Column("side", "side", "", "s")]
         for k, a in enumerate(answers):
-            label = CONTENDERS[a.model].label if a.model in CONTENDERS else LABELS.get(a.model, a.model)
+            label = MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model)
             columns.append(Column(f"m{k}", label, "N", ".1f"))
         columns.append(Column("bar", "uncertainty", "N", ".2f"))
         columns.append(Column("error", "error of the refined model", "% of own load", "+.2f"))
@@ -182,7 +164,7 @@ def line_table(study: Study, found: References) -> Table:
     """Centreline of the screw at the reference's stations."""
     rows: list[dict[str, Cell]] = []
     for name, ref in found.items():
-        low = from_model(CONTENDERS["refined"], study.scene(name))
+        low = answer(study, name, "refined")
         line = ref.best.centreline
         for row in line:
             cells: dict[str, Cell] = {"scene": name, "z": 1e3 * float(row[0])}
@@ -209,7 +191,7 @@ def load_figures(study: Study, found: References) -> list[Figure]:
     out = []
     for name, ref in found.items():
         scene = study.scene(name)
-        answers = {c: from_model(c, scene) for c in suited(scene) if c.name != "lin-source-partition"}
+        answers = {m: answer(study, name, m.name) for m in suited(scene) if m.name != "lin-source-partition"}
         panels = []
         for s in range(4):
             if not (ref.load[:, s] > 0.0).any() or (s >= 2 and len(ref.best.sides) == 2):
@@ -219,7 +201,7 @@ def load_figures(study: Study, found: References) -> list[Figure]:
                 low, high = ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s]
                 x = [float(i + 1) for i in range(len(low))]
                 series.insert(0, Series("its uncertainty", x, [float(v) for v in low], "band", [float(v) for v in high]))
-            series += [_curve(c.label, a.load[:, s]) for c, a in answers.items() if (a.load[:, s] > 0.0).any()]
+            series += [_curve(m.label, a.load[:, s]) for m, a in answers.items() if (a.load[:, s] > 0.0).any()]
             panels.append(Panel(SIDES[s], "ball", "contact load / N", tuple(series), integer_x=True))
         out.append(Figure(f"reference-loads-{name}", f"{name}: contact loads of all models", tuple(panels)))
     return out
@@ -229,7 +211,7 @@ def line_figure(study: Study, found: References) -> Figure:
     """Lateral deflection of the screw: beam against 3D."""
     panels = []
     for name, ref in found.items():
-        low = from_model(CONTENDERS["refined"], study.scene(name))
+        low = answer(study, name, "refined")
         line = ref.best.centreline
         series = []
         for k, axis in ((0, "x"), (1, "y")):
@@ -254,39 +236,20 @@ def line_figure(study: Study, found: References) -> Figure:
     return Figure("reference-centreline", "Lateral displacement of the centreline", tuple(panels))
 
 
-def study_figure(name: str, table: Sequence[Mapping[str, Any]]) -> Figure | None:
-    """Largest and smallest loads over the mesh levels, as change from the finest; None with fewer than two levels."""
-    keys = sorted({k for row in table for k in row if k.startswith("level ")})
-    if len(keys) < 2:
-        return None
-    loads = [row for row in table if "est load" in row["quantity"]]
-    line = [row for row in table if row["quantity"].startswith("centreline")]
-    panels = []
-    for title, own in (("contact loads", loads), ("centreline", line)):
-        series = []
-        for row in own:
-            finest = row[keys[-1]]
-            if abs(finest) < 1e-9:
-                continue
-            change = [float(error_percent(row[k], finest)) for k in keys]
-            series.append(Series(row["quantity"], [float(k.split()[1]) for k in keys], change, "line+markers"))
-        if series:
-            panels.append(Panel(title, "mesh level", "change from the finest / %", tuple(series[:8]), integer_x=True))
-    if not panels:
-        return None
-    return Figure(f"mesh-study-{name}", f"{name}: mesh study", tuple(panels))
+#: Line [%] of the gate that the contacts of the source's model are held against.
+LIMIT = 7.0
 
 
-def gate_text(found: References, study: Study, limit: float = 7.0) -> str:
+def gate_text(found: References, study: Study) -> str:
     """What the gate sees, in words from the data."""
     worst = []
     for name, ref in found.items():
-        points = gate_points(study.scene(name), ref, limit)
+        points = gate_points(name, ref, LIMIT, study.solve(name, "lin").load)
         top = max(points, key=lambda p: abs(p.error_percent))
         over = [p for p in points if p.exceeds]
         worst.append(
             f"{name}: largest error {abs(top.error_percent):.1f} % at ball {top.ball} {top.side}, "
-            f"{len(over)} of {len(points)} contacts beyond {limit:g} %"
+            f"{len(over)} of {len(points)} contacts beyond {LIMIT:g} %"
         )
     return (
         "The source's model at the gate (per cent of each load, of the mean for loads below a tenth of it; the reference's "
@@ -294,22 +257,22 @@ def gate_text(found: References, study: Study, limit: float = 7.0) -> str:
     )
 
 
-def rigid_nut_error(scene: Scene, ball: int, side: str, stores: Sequence[Any] | None) -> float | None:
+def rigid_nut_error(study: Study, name: str, ball: int, side: str) -> float | None:
     """Low-order error [%] of a contact against the reference whose nut is rigid too (coarsest level); None if not run."""
-    run = load(scene, min(LEVELS), stores=stores)
+    run = load(study.scene(name), min(LEVELS), stores=study.stores)
     if run is None or "elastic nut" not in run.without:
         return None
     own = float(run.without["elastic nut"][ball - 1, SIDES.index(side)])
-    low = float(from_model(CONTENDERS["lin"], scene).load[ball - 1, SIDES.index(side)])
+    low = float(study.solve(name, "lin").load[ball - 1, SIDES.index(side)])
     return float(error_percent(low, own)) if own > 0.0 else None
 
 
-def exceedance_table(found: References, study: Study, stores: Sequence[Any] | None, limit: float = 7.0) -> Table:
+def exceedance_table(found: References, study: Study) -> Table:
     """Contacts beyond the gate's limit, with the cause that the gate's data name and its evidence."""
     causes = {(x.scene, x.ball, x.side): x.cause for x in known_exceedances()}
     rows: list[dict[str, Cell]] = []
     for name, ref in found.items():
-        for p in gate_points(study.scene(name), ref, limit):
+        for p in gate_points(name, ref, LIMIT, study.solve(name, "lin").load):
             if p.exceeds:
                 k = SIDES.index(p.side)
                 rows.append(
@@ -320,7 +283,7 @@ def exceedance_table(found: References, study: Study, stores: Sequence[Any] | No
                         "error": p.error_percent,
                         "bar": p.uncertainty_percent,
                         "ref": float(ref.load[p.ball - 1, k]),
-                        "rigid": rigid_nut_error(study.scene(name), p.ball, p.side, stores),
+                        "rigid": rigid_nut_error(study, name, p.ball, p.side),
                         "cause": causes.get((name, p.ball, p.side), "not named: the gate fails"),
                     }
                 )
@@ -334,13 +297,13 @@ def exceedance_table(found: References, study: Study, stores: Sequence[Any] | No
         Column("rigid", "the same, nut rigid in both", "%", "+.1f"),
         Column("cause", "cause", "", "s"),
     )
-    return Table("reference-exceedances", f"Contacts of the source's model beyond {limit:g} %", columns, rows)
+    return Table("reference-exceedances", f"Contacts of the source's model beyond {LIMIT:g} %", columns, rows)
 
 
-def section(study: Study, step: Callable[[str], None], stores: Sequence[Any] | None = None, quick: bool = False) -> Section:
+def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report; reads runs that ``compare.reference.jobs`` computed."""
     step("low-order models against the 3D reference")
-    found = references(study, stores)
+    found = case_studies(study)
     title = "Low-order models against the 3D reference"
     if not found:
         return Section("reference", title, (Text(("No run of the 3D reference was found.",)),))
@@ -356,7 +319,7 @@ def section(study: Study, step: Callable[[str], None], stores: Sequence[Any] | N
         "difference. Sides are " + ", ".join(SIDES) + ".",
         gate_text(found, study),
     ]
-    if quick:
+    if study.quick:
         text.insert(
             0,
             "QUICK RUN: coarse meshes only, so there is no grid uncertainty; these numbers are for a look, not "
@@ -364,18 +327,10 @@ def section(study: Study, step: Callable[[str], None], stores: Sequence[Any] | N
         )
     elif any(ref.best.level < PRODUCTION for ref in found.values()):
         text.insert(0, f"Some references were not computed up to level {PRODUCTION}; their uncertainty is larger for it.")
-    over = exceedance_table(found, study, stores)
-    items: list[Any] = [Text(tuple(text)), error_table(study, found, stores)]
+    over = exceedance_table(found, study)
+    items: list[Any] = [Text(tuple(text)), error_table(study, found)]
     items += [over] if over.rows else []
-    items += [
-        *load_figures(study, found),
-        *load_tables(study, found, stores),
-        line_figure(study, found),
-        line_table(study, found),
-    ]
-    timed = found if quick else references(study, stores, (*REFERENCED, *UNSEEN))
-    items += time_items(timed, study, stores, step, quick=quick)
+    items += [*load_figures(study, found), *load_tables(study, found), line_figure(study, found), line_table(study, found)]
+    timed = found if study.quick else study.references((*REFERENCED, *UNSEEN))
+    items += time_items(timed, study, step)
     return Section("reference", title, tuple(items))
-
-
-__all__ = ["Contender", "findings", "section", "study_figure"]

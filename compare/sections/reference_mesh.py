@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-from compare.commands.study import study_table
 from compare.measure import error_percent, load_error
-from compare.models.comparison import CONTENDERS, REFERENCED, from_model
+from compare.models.comparison import REFERENCED
 from compare.models.ladder import UNSEEN
+from compare.models.mesh_study import study_table
 from compare.models.modelling import REFINED, VARIED, varied
 from compare.models.study import Study
 from compare.reference.convergence import LABELS
@@ -18,18 +18,19 @@ from compare.reference.grid_summary import mean_load, summarise
 from compare.reference.levels import LEVELS, SOURCE_LEVEL
 from compare.reference.runs import Reference, Run, load
 from compare.reference.variants import NOT_VARIED, VARIANTS
-from compare.sections.reference import modelling, references, study_figure
+from compare.sections.reference import case_studies, modelling
+from compare.sections.study_figure import study_figure
 from meshes.parts import SIDES
 from reports.records import Cell, Column, Figure, Section, Table, Text
 
 References = Mapping[str, Reference]
 
 
-def level_table(study: Study, found: References, stores: Sequence[Any] | None) -> Table:
+def level_table(study: Study, found: References) -> Table:
     """Mesh levels of every scene: size, own cost, change to the next level, quality, residuals."""
     rows: list[dict[str, Cell]] = []
     for name, ref in found.items():
-        source = load(study.scene(name), SOURCE_LEVEL, stores=stores)
+        source = load(study.scene(name), SOURCE_LEVEL, stores=study.stores)
         runs = ([source] if source else []) + list(ref.runs)
         for number, run in enumerate(runs):
             frozen = load_error(run.frozen, run.load)
@@ -142,13 +143,13 @@ def stage_table(found: References) -> Table:
     return Table("reference-stages", "Stages of the finest runs", columns, rows, note)
 
 
-def study_items(study: Study, found: References, stores: Sequence[Any] | None) -> list[Table | Figure]:
+def study_items(study: Study, found: References) -> list[Table | Figure]:
     """Mesh study of every scene with two levels or more: extremes and centreline; ``mesh-study`` writes every ball."""
     out: list[Table | Figure] = []
     for name, ref in found.items():
         if len(ref.runs) < 2:
             continue
-        table = study_table(study.scene(name), stores)
+        table = study_table(study.scene(name), study.stores)
         rows = [dict(r) for r in table if "load of ball" not in r["quantity"]]
         keys = [f"level {r.level}" for r in ref.runs]
         columns = [Column("quantity", "quantity", "", "s"), Column("unit", "unit", "", "s")]
@@ -173,16 +174,16 @@ def study_items(study: Study, found: References, stores: Sequence[Any] | None) -
 KINDS = {"modelling": "modelling", "numerical": "numerical", "scene": "the scene's own"}
 
 
-def spread_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
+def spread_table(study: Study) -> Table | None:
     """What moves the reference besides its mesh, without and with preload, on the coarsest level."""
     rows: list[dict[str, Cell]] = []
     for name in VARIED:
         scene = study.scene(name)
-        low = from_model(CONTENDERS["lin"], scene)
-        for e in varied(scene, stores):
+        low = study.solve(name, "lin")
+        for e in varied(scene, study.stores):
             if e.variant in VARIANTS and VARIANTS[e.variant].refined:
                 continue
-            run = load(scene, min(LEVELS), e.variant, stores)
+            run = load(scene, min(LEVELS), e.variant, study.stores)
             model = None if run is None else load_error(low.load, run.load)
             rows.append(
                 {
@@ -220,16 +221,16 @@ def spread_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
     return Table("reference-spread", title, columns, rows, note) if rows else None
 
 
-def single_choice_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
+def single_choice_table(study: Study) -> Table | None:
     """Every numerical choice of the finest level refined alone, against the uncertainty that is printed for it."""
     rows: list[dict[str, Cell]] = []
     for name in (REFINED,):
         scene = study.scene(name)
-        found = references(study, stores, (name,)).get(name)
+        found = study.reference(name)
         if found is None or found.uncertainty is None:
             continue
         grid = np.abs(error_percent(found.uncertainty, 0.0, mean_load(found)))
-        for e in varied(scene, stores):
+        for e in varied(scene, study.stores):
             if e.variant not in VARIANTS or not VARIANTS[e.variant].refined:
                 continue
             at = np.unravel_index(int(np.abs(e.change).argmax()), e.change.shape)
@@ -264,11 +265,11 @@ def single_choice_table(study: Study, stores: Sequence[Any] | None) -> Table | N
     return Table("reference-choices", "Every numerical choice refined alone", columns, rows, note) if rows else None
 
 
-def modelling_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
+def modelling_table(study: Study) -> Table | None:
     """Modelling uncertainty: choice by choice, together, and what it does not hold."""
     rows: list[dict[str, Cell]] = []
     columns = [Column("choice", "choice", "", "s")]
-    found = modelling(study, stores)
+    found = modelling(study)
     if not found:
         return None
     choices = dict.fromkeys(c for m in found.values() for c in m.choices)
@@ -312,15 +313,15 @@ MEANING = {
 }
 
 
-def ablation_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
+def ablation_table(study: Study) -> Table | None:
     """What each ingredient of the reference changes, in per cent and seconds."""
     rows: list[dict[str, Cell]] = []
-    for name in references(study, stores):
+    for name in case_studies(study):
         scene = study.scene(name)
-        run = load(scene, min(LEVELS), stores=stores)
+        run = load(scene, min(LEVELS), stores=study.stores)
         if run is None or not run.without:
             continue
-        low = from_model(CONTENDERS["lin"], scene)
+        low = study.solve(name, "lin")
         with_all = load_error(low.load, run.load)
         for ingredient, loads in run.without.items():
             e, model = load_error(loads, run.load), load_error(low.load, loads)
@@ -355,15 +356,15 @@ def ablation_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
     return Table("reference-ablation", title, columns, rows, note) if rows else None
 
 
-def ablation_text(study: Study, stores: Sequence[Any] | None) -> str:
+def ablation_text(study: Study) -> str:
     """Cause of the low-order error in words, from the data."""
     parts = []
-    for name in references(study, stores):
+    for name in case_studies(study):
         scene = study.scene(name)
-        run: Run | None = load(scene, min(LEVELS), stores=stores)
+        run: Run | None = load(scene, min(LEVELS), stores=study.stores)
         if run is None or "elastic nut" not in run.without:
             continue
-        low = from_model(CONTENDERS["lin"], scene)
+        low = study.solve(name, "lin")
         before, after = load_error(low.load, run.load), load_error(low.load, run.without["elastic nut"])
         parts.append(f"{name} from {before.max_percent:.2f} % to {after.max_percent:.2f} %")
     if not parts:
@@ -374,10 +375,10 @@ def ablation_text(study: Study, stores: Sequence[Any] | None) -> str:
     )
 
 
-def section(study: Study, step: Callable[[str], None], stores: Sequence[Any] | None = None) -> Section:
+def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report on the reference's own quality."""
     step("mesh levels, mesh study, modelling spread, ablation")
-    found = references(study, stores)
+    found = case_studies(study)
     items: list[Any] = []
     text = [
         "Every level refines all its cells together, those of the contacts by a third. The source's mesh has first-order "
@@ -386,15 +387,15 @@ def section(study: Study, step: Callable[[str], None], stores: Sequence[Any] | N
     assumed = list(dict.fromkeys(a for ref in found.values() for a in ref.best.assumed))
     if assumed:
         text.append("Assumed where the source prints nothing: " + " ".join(assumed))
-    cause = ablation_text(study, stores)
+    cause = ablation_text(study)
     items.append(Text(tuple(text)))
-    everything = references(study, stores, (*REFERENCED, *UNSEEN))
+    everything = study.references((*REFERENCED, *UNSEEN))
     if everything:
-        items += [convergence_table(everything), level_table(study, everything, stores)]
+        items += [convergence_table(everything), level_table(study, everything)]
     if found:
-        items += [stage_table(found), *study_items(study, found, stores)]
-    ablation = ablation_table(study, stores)
-    tables = (single_choice_table(study, stores), modelling_table(study, stores), spread_table(study, stores))
+        items += [stage_table(found), *study_items(study, found)]
+    ablation = ablation_table(study)
+    tables = (single_choice_table(study), modelling_table(study), spread_table(study))
     items += [t for t in tables if t is not None]
     if ablation:
         items += [Text((cause,)), ablation] if cause else [ablation]

@@ -6,16 +6,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from compare.costs.cold import measure
 from compare.measure import error_percent, load_error
-from compare.models.comparison import CONTENDERS, REFERENCED, Contender, suited
+from compare.models.comparison import REFERENCED, suited
 from compare.models.ladder import UNSEEN, finest_bodies
-from compare.models.registry import Options, run_model
+from compare.models.registry import MODELS, Model, Options, run_model
 from compare.models.study import Study
+from compare.printed.printed_data import entry
 from compare.reference.levels import SOURCE_LEVEL
 from compare.reference.runs import Array, Reference, load
 from meshes.parts import Scene
@@ -23,15 +24,12 @@ from reports.records import Cell, Column, Figure, Panel, Series, Table
 
 References = Mapping[str, Reference]
 Step = Callable[[str], None]
-#: Models that stand in no comparison table but have a time and an error.
-FURTHER = (
-    Contender("lin-cell", "the source's model, section of the grooved cell", "lin-cell"),
-    Contender("lin-nut", "the same with the nut as a beam", "lin-nut"),
-    Contender("condensed", "refined model, bodies from the condensed 3D model", "condensed"),
-    Contender("source", "the source's own equations and iteration", "source"),
-)
 #: Lower edge of the figures [% of the mean load].
 FLOOR = 1e-2
+#: Calls whose median is the warm time.
+WARM_CALLS = 10
+#: Scene whose first process is timed with and without compiling.
+FIRST = "lin-case1"
 #: Panels of one figure.
 PANELS = 6
 
@@ -70,29 +68,28 @@ def error_range(value: Array, found: Reference) -> tuple[float, float, float | N
     return e.max_percent, e.rms_percent, max(0.0, float((off - bar).max())), float((off + bar).max())
 
 
-def warm_seconds(contender: Contender, scene: Scene, options: Options, repeats: int = 10) -> float:
+def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
     """Seconds of a further solve, bodies known and kernels compiled: the median of some calls."""
     spent = []
-    for _ in range(repeats + 1):
+    for _ in range(WARM_CALLS + 1):
         start = perf_counter()
-        run_model(contender.scene(scene), contender.model, options)
+        run_model(scene, model.name, options)
         spent.append(perf_counter() - start)
     return float(np.median(spent[1:]))
 
 
-def time_points(name: str, found: Reference, study: Study, stores: Sequence[Any] | None, step: Step) -> list[TimePoint]:
+def time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
     """All models and meshes of a scene."""
     scene, out = study.scene(name), []
-    bodies = finest_bodies(scene, found, stores)
-    for contender in (*suited(scene), *FURTHER):
-        if contender.model == "condensed" and bodies is None:
+    bodies = finest_bodies(scene, found, study.stores)
+    further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
+    for model in (*suited(scene), *further):
+        if model.name == "condensed" and bodies is None:
             continue
-        if contender.model == "source" and scene.ingredients.screw != "beam":
-            continue  # its equations are those of a beam
-        step(f"{name}, {contender.label}: cold and warm")
-        out.append(_model_point(name, contender, found, scene, bodies if contender.model == "condensed" else None))
+        step(f"{name}, {model.label}: cold and warm")
+        out.append(_model_point(name, model, found, scene, bodies if model.name == "condensed" else None))
     runs = [(f"3D reference, level {r.level}", r) for r in found.runs]
-    source = load(scene, SOURCE_LEVEL, stores=stores)
+    source = load(scene, SOURCE_LEVEL, stores=study.stores)
     if source is not None:
         runs.insert(0, ("3D reference, the source's mesh", source))
     for label, run in runs:
@@ -111,16 +108,16 @@ def time_points(name: str, found: Reference, study: Study, stores: Sequence[Any]
     return out
 
 
-def _model_point(name: str, contender: Contender, found: Reference, scene: Scene, bodies: Path | None) -> TimePoint:
-    cold = measure(name, contender.model, ingredients=contender.ingredients, condensed=bodies, repeats=1)
-    options = Options(discretisation=False, engine="compiled", condensed=bodies, estimate=False)
-    result = run_model(contender.scene(scene), contender.model, options)
+def _model_point(name: str, model: Model, found: Reference, scene: Scene, bodies: Path | None) -> TimePoint:
+    cold = measure(name, model.name, condensed=bodies, repeats=1)
+    options = Options(discretisation=False, engine="compiled", condensed=bodies)
+    result = run_model(scene, model.name, options)
     return TimePoint(
-        contender.label,
+        model.label,
         "model",
         *error_range(result.load, found),
         cold.process,
-        warm_seconds(contender, scene, options),
+        warm_seconds(model, scene, options),
         result.solver.unknowns,
         cold.memory,
         result.status,
@@ -171,16 +168,16 @@ def time_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
     return Table("reference-time", "Error against run time", columns, rows, note)
 
 
-def compile_table(step: Step, scene: str = "lin-case1") -> Table:
+def compile_table(step: Step) -> Table:
     """The first process on a machine: with and without compiling the kernels."""
     rows: list[dict[str, Cell]] = []
     for name in ("lin", "refined"):
         for engine in ("interpreted", "compiled"):
-            step(f"{scene}, {name} {engine}: first process")
-            cold = measure(scene, name, engine=engine)
+            step(f"{FIRST}, {name} {engine}: first process")
+            cold = measure(FIRST, name, engine=engine)
             rows.append(
                 {
-                    "model": CONTENDERS[name].label,
+                    "model": MODELS[name].label,
                     "engine": engine,
                     "process": cold.process,
                     "first": cold.first,
@@ -200,14 +197,14 @@ def compile_table(step: Step, scene: str = "lin-case1") -> Table:
         "Compiled kernels are made once per machine and kept beside the sources; the command line solves single scenes "
         "interpreted. Each row is a process of its own; the first solve of the refined model makes the geometry's bodies."
     )
-    return Table("reference-cold", f"{scene}: first process, with and without compiling", columns, rows, note)
+    return Table("reference-cold", f"{FIRST}: first process, with and without compiling", columns, rows, note)
 
 
 def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
     """Speed ratio of the finest level to the source's low-order model, scene by scene."""
     rows: list[dict[str, Cell]] = []
     for scene, own in points.items():
-        low = next(p for p in own if p.label == CONTENDERS["lin"].label)
+        low = next(p for p in own if p.label == MODELS["lin"].label)
         best = [p for p in own if p.kind == "level"][-1]
         if low.warm and best.warm:
             rows.append(
@@ -232,7 +229,8 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
         Column("warm", "load case alone : warm", "", ".0f"),
         Column("both", "cold : warm", "", ".0f"),
     )
-    title = "Speed ratio, 3D reference : the source's model (the source: over 6,800, ANSYS : its model)"
+    printed = entry("lin-2.4.1", "speed_ratio").printed
+    title = f"Speed ratio, 3D reference : the source's model (the source: over {printed}, ANSYS : its model)"
     return Table("reference-speed", title, columns, rows)
 
 
@@ -261,7 +259,7 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
         "All points are errors against the same best estimate (extrapolated, or else the finest level), with what its grid "
         f"uncertainty leaves of them as bars; what is below {FLOOR:g} % is drawn at the lower edge."
     )
-    axial = CONTENDERS["mei"].label  # takes part where there is no preload
+    axial = MODELS["mei"].label  # takes part where there is no preload
     plain = [n for n in REFERENCED if n in points and any(p.label == axial for p in points[n])]
     groups = {
         "": plain,
@@ -275,10 +273,8 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
     ]
 
 
-def time_items(
-    found: References, study: Study, stores: Sequence[Any] | None, step: Step, *, quick: bool = False
-) -> list[Table | Figure]:
-    """Tables and figures of all scenes with a reference; ``quick``: compile nothing anew."""
-    points = {name: time_points(name, ref, study, stores, step) for name, ref in found.items()}
-    first = [] if quick else [compile_table(step)]
+def time_items(found: References, study: Study, step: Step) -> list[Table | Figure]:
+    """Tables and figures of all scenes with a reference; a quick study compiles nothing anew."""
+    points = {name: time_points(name, ref, study, step) for name, ref in found.items()}
+    first = [] if study.quick else [compile_table(step)]
     return [time_table(points), *first, speed_table(points), *time_figures(points)]

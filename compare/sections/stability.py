@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from compare.commands.stability import tally, wide_rows
 from compare.extremes.friction import table_section_items
+from compare.extremes.rows import tally, wide_rows
 from compare.extremes.static import FORMULATIONS, OURS, table
+from compare.models.study import Study
 from reports.records import Cell, Column, Section, Table, Text
 
 
-def section(step: Callable[[str], None]) -> tuple[Section, tuple[str, str]]:
-    """Section of the report, and its headline."""
+def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+    """Section of the report, with its headline."""
 
     def progress(done: int, total: int, case: str) -> None:
         if done % 10 == 0 or done == total:
@@ -31,7 +32,8 @@ def section(step: Callable[[str], None]) -> tuple[Section, tuple[str, str]]:
         Column("bound", "round-off bound", "", "g2"),
         *(Column(name, name, "", "s") for name in FORMULATIONS[1:]),
     )
-    made = Section(
+    solved, _, total = counts[OURS]
+    return Section(
         "stability",
         "Numerical stability on stiff and extreme scenes",
         (
@@ -57,6 +59,5 @@ def section(step: Callable[[str], None]) -> tuple[Section, tuple[str, str]]:
             Table("stability-cases", "Case by case", columns, wide_rows(rows)),
             *table_section_items(),
         ),
+        (("extreme scenes solved", f"{solved} of {total}"),),
     )
-    solved, _, total = counts[OURS]
-    return made, ("extreme scenes solved", f"{solved} of {total}")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
-from compare.costs.bench import run_bench
+from compare.costs.bench import Job, run_bench
 from compare.costs.friction_bench import jobs
-from compare.printed.findings import entry
-from compare.printed.printed_data import load_table
+from compare.models.study import Study
+from compare.printed.printed_data import entry, load_table
 from reports.records import Cell, Column, Section, Table, Text
 
 
@@ -27,8 +27,8 @@ def friction_table(step: Callable[[str], None]) -> Table:
     return Table("timing-friction", "Friction and ball motion, compiled", columns, rows)
 
 
-def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]]:
-    """Section of the report, and its headlines."""
+def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
+    """Section of the report, with its headlines."""
     done = run_bench(step)
     rows: list[dict[str, Cell]] = [asdict(job) for job in done]
     printed: list[dict[str, Cell]] = [
@@ -36,7 +36,7 @@ def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]
         for p in load_table("lin-2.2")
     ]
     theirs = entry("lin-2.2", "time_proposed_1")
-    made = Section(
+    return Section(
         "timing",
         "Run times",
         (
@@ -74,16 +74,21 @@ def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]
                 printed,
             ),
         ),
+        headline(done),
     )
+
+
+def headline(done: Sequence[Job]) -> tuple[tuple[str, str], ...]:
+    """Seconds of case 1, and the ratios to the source's Newton."""
     by_name = {job.job: job for job in done}
-    headline = []
+    lines = []
     for name, label in (
         ("cold solve, case 1", "source's Newton from a good guess over ours"),
         ("cold solve, no guess", "source's Newton by load steps over ours"),
     ):
         job = by_name[name]
         if name == "cold solve, case 1" and job.seconds is not None:
-            headline.append(("cold solve of case 1", f"{1e6 * job.seconds:.0f} µs"))
+            lines.append(("cold solve of case 1", f"{1e6 * job.seconds:.0f} µs"))
         if job.ratio is not None:
-            headline.append((label, f"{job.ratio:.0f} times"))
-    return made, headline
+            lines.append((label, f"{job.ratio:.0f} times"))
+    return tuple(lines)

@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from compare.measure import error_percent
-from hifi.block import JOBS, SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS, HertzRun, source_study, study
+from compare.models.study import Study
+from hifi.block import JOBS, SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS, HertzRun, source_study
+from hifi.block import study as solve_block
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Cells across the short semi-axis, by element. Sized for 25 s on two cores: tetrahedra are not stretched like the
@@ -47,15 +49,15 @@ def level(label: str, run: HertzRun) -> Level:
     return Level(label, run, errors)
 
 
-def levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]] = LEVELS) -> list[Level]:
+def levels(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]]) -> list[Level]:
     """All runs: each job on each element's meshes, and on the source's."""
     for element in wanted:
-        study(JOBS["A"], element, 1.0)  # loads the libraries, which no run should be charged for
+        solve_block(JOBS["A"], element, 1.0)  # loads the libraries, which no run should be charged for
     out = []
     for job in JOBS.values():
         for element, refinements in wanted.items():
             step(f"job {job.name}, {NAMES[element]}")
-            out += [level(NAMES[element], study(job, element, float(n))) for n in refinements]
+            out += [level(NAMES[element], solve_block(job, element, float(n))) for n in refinements]
         out.append(level(SOURCE, source_study(job)))
     return out
 
@@ -200,9 +202,13 @@ def times_table(found: Sequence[Level]) -> Table:
     return Table("verification-times", "Where the time goes [s]", columns, rows)
 
 
-def section(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]] = LEVELS) -> Section:
-    """Section of the report; `wanted` gives the cells across the short semi-axis, by element."""
-    found = levels(step, wanted)
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    return drawn(levels(step, QUICK if study.quick else LEVELS))
+
+
+def drawn(found: Sequence[Level]) -> Section:
+    """Section of the runs ``found``."""
     return Section(
         "verification",
         "The 3D reference against Hertz",

@@ -63,8 +63,8 @@ class _Before:
     force: Array
 
 
-def simulate_by_root(run: Run, steps: int | None = None, law: Law | None = None) -> SourceRun:
-    """The first ``steps`` of a run (all where None) from evenly spread balls, under the source's sigmoid or ``law``.
+def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
+    """The first ``steps`` of a run (all where None) from evenly spread balls, under the source's sigmoid.
 
     Starts of each search: the step before, rolling at first; the text names none. Raises ValueError for what the
     comparison leaves out: balls in a return tube, loads coupled with friction.
@@ -72,7 +72,7 @@ def simulate_by_root(run: Run, steps: int | None = None, law: Law | None = None)
     if run.tube > 0.0 or run.coupling != "none":
         raise ValueError('the run by root finding needs tube = 0 and coupling = "none"')
     g, n, dt = run.groove, run.count, run.duration / run.steps
-    law = source_law(g) if law is None else law
+    law = source_law(g)
     azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
     gap = np.full(n, run.ring / n - g.pair.spacing)
     before: _Before | None = None

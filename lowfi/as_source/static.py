@@ -13,13 +13,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi import jit
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import SIGNS, Problem, build, error_free
 from lowfi.statics.result import SolverReport, StaticResult
-from lowfi.statics.shape import rigid_transport, shape_polynomials
-from lowfi.statics.static import prepare
-from lowfi.statics.summary import assemble_result, failed_result
+from lowfi.statics.selection import shifts_of_beam
+from lowfi.statics.shape import shape_polynomials
+from lowfi.statics.solved import SolvedState
+from lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Scene
@@ -29,18 +29,22 @@ from meshes.surface import groove_profile
 Array = NDArray[np.float64]
 Kinematics = Literal["arc", "source"]
 Start = Literal["nominal", "guess", "load steps"]
+#: Iterations after which Newton gives up.
+MOST = 60
 
 
 @dataclass(frozen=True)
 class SourceSolution:
     """Outcome of the source's Newton: status, loads ``(N, 4)`` [N], angles ``(N, 4)`` [rad], centres ``(N, 2)`` [m],
-    nodal motions ``(n, 6)``, iterations, relative residual, seconds, number of unknowns."""
+    nodal motions ``(n, 6)``, reactions of the supports ``(n, 6)`` [N, N m], iterations, relative residual, seconds, number
+    of unknowns."""
 
     status: str
     load: Array
     contact_angle: Array
     centre: Array
     motion: Array
+    reactions: Array
     iterations: int
     residual: float
     seconds: float
@@ -230,14 +234,12 @@ def solve_source(
     everything: bool = False,
     member: int = 0,
     tolerance: float = 1e-12,
-    most: int = 60,
-    hertz: Array | None = None,
 ) -> SourceSolution:
     """Solve a scene with the source's equations and plain Newton iteration (Lin 2.26).
 
     kinematics: ``"source"``, lever arm and station follow the contact angle (Lin 2.18-2.21), or ``"arc"``, the same
     rigid arcs as the energy solver, for which both must agree to round-off. start: nominal state, a designer's guess,
-    or ten load steps from that guess. hertz: constants C ``(N, 4)`` to use instead of the scene's.
+    or ten load steps from that guess.
     A scene with a rigid screw is refused (ValueError): the source's equations are those of a beam.
     """
     begin = perf_counter()
@@ -245,8 +247,6 @@ def solve_source(
         raise ValueError("the source's formulation needs a beam screw")
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
-    if hertz is not None:
-        problem.C[:] = hertz
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     free_u = np.flatnonzero(~problem.fixed.ravel())
     count = problem.C.shape[0]
@@ -257,17 +257,18 @@ def solve_source(
     total, residual, status = 0, np.inf, "converged"
     with np.errstate(all="ignore"):
         for fraction in steps:
-            x, iterations, residual, status = newton(system, x, fraction * problem.load.ravel(), tolerance, most)
+            x, iterations, residual, status = newton(system, x, fraction * problem.load.ravel(), tolerance)
             total += iterations
             if status != "converged":
                 break
-        _, _, forces = equations(system, x, problem.load.ravel(), jacobian=False)
+        phi, _, forces = equations(system, x, problem.load.ravel(), jacobian=False)
     return SourceSolution(
         status=status,
         load=forces,
         contact_angle=x[2 * count : 6 * count].reshape(count, 4),
         centre=x[: 2 * count].reshape(count, 2),
         motion=x[6 * count :].reshape(-1, 6),
+        reactions=np.where(problem.fixed, phi[6 * count :].reshape(-1, 6), 0.0),
         iterations=total,
         residual=residual,
         seconds=perf_counter() - begin,
@@ -290,14 +291,17 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
     solution = solve_source(scene, everything=everything, member=member)
     if not np.all(np.isfinite(solution.load)) or not np.all(np.isfinite(solution.motion)):
         return failed_result(problem, "source", solution.status, solution.seconds)
-    prepared = prepare(problem, jit.kernels(jit.STATICS, compiled=False))
-    q, d, p, contact = prepared.state
-    q[:] = solution.motion
-    d[:] = q[1:] - np.einsum("nij,nj->ni", np.stack([rigid_transport(x) for x in np.diff(problem.nodes)]), q[:-1])
-    p[:] = solution.centre
-    contact[..., 0] = solution.load
-    contact[..., 1] = SIGNS[:, 0] * np.cos(solution.contact_angle)
-    contact[..., 2] = SIGNS[:, 1] * np.sin(solution.contact_angle)
+    angle = solution.contact_angle
+    solved = SolvedState(
+        problem,
+        solution.motion,
+        solution.centre,
+        solution.load,
+        SIGNS * np.stack([np.cos(angle), np.sin(angle)], axis=-1),
+        solution.reactions,
+        shifts_of_beam(problem, solution.motion),
+        0.0,
+    )
     report = SolverReport(
         solution.iterations,
         solution.iterations + 1,
@@ -308,7 +312,8 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
         "numpy, dense",
         "equilibrium equations of the source",
     )
-    return assemble_result(prepared, "source", solution.status, report, ("nothing: all four sides are built",))
+    left_out = ("nothing: all four sides are built",)
+    return assemble_result(solved, "source", solution.status, report, left_out, model_assumptions(scene))
 
 
 def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
@@ -325,11 +330,11 @@ def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
     return max(unbalanced / scale, skew)
 
 
-def newton(system: System, x: Array, load: Array, tolerance: float, most: int) -> tuple[Array, int, float, str]:
+def newton(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
     """Plain Newton (Lin 2.26): state, iterations, relative residual and status in words."""
     best, stalled = np.inf, 0
     residual = np.inf
-    for iteration in range(most + 1):
+    for iteration in range(MOST + 1):
         phi, jac, forces = equations(system, x, load)
         residual = _measure(system, phi, forces, load) if np.all(np.isfinite(phi)) else np.inf
         if residual <= tolerance:
@@ -354,4 +359,4 @@ def newton(system: System, x: Array, load: Array, tolerance: float, most: int) -
             return x, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
         x = x.copy()
         x[free] += step
-    return x, most, residual, f"not converged after {most} iterations (residual {residual:.1e})"
+    return x, MOST, residual, f"not converged after {MOST} iterations (residual {residual:.1e})"

@@ -22,19 +22,9 @@ from lowfi.statics.problem import actual_hertz
 from lowfi.statics.result import SolverReport, StaticResult
 from lowfi.statics.selection import choose_sides, describe_left_out
 from lowfi.statics.shaft import flank_loads, node_motions
-from lowfi.statics.static import (
-    ACCEPTED,
-    NO_LOADS,
-    Engine,
-    Outcome,
-    Prepared,
-    contact_angles,
-    pick_engine,
-    pin,
-    prepare,
-    verdict,
-)
-from lowfi.statics.summary import Support, assemble_result, failed_result
+from lowfi.statics.solved import SolvedState
+from lowfi.statics.static import ACCEPTED, NO_LOADS, Engine, Outcome, contact_angles, pick_engine, pin, verdict
+from lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
 from meshes.errors import Specimen, specimen
 from meshes.helix import ball_layout
 from meshes.parts import Scene
@@ -250,7 +240,6 @@ def _solve(
     bound = round_off(elastic, outcome[4])
     if outcome[0] in NO_LOADS:
         return failed_result(problem, name, verdict(outcome, bound), perf_counter() - start)
-    record, support = as_prepared(elastic)
     report = SolverReport(
         iterations=outcome[1],
         evaluations=outcome[2],
@@ -264,10 +253,11 @@ def _solve(
         setup_seconds=prepared_at - start,
         notes=notes,
     )
-    left = (*describe_left_out(record, mechanism, everything=everything), *_cut(elastic))
-    result = assemble_result(record, name, verdict(outcome, max(bound, ACCEPTED)), report, left, support)
+    left = (*describe_left_out(problem, mechanism, everything=everything), *_cut(elastic))
     source = idealised(backend, scene) if condensed is None else (condensed.describe(),)
-    return replace(result, assumed=(*result.assumed, *source, *elastic.assumed))
+    assumed = (*ELASTIC_ASSUMPTIONS, *source, *elastic.assumed)
+    status = verdict(outcome, max(bound, ACCEPTED))
+    return assemble_result(solved_state(elastic), name, status, report, left, assumed)
 
 
 def _cut(elastic: Elastic) -> tuple[str, ...]:
@@ -278,22 +268,20 @@ def _cut(elastic: Elastic) -> tuple[str, ...]:
     return (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's: cut away",)
 
 
-def as_prepared(elastic: Elastic) -> tuple[Prepared, Support]:
-    """The solved state in the form that results are made of: motions, contacts, reactions of the supports."""
+def solved_state(elastic: Elastic) -> SolvedState:
+    """The state with the motions of the nodes and the reactions, which the condensed system does not hold itself."""
     problem = elastic.problem
-    record = prepare(problem, elastic.engine)
-    q, d, p, contact = record.state
     used = [s for s in range(2) if problem.use[s]]
     pushes = flank_forces(elastic)[:, used].transpose(1, 0, 2).reshape(-1, 2)
-    q[:] = node_motions(elastic.shaft, pushes, elastic.state[1], used)
-    d[:] = 0.0
-    p[:], contact[:], shifts = contacts_of(elastic)
+    motion = node_motions(elastic.shaft, pushes, elastic.state[1], used)
+    centre, contact, shifts = contacts_of(elastic)
     nodal = np.zeros((problem.nodes.size, 6))
     if problem.basis is None:
-        nodal = (elastic.shaft.times(q.ravel()) - problem.load.ravel() - flank_loads(problem, pushes, used)).reshape(-1, 6)
+        loads = problem.load.ravel() + flank_loads(problem, pushes, used)
+        nodal = (elastic.shaft.times(motion.ravel()) - loads).reshape(-1, 6)
     held = np.where(problem.fixed, nodal, 0.0)
-    record.scale = max(elastic.scale, float(np.abs(held[:, :3]).max(initial=0.0)))
-    return record, Support(held, shifts)
+    scale = max(elastic.scale, float(np.abs(held[:, :3]).max(initial=0.0)))
+    return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)
 
 
 def with_discretisation(scene: Scene, result: StaticResult, **options: Any) -> StaticResult:

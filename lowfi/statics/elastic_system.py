@@ -198,13 +198,7 @@ def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Ar
 
 
 def ready(
-    problem: Problem,
-    backend: Backend,
-    kernels: ModuleType,
-    layout: BallLayout,
-    condensed: Condensed | None = None,
-    *,
-    tolerance: float = TOLERANCE,
+    problem: Problem, backend: Backend, kernels: ModuleType, layout: BallLayout, condensed: Condensed | None = None
 ) -> Elastic:
     """Arrays for the kernels. Raises ValueError for more than ``LARGEST`` balls or impossible dimensions of the bodies."""
     N = layout.z.size
@@ -233,7 +227,7 @@ def ready(
     contacts = (problem.geometry, problem.closure, local, problem.drawn.ball_radius, problem.drawn.profile, rows)
     state = (np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5)))
     furthest = float(problem.drawn.ball_radius.max())
-    options = np.array([tolerance, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, force_floor(problem), furthest])
+    options = np.array([TOLERANCE, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, force_floor(problem), furthest])
     return Elastic(
         problem,
         shaft,

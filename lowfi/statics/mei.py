@@ -23,6 +23,8 @@ from meshes.parts import Scene
 from meshes.section import screw_section, tube_section
 
 #: Statements that hold for every run of this model.
+#: Newton steps after which the axial model is given up.
+MAX_ITERATIONS = 100
 ASSUMPTIONS = (
     "axial displacements only: no bending, no torsion, no lateral load or moment (Mei et al. 2003; Lin 2.4.1)",
     "contact angles stay nominal; geometric errors count along the nominal contact normal",
@@ -116,7 +118,7 @@ def _gradient(chain: _Chain, x: Array) -> tuple[Array, Array, Array]:
     return g, force, chain.slope**2 * tangent.sum(axis=1)
 
 
-def _newton(chain: _Chain, most: int = 100) -> tuple[Array, int, float]:
+def _newton(chain: _Chain) -> tuple[Array, int, float]:
     """Solution, iterations and relative residual; the same regularised Newton on a convex energy as the full model."""
     x = np.where(chain.fixed, chain.prescribed, 0.0)
     free = ~chain.fixed
@@ -125,7 +127,7 @@ def _newton(chain: _Chain, most: int = 100) -> tuple[Array, int, float]:
     guess = np.sign(chain.load.sum()) * float(chain.C.mean()) * share ** (2.0 / 3.0) / chain.slope
     x[free] += guess
     residual, iteration = np.inf, 0
-    for iteration in range(most):  # noqa: B007
+    for iteration in range(MAX_ITERATIONS):  # noqa: B007
         g, force, stiffness = _gradient(chain, x)
         scale = max(float(force.max(initial=0.0)), float(np.abs(chain.load).max(initial=0.0)))
         residual = float(np.abs(g[free]).max(initial=0.0)) / scale if scale else 0.0

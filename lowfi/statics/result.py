@@ -50,24 +50,6 @@ class SolverReport:
 
 
 @dataclass(frozen=True)
-class ModelForm:
-    """What a result may be worth: errors of the same model against a 3D reference on scenes like it.
-
-    percent, rms_percent: largest and RMS error to expect, in per cent of the mean contact load; both None where nothing
-    like the scene was ever compared: not covered. distance: to the nearest compared scene, 1 at the edge of what counts as
-    like it; nearest: that scene; compared: how many scenes of its kind were; words: which ingredients are in, and what is
-    unlike.
-    """
-
-    percent: float | None
-    rms_percent: float | None
-    distance: float
-    nearest: str
-    compared: int
-    words: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class StaticResult:
     """Static load distribution of one scene.
 
@@ -95,7 +77,6 @@ class StaticResult:
     assumed: tuple[str, ...]
     left_out: tuple[str, ...]
     warnings: tuple[str, ...] = ()
-    model_form: ModelForm | None = None
     member: int = 0
 
     @property

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.statics.mechanism import Mechanism
-from lowfi.statics.problem import distances
+from lowfi.statics.problem import Problem, distances
 from lowfi.statics.shape import motion_matrix
 from meshes.errors import Specimen
-from meshes.helix import BallLayout
 from meshes.partition import MERGE, contact_stations
 from meshes.parts import FREEDOMS, SIDES, Scene
-
-if TYPE_CHECKING:
-    from lowfi.statics.static import Prepared
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -42,10 +38,10 @@ def choose_sides(scene: Scene, drawn: Specimen) -> Mask:
     return use
 
 
-def flank_motions(prepared: Prepared, layout: BallLayout) -> Array:
-    """Motion of both screw flanks of every ball in its section, ``(N, 2, 2)`` [m], whether built or not."""
-    problem, q = prepared.problem, prepared.state[0]
-    flat = q.ravel()
+def flank_motions(problem: Problem, motion: Array) -> Array:
+    """Motion of both screw flanks of every ball in its section, ``(N, 2, 2)`` [m], built or not, from that of the nodes
+    ``(n, 6)``."""
+    layout, flat = problem.layout, motion.ravel()
     m = problem.B.shape[3]
     out = np.zeros((layout.z.size, 2, 2))
     for s in range(2):
@@ -64,20 +60,31 @@ def flank_motions(prepared: Prepared, layout: BallLayout) -> Array:
     return out
 
 
-def touched_sides(prepared: Prepared, layout: BallLayout) -> Mask:
-    """Sides (4,) on which any ball carries load when all four flanks are offered to it at the solution's motions."""
-    problem = prepared.problem
+def shifts_of_beam(problem: Problem, motion: Array) -> Array | None:
+    """Motion of all flanks of every ball, ``(N, 4, 2)`` [m], those of the rigid nut zero; None where all flanks are exact
+    arcs, whose contacts do not ask for it. motion: of the nodes ``(n, 6)``."""
+    if not problem.drawn.profile.shape[1]:
+        return None
+    moved = flank_motions(problem, motion)
+    return np.concatenate([moved, np.zeros_like(moved)], axis=1)
+
+
+def touched_sides(engine: ModuleType, problem: Problem, motion: Array, force: Array) -> Mask:
+    """Sides (4,) on which any ball carries load when all four flanks are offered to it at the solution's motions.
+
+    engine: kernels; motion ``(n, 6)`` of the nodes and force ``(N, 4)`` [N] of the solution.
+    """
     if np.all(problem.use):
-        return np.asarray((prepared.force > 0.0).any(axis=0))
-    moved = flank_motions(prepared, layout)
+        return np.asarray((force > 0.0).any(axis=0))
+    moved = flank_motions(problem, motion)
     touched = np.zeros(4, dtype=bool)
     p, contact, shift = np.zeros(2), np.zeros((4, 5)), np.zeros((4, 2))
-    floor = 1e-9 * float(prepared.force.max(initial=0.0))
+    floor = 1e-9 * float(force.max(initial=0.0))
     offered = problem.geometry.copy()
     offered[..., 5] = 1.0
-    for i in range(layout.z.size):
+    for i in range(problem.layout.z.size):
         shift[:2] = moved[i]
-        prepared.engine.settle(
+        engine.settle(
             p,
             shift,
             offered[i],
@@ -91,9 +98,8 @@ def touched_sides(prepared: Prepared, layout: BallLayout) -> Mask:
     return touched
 
 
-def describe_left_out(prepared: Prepared, mechanism: Mechanism, *, everything: bool) -> tuple[str, ...]:
+def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: bool) -> tuple[str, ...]:
     """Sentences: what was left out of the system and why."""
-    problem = prepared.problem
     notes: list[str] = []
     idle = [name for name, used in zip(SIDES, problem.use, strict=True) if not used]
     if idle:

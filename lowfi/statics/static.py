@@ -14,8 +14,9 @@ from lowfi import jit
 from lowfi.statics.mechanism import Mechanism, free_motions
 from lowfi.statics.problem import SIGNS, Problem, actual_hertz, build
 from lowfi.statics.result import SolverReport, StaticResult
-from lowfi.statics.selection import choose_sides, describe_left_out, flank_motions, touched_sides
-from lowfi.statics.summary import assemble_result, failed_result
+from lowfi.statics.selection import choose_sides, describe_left_out, flank_motions, shifts_of_beam, touched_sides
+from lowfi.statics.solved import SolvedState
+from lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import Scene
@@ -199,7 +200,7 @@ def solve_static(
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
             outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
         problem = prepared.problem
-        touched = touched_sides(prepared, layout)
+        touched = touched_sides(kernels, problem, prepared.state[0], prepared.force)
         if (outcome[0] == 0 and not np.any(touched & ~use)) or np.all(use):
             break
         notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)
@@ -220,11 +221,23 @@ def solve_static(
         setup_seconds=ready - start,
         notes=notes,
     )
-    left_out = describe_left_out(prepared, mechanism, everything=everything)
-    result = assemble_result(prepared, "lin", status, report, left_out)
+    left_out = describe_left_out(problem, mechanism, everything=everything)
+    result = assemble_result(solved_state(prepared), "lin", status, report, left_out, model_assumptions(scene))
     if discretisation and result.converged:
         result = with_discretisation(scene, result, engine=engine, member=member, drawn=drawn)
     return result
+
+
+def solved_state(prepared: Prepared) -> SolvedState:
+    """What the kernels have left in their arrays, with the reactions: the gradient at the held freedoms."""
+    problem, (q, _, p, _) = prepared.problem, prepared.state
+    motion, centre, force, normal = (np.array(x) for x in (q, p, prepared.force, prepared.normal))
+    gradient = np.zeros(motion.shape)
+    if problem.basis is None:
+        hessians = np.zeros((force.shape[0], 4, 4))
+        prepared.engine.evaluate(prepared.beam, prepared.contacts, prepared.state, (gradient, hessians))
+    held = np.where(problem.fixed, gradient, 0.0) if problem.basis is None else gradient
+    return SolvedState(problem, motion, centre, force, normal, held, shifts_of_beam(problem, motion), prepared.scale)
 
 
 def _names(mask: NDArray[np.bool_]) -> list[str]:
@@ -278,7 +291,7 @@ def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, 
             break
         problem = prepared.problem
         moved = np.zeros((layout.z.size, 4, 2))
-        moved[:, :2] = flank_motions(prepared, layout)
+        moved[:, :2] = flank_motions(problem, prepared.state[0])
         force, contact = prepared.force, prepared.state[3]
         w = -problem.drawn.centre + prepared.state[2][:, None, :] - moved
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -2,30 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.statics.problem import SIGNS, Problem, nominal_hertz
 from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
-from lowfi.statics.selection import flank_motions
 from lowfi.statics.shape import motion_matrix, rigid_transport
+from lowfi.statics.solved import SolvedState
 from meshes.parts import Scene
 from meshes.section import groove_section, nut_groove_range
-
-
-@dataclass(frozen=True)
-class Support:
-    """What the solver knows of supports ``(n, 6)`` [N, N m] and flanks ``(N, 4, 2)`` [m] where bodies are elastic."""
-
-    reactions: NDArray[np.float64]
-    shifts: NDArray[np.float64]
-
-
-if TYPE_CHECKING:
-    from lowfi.statics.static import Prepared
 
 Array = NDArray[np.float64]
 
@@ -39,6 +24,8 @@ MODEL_ASSUMPTIONS = (
 )
 
 
+#: Distance of the stations that the centreline is given at, besides the nodes [m].
+STATION = 10e-3
 #: Place of the statement about the screw in MODEL_ASSUMPTIONS, and what stands there for a rigid one.
 SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
 #: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
@@ -55,10 +42,10 @@ def model_assumptions(scene: Scene) -> tuple[str, ...]:
     return (*MODEL_ASSUMPTIONS[:SCREW], RIGID_SCREW, *MODEL_ASSUMPTIONS[SCREW + 1 :])
 
 
-def centreline(problem: Problem, q: Array, step: float = 10e-3) -> tuple[Array, Array]:
+def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
     """Stations ``(k,)`` [m] over the whole screw, nodes included, and the motions there ``(k, 6)``."""
     length = problem.scene.screw.length
-    stations = np.unique(np.concatenate([np.arange(0.0, length + 0.5 * step, step), problem.nodes, [length]]))
+    stations = np.unique(np.concatenate([np.arange(0.0, length + 0.5 * STATION, STATION), problem.nodes, [length]]))
     stations = stations[stations <= length]
     flat = q.ravel()
     if problem.basis is not None:
@@ -71,33 +58,23 @@ def centreline(problem: Problem, q: Array, step: float = 10e-3) -> tuple[Array, 
     return stations, np.stack(rows)
 
 
-def contact_geometry(prepared: Prepared, shifts: Array | None = None) -> tuple[Array, Array]:
-    """Contact points ``(N, 4, 3)`` [m] on the undeformed flanks, and directions of the forces on the ball; shifts: motions
-    ``(N, 4, 2)`` [m] of all flanks where the beam does not give them."""
-    problem, normal = prepared.problem, prepared.normal
+def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
+    """Contact points ``(N, 4, 3)`` [m] on the undeformed flanks, and directions of the forces on the ball."""
+    problem, normal = solved.problem, solved.normal
     layout = problem.layout
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     plane = problem.drawn.radius[None, :, None] * normal
-    if problem.drawn.profile.shape[1]:
-        moved = np.zeros((layout.z.size, 4, 2))
-        if shifts is None:
-            moved[:, :2] = flank_motions(prepared, layout)
-        else:
-            moved = shifts
-        w = -problem.drawn.centre + prepared.state[2][:, None, :] - moved
-        distance = problem.drawn.ball_radius[:, None] - problem.C * np.cbrt(prepared.force) ** 2
+    if problem.drawn.profile.shape[1] and solved.shifts is not None:
+        w = -problem.drawn.centre + solved.centre[:, None, :] - solved.shifts
+        distance = problem.drawn.ball_radius[:, None] - problem.C * np.cbrt(solved.force) ** 2
         plane = w + distance[..., None] * normal
     points = np.einsum("nsa,nak->nsk", plane + problem.drawn.centre, axes) + layout.centre[:, None, :]
     return points, -np.einsum("nsa,nak->nsk", normal, axes)
 
 
-def equilibrium(prepared: Prepared, points: Array, on_ball: Array, nodal: Array | None = None) -> Equilibrium:
-    """Global balance of the screw: applied loads, support reactions, contact forces at their contact points.
-
-    nodal: reactions ``(n, 6)``, where the solver did not leave them in its state.
-    """
-    problem = prepared.problem
-    force = prepared.force
+def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibrium:
+    """Global balance of the screw: applied loads, support reactions, contact forces at their contact points."""
+    problem, force, nodal = solved.problem, solved.force, solved.reactions
     scene = problem.scene
     on_screw = -on_ball[:, :2] * force[:, :2, None]
     contact_force = on_screw.sum(axis=(0, 1))
@@ -110,7 +87,6 @@ def equilibrium(prepared: Prepared, points: Array, on_ball: Array, nodal: Array 
     reaction_force: Array = np.zeros(3)
     reaction_moment: Array = np.zeros(3)
     if problem.basis is None:
-        nodal = reactions(prepared) if nodal is None else nodal
         for j, z in enumerate(problem.nodes):
             reaction_force += nodal[j, :3]
             reaction_moment += nodal[j, 3:] + np.cross([0.0, 0.0, z], nodal[j, :3])
@@ -128,7 +104,7 @@ def equilibrium(prepared: Prepared, points: Array, on_ball: Array, nodal: Array 
         float(np.abs(contact_force).max()),
         float(np.abs(reaction_force).max()),
         float(force.max(initial=0.0)),
-        prepared.scale,
+        solved.scale,
     )
     moments = (applied_moment, reaction_moment, contact_moment)
     size_m = max(max(float(np.abs(m).max()) for m in moments), size * scene.track.pitch_radius)
@@ -144,16 +120,6 @@ def equilibrium(prepared: Prepared, points: Array, on_ball: Array, nodal: Array 
         float(np.abs(df).max()) / size if size else 0.0,
         float(np.abs(dm).max()) / size_m if size_m else 0.0,
     )
-
-
-def reactions(prepared: Prepared) -> Array:
-    """Forces and moments of the supports on the nodes, ``(n, 6)``: the gradient at the held freedoms."""
-    problem = prepared.problem
-    n = problem.nodes.size
-    gradient = np.zeros((n, 6))
-    hessians = np.zeros((problem.C.shape[0], 4, 4))
-    prepared.engine.evaluate(prepared.beam, prepared.contacts, prepared.state, (gradient, hessians))
-    return np.where(problem.fixed, gradient, 0.0)
 
 
 def warnings_of(problem: Problem, force: Array, gamma: Array, shift: Array, semi_axis: Array) -> tuple[str, ...]:
@@ -196,25 +162,23 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> tup
 
 
 def assemble_result(
-    prepared: Prepared,
+    solved: SolvedState,
     model: str,
     status: str,
     report: SolverReport,
     left_out: tuple[str, ...],
-    support: Support | None = None,
+    idealised: tuple[str, ...],
 ) -> StaticResult:
-    """Result record of a finished solve; ``support``: from a solver with elastic bodies."""
-    problem = prepared.problem
-    q, p = prepared.state[0], prepared.state[2]
-    force, normal = prepared.force.copy(), prepared.normal
+    """Result record of a finished solve; idealised: statements that hold for every run of the model on such a scene."""
+    problem = solved.problem
+    p, force, normal = solved.centre, solved.force, solved.normal
     raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
     gamma = np.where(force > 0.0, raw, np.nan)
-    points, on_ball = contact_geometry(prepared, support.shifts if support else None)
-    z, motion = centreline(problem, q)
+    points, on_ball = contact_geometry(solved)
+    z, motion = centreline(problem, solved.motion)
     semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
     notes = warnings_of(problem, force, raw, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
     notes += tilt_warning(problem, force, z, motion)
-    idealised = model_assumptions(problem.scene) if support is None else ELASTIC_ASSUMPTIONS
     return StaticResult(
         model=model,
         status=status,
@@ -224,11 +188,11 @@ def assemble_result(
         contact_angle=gamma,
         contact_point=points,
         force_direction=on_ball,
-        centre_shift=p.copy(),
+        centre_shift=p,
         hertz_C=problem.C.copy(),
         centreline_z=z,
         centreline=motion,
-        equilibrium=equilibrium(prepared, points, on_ball, support.reactions if support else None),
+        equilibrium=equilibrium(solved, points, on_ball),
         solver=report,
         assumed=(*problem.scene.assumed, *idealised),
         left_out=left_out,

@@ -101,7 +101,7 @@ def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name
 
 
 def test_section_says_from_the_data_whether_the_targets_are_met():
-    made = verification.section(lambda _: None, {"Q1": (2,), "Q2": (4,)})
+    made = verification.drawn(verification.levels(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
     assert made.name == "verification"
     verdicts = made.items[1].paragraphs
     assert sum("All targets are met" in line for line in verdicts) == 2

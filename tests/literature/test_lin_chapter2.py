@@ -2,50 +2,19 @@
 
 import pytest
 
-from compare.models.study import Study
-from compare.printed.findings import Finding
-from compare.sections import case3, cases, hertz, manufacturing
-from compare.sections.errors import findings as error_findings
-
-STUDY = Study()
+from compare.evidence.loads_2_4_1 import CASES, ratio
+from compare.sections import case3, cases
+from tests.literature.entries import STUDY, check, found, keys
 
 
-def _all() -> list[Finding]:
-    from compare.models.ensemble import run_ensemble
-
-    drawn = [run_ensemble(STUDY.scene(name), 60) for name in ("lin-random", "lin-combined")]
-    return [
-        *hertz.findings(STUDY),
-        *cases.findings_241(STUDY),
-        *error_findings(STUDY, *drawn),
-        *manufacturing.findings(STUDY),
-    ]
+@pytest.mark.parametrize("key", keys("lin-B1", "lin-2.4.1", "lin-2.4.2", "lin-4.3.2"))
+def test_entry(key: str) -> None:
+    check(key)
 
 
-@pytest.fixture(scope="module")
-def found() -> dict[str, Finding]:
-    return {f"{f.printed.table}:{f.printed.key}": f for f in _all()}
-
-
-KEYS = [
-    f"{row.table}:{row.key}"
-    for name in ("lin-B1", "lin-2.4.1", "lin-2.4.2", "lin-4.3.2")
-    for row in __import__("compare.printed.printed_data", fromlist=["load_table"]).load_table(name)
-]
-
-
-@pytest.mark.parametrize("key", KEYS)
-def test_entry(found: dict[str, Finding], key: str) -> None:
-    finding = found[key]
-    if finding.printed.cls == "open":
-        assert finding.verdict.startswith("open"), "an open entry must not be claimed as reproduced"
-        return
-    assert finding.agrees is True, f"{finding.printed.label}: {finding.compared} {finding.evidence}"
-
-
-def test_table_b1_to_every_printed_digit(found: dict[str, Finding]) -> None:
+def test_table_b1_to_every_printed_digit() -> None:
     """As printed, each value rounds to the very digits of the table."""
-    rows = [f for k, f in found.items() if k.startswith("lin-B1:")]
+    rows = [found(key) for key in keys("lin-B1")]
     assert len(rows) == 19
     for f in rows:
         digits = f.printed.printed
@@ -56,13 +25,13 @@ def test_table_b1_to_every_printed_digit(found: dict[str, Finding]) -> None:
         assert f"{f.as_printed / 10.0**exponent:.{decimals}f}" == mantissa, f.printed.label
 
 
-def test_right_values_differ_from_the_printed_ones(found: dict[str, Finding]) -> None:
+def test_right_values_differ_from_the_printed_ones() -> None:
     """The faults matter: the right constant of the screw is 7 to 10 % off the printed one, its radius along twice."""
-    c = found["lin-B1:C_S"]
+    c = found("lin-B1:C_S")
     assert c.value is not None
     assert c.printed.value is not None
     assert 0.03 < abs(c.printed.value / c.value - 1.0) < 0.12
-    r = found["lin-B1:rho2_S"]
+    r = found("lin-B1:rho2_S")
     assert r.value is not None
     assert r.printed.value is not None
     assert 1.9 < r.value / r.printed.value < 2.2
@@ -72,8 +41,8 @@ def test_source_partition_and_root_free_factor_explain_the_ratio() -> None:
     """1.34 is inside the spread of the open choices: about 1.30 (coarse partition) to 1.34 (C.8 without its root)."""
     coarse = STUDY.solve(STUDY.changed("lin-case1", partition="source")).load[:, 0]
     rootless = STUDY.solve(STUDY.changed("lin-case1", section="groove squared")).load[:, 0]
-    assert cases.ratio(coarse) == pytest.approx(1.300, abs=2e-3)
-    assert cases.ratio(rootless) == pytest.approx(1.344, abs=2e-3)
+    assert ratio(coarse) == pytest.approx(1.300, abs=2e-3)
+    assert ratio(rootless) == pytest.approx(1.344, abs=2e-3)
 
 
 def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
@@ -85,7 +54,7 @@ def test_readings_of_case_3_stand_beside_each_other_with_what_they_change():
     assert rows["lin-case3-offset-ux"]["lin_change"] == pytest.approx(8.34, abs=0.01)
     for name in ("lin-case3-ux", "lin-case3-offset-ux"):
         assert rows[name]["reference"] == "none stored"
-        assert name in cases.CASES
+        assert name in CASES
     for name in rows:
         assert {row["case"] for row in cases.summary_table(STUDY).rows} >= {name}
         assert any(key.startswith(name.removeprefix("lin-") + "-SL") for key in cases.load_table(STUDY).rows[0])

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from compare.evidence.screw import AMPLITUDES, pair
 from compare.printed.printed_data import Printed, load_table
 from lowfi.friction.screw.pair import (
     BOTH,
@@ -21,14 +22,19 @@ from lowfi.friction.screw.pair import (
     solve_pair,
     table_3_6,
 )
-from lowfi.friction.screw.run import RunSummary, groups, lin_3_4_4, simulate, summarise
+from lowfi.friction.screw.run import RunSummary, lin_3_4_4, simulate, summarise
+from tests.literature.entries import check, keys
 
 THETA = {"a": np.radians(2.0), "b": np.radians(3.0)}
-AMPLITUDES = (2.0, 3.0)
 
 
 def rows(table: str) -> dict[str, Printed]:
     return {r.key: r for r in load_table(table)}
+
+
+@pytest.mark.parametrize("key", keys("lin-3.6", "lin-3.7", "lin-3.4.4"))
+def test_entry(key: str) -> None:
+    check(key)
 
 
 @cache
@@ -36,23 +42,11 @@ def reading(name: str, case: str) -> PairResult:
     theta = THETA[case]
     if name == "radial":
         return solve_pair(replace(plain(theta), free="r", force=(100.0,), coupling="none"))
-    return solve_pair(plain(theta) if name == "plain" else inferred(theta))
+    return pair(case, "plain" if name == "plain" else "inferred")
 
 
 def quantity(r: PairResult, kind: str) -> float:
     return r.force if kind == "force" else 100.0 * r.friction_increase
-
-
-def test_inputs_are_those_of_table_3_6() -> None:
-    v, s = {key: row.value for key, row in rows("lin-3.6").items()}, table_3_6()
-    assert 1e3 * s.ball_radius == pytest.approx(v["R_B"], rel=1e-14)
-    assert 0.5 * s.groove_radius / s.ball_radius == pytest.approx(v["conformity"], rel=1e-14)
-    assert 1e3 * s.pitch_radius == v["R_P"]
-    assert 1e3 * s.lead == v["lead"]
-    assert np.degrees(s.contact_angle) == v["beta"]
-    assert s.speed / np.pi == v["omega_N"]
-    assert (s.mu, s.poisson, s.young / 1e9) == (v["mu"], v["nu"], v["E"])
-    assert plain(0.0).force == (v["force"],)
 
 
 @pytest.mark.parametrize("key", ["force_a", "force_b", "increase_a", "increase_b"])
@@ -139,33 +133,12 @@ def test_hertz_constants_of_the_source_change_little() -> None:
         assert value == pytest.approx(b1[key].value, rel=1e-3)
 
 
-def test_differences_from_ansys_follow_from_the_table() -> None:
-    table = rows("lin-3.7")
-    for case in THETA:
-        row = table[f"difference_{case}"]
-        off = 100.0 * (table[f"force_{case}"].value / table[f"ansys_{case}"].value - 1.0)
-        assert off == pytest.approx(row.value, abs=row.tolerance)
-
-
 @cache
 def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
     return summarise(simulate(lin_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
 
 
-def test_inputs_of_3_4_4() -> None:
-    v, run = {key: row.value for key, row in rows("lin-3.4.4").items()}, lin_3_4_4()
-    assert (run.count, run.turns, run.force[0], run.duration, run.steps) == (
-        v["balls"],
-        v["turns"],
-        v["force"],
-        v["duration"],
-        v["steps"],
-    )
-
-
 def test_occupation_means_no_volume_of_the_tube() -> None:
-    row = rows("lin-3.4.4")["occupation"]
-    assert 100.0 * lin_3_4_4().occupation == pytest.approx(row.value, abs=row.tolerance)
     assert lin_3_4_4().tube == 0.0
 
 
@@ -196,20 +169,6 @@ def test_times_of_3_4_4_are_open_because_nothing_tried_gives_them(key: str, name
     assert max(found) < row.value
     low, high = map(int, re.search(r"(\d+) to (\d+) deg", row.remark).groups())
     assert (round(min(found)), round(max(found))) == (low, high)
-
-
-def test_statements_of_3_4_4() -> None:
-    """Four groups; contact builds up, ends and builds up again; grooves' torque hardly varies."""
-    for amplitude in AMPLITUDES:
-        s = run_summary(amplitude)
-        assert s.groups == 4
-        assert s.groove_variation < 0.03
-    r = simulate(lin_3_4_4())
-    any_contact = r.contact.any(axis=1)
-    switches = np.flatnonzero(np.diff(any_contact.astype(int)))
-    assert not any_contact[0]
-    assert list(any_contact[switches[:3] + 1]) == [True, False, True]
-    assert groups(r.contact).max() == 4
 
 
 def test_without_oversize_only_coupled_friction_makes_contact() -> None:

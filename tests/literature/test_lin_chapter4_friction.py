@@ -18,10 +18,10 @@ from lowfi.friction.bearing.pairs import (
     four_point,
     solve_bearing,
     torque_curve,
-    vary,
 )
 from lowfi.friction.screw.errors import Onset, contact_onset, groove_of
 from lowfi.statics.static import solve_static
+from tests.literature.entries import check, keys
 
 ANGLES = np.radians(np.arange(0.0, 18.1, 2.0))
 
@@ -30,23 +30,15 @@ def rows(table: str) -> dict[str, Printed]:
     return {r.key: r for r in load_table(table)}
 
 
+@pytest.mark.parametrize("key", keys("lin-4.2", "lin-4.3"))
+def test_entry(key: str) -> None:
+    check(key)
+
+
 @cache
 def curve(name: str, tilt: bool, **changes) -> TorqueCurve:
     make = four_point if name == "4P" else double_row
     return torque_curve(make(tilt=tilt, **changes), ANGLES)
-
-
-def test_inputs_are_those_of_table_4_2() -> None:
-    v = {key: row.value for key, row in rows("lin-4.2").items()}
-    for key, case in (("4p", four_point()), ("dr", double_row())):
-        g = case.groove
-        assert 2e3 * g.pitch_radius == v["pitch_diameter"]
-        assert 1e3 * g.ball_radius == pytest.approx(v[f"ball_{key}"], rel=1e-14)
-        assert 1e3 * g.groove_radius == pytest.approx(v[f"groove_{key}"], rel=1e-14)
-        assert case.count == v[f"balls_{key}"]
-        assert (case.force, g.poisson, g.young / 1e9) == (v["force"], v["nu"], v["E"])
-        assert g.screw_speed / (2.0 * np.pi) == pytest.approx(v["speed"], rel=1e-14)
-        assert np.degrees(g.contact_angle) == v["beta"]
 
 
 def assumptions() -> list[float]:
@@ -95,12 +87,6 @@ def test_double_row_varies_less() -> None:
     face = torque_curve(double_row(rows=(Row(-6e-3, DIAGONAL), Row(6e-3, OTHER)), tilt=True), ANGLES)
     assert face.ratio < 1.28
     assert min(assumptions()) > 3.0 * face.ratio
-
-
-def test_vary_is_the_curve_cut_off() -> None:
-    table = vary([("tilt", four_point(tilt=True))], ANGLES, (np.radians(10.0), np.radians(18.0)))
-    assert table[1][2] == pytest.approx(curve("4P", True).ratio, rel=1e-6)
-    assert table[0][2] == pytest.approx(curve("4P", True).torque[5] / curve("4P", True).torque[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("tilt", [False, True])

@@ -39,12 +39,12 @@ def test_table_is_the_report_s() -> None:
 def test_report_s_tables_are_what_the_models_give_now() -> None:
     from compare.models.study import Study
     from compare.sections.cases import choices
-    from compare.sections.reference import error_table, references
+    from compare.sections.reference import case_studies, error_table
 
     study = Study()
     for row, old in zip(choices(study), stored("cases-choices"), strict=True):
         assert abs(float(row["max"]) - float(old["max [N]"])) < 1e-6 * float(old["max [N]"])
-    table = error_table(study, references(study), None)
+    table = error_table(study, case_studies(study))
     for row, old in zip(table.rows, stored("reference-errors"), strict=True):
         assert (row["scene"], row["model"]) == (old["scene"], old["model"])
         if row.get("max") is not None:

@@ -184,5 +184,5 @@ def test_survey(name):
     (run,) = compute(Task((SURVEY[name],), 1))
     assert run.status == "converged"
     assert max(run.balance, run.screw_balance) < 1e-8
-    low = run_model(SURVEY[name], "refined", Options(discretisation=False, estimate=False))
+    low = run_model(SURVEY[name], "refined", Options(discretisation=False))
     assert load_error(low.load, run.load).rms_percent < 5.0

@@ -167,14 +167,3 @@ def double_row(**changes: object) -> BearingCase:
     groove = ScrewGroove(4e-3, 4.32e-3, 35e-3, 0.0, 0.25 * np.pi, 210e9, 0.28, 0.1, 0.0, 20.0 * np.pi)
     rows = (Row(-6e-3, OTHER), Row(6e-3, DIAGONAL))
     return replace(BearingCase(groove, 9, rows), **changes)  # type: ignore[arg-type]
-
-
-def vary(make: list[tuple[str, BearingCase]], angle: Array, ranges: tuple[float, ...]) -> list[tuple[str, float, float]]:
-    """Ratios of largest to smallest torque: rows of a case's label, end of the range of angles [rad], ratio."""
-    out = []
-    for label, case in make:
-        curve = torque_curve(case, angle)
-        for end in ranges:
-            part = curve.torque[curve.angle <= end * (1.0 + 1e-12)]
-            out.append((label, end, float(part.max() / part.min())))
-    return out

@@ -163,9 +163,7 @@ def source_law(bearing: Bearing, sharpness: float = 100.0, map_spacing: float | 
     return Sigmoid(sharpness, abs(bearing.speed) * float(np.sin(bearing.contact_angle)), map_spacing)
 
 
-def solve_ball(
-    bearing: Bearing, force_x: float, u_y: float, hertz: Mode = "right", start: Array | None = None, fast: bool = False
-) -> Solution:
+def solve_ball(bearing: Bearing, force_x: float, u_y: float, hertz: Mode = "right", fast: bool = False) -> Solution:
     """Loads, then the motion of least dissipation with Coulomb friction.
 
     hertz: constants of the loads and ellipses; "as printed" shows what the motion alone changes against the source.
@@ -173,7 +171,7 @@ def solve_ball(
     load = bearing_load(bearing, force_x, u_y, hertz)
     at = ball_contacts(bearing, load, hertz)
     problem = motion_problem(bearing, load, at)
-    motion = least_dissipation(problem, start, fast)
+    motion = least_dissipation(problem, fast=fast)
     return Solution(bearing, load, at, problem, motion, inner_torque(bearing, load, motion))
 
 
@@ -211,10 +209,10 @@ class Sweep:
     status: tuple[str, ...] = field(default=())
 
 
-def sweep(bearing: Bearing, force_x: float, u_y: Array, mode: Mode = "right", fast: bool = True) -> Sweep:
+def sweep(bearing: Bearing, force_x: float, u_y: Array, mode: Mode = "right") -> Sweep:
     """Sum of contact forces and friction torque against u_y (Figure 3.7), each point solved on its own."""
     one = solve_ball if mode == "right" else solve_ball_as_printed
-    found = [one(bearing, force_x, float(u), fast=fast) for u in u_y]
+    found = [one(bearing, force_x, float(u), fast=True) for u in u_y]
     return Sweep(
         u_y=np.asarray(u_y, dtype=float),
         load=np.array([s.load.force for s in found]),
@@ -223,34 +221,3 @@ def sweep(bearing: Bearing, force_x: float, u_y: Array, mode: Mode = "right", fa
         motion=np.array([s.motion.q for s in found]),
         status=tuple(s.motion.status for s in found),
     )
-
-
-@dataclass(frozen=True)
-class VelocityField:
-    """Relative velocity over one contact ellipse: points (k, 2) x, z [m], velocity (k, 2) [m/s], centre (c, d) [m]."""
-
-    side: str
-    a: float
-    b: float
-    points: Array
-    velocity: Array
-    centre: tuple[float, float]
-
-
-def velocity_fields(solution: Solution, rings: int = 5, spokes: int = 12) -> tuple[VelocityField, ...]:
-    """Velocity fields of the loaded contacts (Figure 3.8), on ``rings`` of ``spokes`` points and the centre.
-
-    The centre of rotation is infinite where the contact slides without spin and not a number where it rests.
-    """
-    r, t = np.meshgrid(np.arange(1, rings + 1) / rings, np.arange(spokes) * 2.0 * np.pi / spokes, indexing="ij")
-    unit = np.concatenate([np.zeros((1, 2)), np.stack([r * np.cos(t), r * np.sin(t)], axis=-1).reshape(-1, 2)])
-    fields = []
-    for i in np.flatnonzero(solution.load.force > 0.0):
-        vx, vz, spin = (float(v) for v in solution.motion.motion[i])
-        a, b = float(solution.at.a[i]), float(solution.at.b[i])
-        points = unit * np.array([a, b])
-        velocity = np.stack([vx + spin * points[:, 1], vz - spin * points[:, 0]], axis=1)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            centre = (float(np.divide(vz, spin)), float(np.divide(-vx, spin)))
-        fields.append(VelocityField(SIDES[i], a, b, points, velocity, centre))
-    return tuple(fields)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ellipe, elliprd
+from scipy.special import elliprd
 
 from lowfi.jit import CONTACT, kernels
 
@@ -107,16 +107,6 @@ def friction(at: Contacts, motion: Array, speed: float = 0.0, fast: bool = False
     """
     d = dissipation(at, motion, speed, fast)
     return Friction(force=-d.gradient[:, :2], moment=-d.gradient[:, 2], loss=d.value - d.excess)
-
-
-def pure_spin_moment(at: Contacts) -> Array:
-    """Moment (n,) [N m] that resists spin about the centre, (3/8) mu F a E(e) (Lin 3.32)."""
-    return np.asarray(0.375 * at.strength * at.a * ellipe(1.0 - (at.b / at.a) ** 2))
-
-
-def pure_sliding_force(at: Contacts) -> Array:
-    """Force (n,) [N] that resists sliding with the centre of rotation far away, mu F (Lin 3.33)."""
-    return at.strength
 
 
 def linear_factor(ratio: ArrayLike) -> Array:

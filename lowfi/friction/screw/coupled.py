@@ -14,7 +14,7 @@ from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
 from lowfi.friction.screw.joint import solve_joint
 from lowfi.friction.screw.load import Cell, ScrewLoad, settle
-from lowfi.friction.screw.motion import AGREED, ROUNDS, BallMotion, Coupling, Mixer, ball_motion, feedback, hold_screw
+from lowfi.friction.screw.motion import AGREED, ROUNDS, Coupling, Mixer, feedback, hold_screw
 
 #: Rounds after which loads and friction are solved as one system.
 PATIENCE = 26
@@ -105,47 +105,3 @@ def _guess(cell: Cell, coupling: Coupling, near: CoupledChain | None) -> Guess:
     if coupling != "none":
         push, drag = feedback(cell, near.motion.wrench, near.motion.ball_push[:, [0, 2]], coupling)
     return Guess(push, drag, near.motion.q, near.motion.ball_force)
-
-
-@dataclass(frozen=True)
-class CoupledBall:
-    """Loads and motion that agree. change: last change of the friction fed back [N]; converged: also the parts are."""
-
-    load: ScrewLoad
-    motion: BallMotion
-    change: float
-    rounds: int
-    converged: bool
-
-
-def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool = True) -> CoupledBall:
-    """Loads and motion of the one ball of a cell in agreement, with rest and slip exact; see ``coupled_chain``.
-
-    Failure is data: see ``converged``.
-    """
-    load = settle(cell)
-    if coupling == "ball":
-        cell = hold_screw(cell, load)
-        load = settle(cell, (load.ball, np.zeros(0)))
-    groove, mixer, bare = cell.groove, Mixer(), (load.ball, load.screw)
-    push, drag, start = cell.push, cell.drag, None
-    rounds, change, good = 0, np.inf, False
-    while True:
-        moved = ball_motion(groove, load.force[0], load.angle[0], start=start, fast=fast)
-        new_push, new_drag = feedback(cell, moved.wrench[None], np.zeros((1, 2)), coupling)
-        x, g = np.append(push, drag), np.append(new_push, new_drag)
-        change = float(np.max(np.abs(g - x)))
-        good = load.converged and moved.motion.status != "failed"
-        rounds += 1
-        if change <= AGREED * float(np.sum(load.force)) or rounds == ROUNDS:
-            break
-        joint = solve_joint(cell, np.full(1, np.inf), bare, None, fast) if rounds == PATIENCE else None
-        if joint is not None and joint.done:
-            push, drag = joint.push, joint.drag
-            load = settle(replace(cell, push=push, drag=drag), (joint.ball, joint.screw))
-        else:
-            x = mixer.next(x, g)
-            push, drag = x[:2].reshape(1, 2), x[2:]
-            load = settle(replace(cell, push=push, drag=drag), (load.ball, load.screw))
-        start = moved.motion.q
-    return CoupledBall(load, moved, change, rounds, good and change <= AGREED * float(np.sum(load.force)))

@@ -16,7 +16,7 @@ from lowfi.friction.contact.laws import Law, Sigmoid
 from lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
 from lowfi.friction.screw.arrays import plain_array
 from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, contact_axes
-from lowfi.friction.screw.load import Cell, ScrewLoad, screw_rows
+from lowfi.friction.screw.load import Cell, ScrewLoad
 from lowfi.jit import SCREW, kernels
 
 #: What friction may change: nothing; the balls' places (as the source, 3.4.1); those and the screw's.
@@ -101,34 +101,13 @@ def source_law(groove: ScrewGroove, sharpness: float = 100.0) -> Sigmoid:
     return Sigmoid(sharpness, spin)
 
 
-def ball_motion_by_root(one: BallMotion, law: Law, start: Array | None = None, fast: bool = True) -> Motion:
-    """The source's way at the same loads, kept for comparison: a root of the balance under ``law`` (Lin 3.69, 3.71).
+def ball_motion_by_root(one: BallMotion, law: Law, start: Array | None = None) -> Motion:
+    """The method of the source at the same loads, for comparison: a root of the balance under ``law`` (Lin 3.69, 3.71).
 
     start (4,): rolling at the nominal contact angle where None. "failed" from many starts near two-point contact.
     """
     first = np.array([one.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
-    return balance_by_root(one.problem, law, first, fast)
-
-
-def ball_cell(
-    groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array, offset: Array | None = None
-) -> Cell:
-    """One ball at azimuth 0: deviations (4,) of its groove angles [rad], oversize of its radius [m], free, force (m,).
-
-    offset (2,): displacement of the screw along x3, z3 [m], besides its free motions.
-    """
-    angle = np.asarray(groove.contact_angle + deviation, dtype=float)[None, :]
-    place = np.zeros((1, 2)) if offset is None else np.asarray(offset, dtype=float).reshape(1, 2)
-    return Cell(
-        groove,
-        angle,
-        np.full((1, 4), float(oversize)),
-        screw_rows(groove, np.zeros(1), free),
-        np.asarray(force, dtype=float),
-        place,
-        np.zeros((1, 2)),
-        np.zeros(len(free)),
-    )
+    return balance_by_root(one.problem, law, first, fast=True)
 
 
 def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:

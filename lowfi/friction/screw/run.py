@@ -215,13 +215,3 @@ def summarise(result: RunResult) -> RunSummary:
         groups=int(np.max(groups(result.contact))),
         groove_variation=float((torque.max() - torque.min()) / torque.mean()),
     )
-
-
-def sensitivity(run: Run, changes: dict[str, tuple[object, ...]]) -> list[tuple[str, object, RunSummary]]:
-    """Summaries with one assumption changed at a time: rows of its name, value, and what 3.4.4 would say."""
-    out: list[tuple[str, object, RunSummary]] = [("none", None, summarise(simulate(run)))]
-    for name, values in changes.items():
-        for value in values:
-            changed = replace(run, **{name: value})  # type: ignore[arg-type]
-            out.append((name, value, summarise(simulate(changed))))
-    return out

@@ -9,7 +9,6 @@ from scipy.optimize import linprog
 from lowfi.friction.contact.ellipse import contacts, friction
 from lowfi.friction.linear.bearing import LinearBearing, deviations, directions, semi_axes
 from lowfi.friction.linear.chain import prepare, solve
-from lowfi.friction.linear.chain_motion import run
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads
 from lowfi.friction.linear.pair import maps, pair_state, solve_pair
 
@@ -278,42 +277,8 @@ def test_maps_have_both_models_and_their_difference():
     np.testing.assert_allclose(m.ratio + m.ratio_error, m.ratio_analytic)
 
 
-def test_pair_meets_after_the_time_its_gap_takes():
-    """Figure 3.16: gap of 0.1 R_B, constant velocities until they touch, then one velocity."""
-    gap = 0.1 * BEARING.ball_radius
-    free = solve(prepare(BEARING, ANGLES, LOADS, False))
-    motion = run(BEARING, ANGLES, LOADS, np.array([gap]), 10.0)
-    meet = gap / (free.velocity[0] - free.velocity[1])
-    np.testing.assert_allclose(motion.time, [0.0, meet, 10.0], rtol=1e-9)
-    assert motion.gap_at(0.5 * meet)[0] == pytest.approx(0.5 * gap, rel=1e-9)
-    np.testing.assert_array_equal(motion.gap[1:], 0.0)
-    assert motion.results[0].ball_force[0] == 0.0
-    assert motion.results[1].ball_force[0] == pytest.approx(solve(prepare(BEARING, ANGLES, LOADS)).ball_force[0])
-    mated, same = pair_state(BEARING, np.radians(2.0), -0.6, 100.0, mated=True)
-    kept = run(BEARING, mated, same, np.array([gap]), 10.0)
-    np.testing.assert_allclose(kept.gap, gap, rtol=1e-6)
-
-
-def test_chain_in_time_keeps_order():
-    angles, loads = random_chain(12, 3)
-    rng = np.random.default_rng(1)
-    motion = run(BEARING, angles, loads, rng.uniform(0.0, 1e-4, 11), 5.0)
-    assert len(motion.time) > 4
-    assert np.all(motion.gap >= 0.0)
-    assert np.all(np.diff(motion.time) > 0.0)
-    assert all(r.status == "converged" for r in motion.results)
-    met = (motion.gap[1:-1] == 0.0) & (motion.gap[:-2] > 0.0)
-    assert np.all(met.any(axis=1))
-    for k in range(len(motion.time) - 1):
-        dt = motion.time[k + 1] - motion.time[k]
-        moved = motion.gap[k] + dt * np.diff(motion.results[k].velocity)
-        np.testing.assert_allclose(motion.gap[k + 1], np.maximum(moved, 0.0), atol=1e-10)
-
-
 def test_bad_input_is_refused():
     with pytest.raises(ValueError, match="shape"):
         prepare(BEARING, ANGLES, LOADS[:1])
     with pytest.raises(ValueError, match="not negative"):
         prepare(BEARING, ANGLES, -LOADS)
-    with pytest.raises(ValueError, match="gaps"):
-        run(BEARING, ANGLES, LOADS, np.array([-1e-6]), 1.0)

@@ -14,6 +14,7 @@ from lowfi.friction.linear.kernel import law as kernel
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 from lowfi.friction.linear.pair import pair_formulas
 from lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
+from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatch, shifts
 
 BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
 
@@ -104,7 +105,7 @@ def test_velocity_from_points_of_no_slip():
     gamma = np.radians([43.0, 48.0, 44.0, 46.5])
     rows, right = no_slip_matrix(gamma)
     motion = np.linalg.solve(rows[[0, 1, 3]], right[[0, 1, 3]])
-    assert analytic.ball_velocity(gamma) == pytest.approx(motion[0], rel=1e-12)
+    assert ball_velocity(gamma) == pytest.approx(motion[0], rel=1e-12)
     bl, br, _, tl = gamma
     printed = np.sin(bl + bl) / (np.sin(bl + br) + np.sin(bl + tl) + np.sin(br - tl))
     assert abs(printed - motion[0]) > 1e-4
@@ -112,7 +113,7 @@ def test_velocity_from_points_of_no_slip():
         gamma[2] = fourth
         rows, right = no_slip_matrix(gamma)
         determinant = np.linalg.det(np.column_stack([rows, right]))
-        assert abs(analytic.mismatch(gamma)) == pytest.approx(abs(determinant), rel=1e-9)
+        assert abs(mismatch(gamma)) == pytest.approx(abs(determinant), rel=1e-9)
 
 
 @pytest.mark.parametrize("nominal", [35.0, 45.0, 55.0])
@@ -120,9 +121,9 @@ def test_linear_deviation_of_velocity_by_differences(nominal):
     """(3.42): slope tan(beta_0)/2 by Delta beta_TL - Delta beta_BR; 1 - cos(2 beta_0) holds at 45 degrees only."""
     beta, h = np.radians(nominal), 1e-6
     step = np.array([0.0, -h, 0.0, h])
-    slope = (analytic.ball_velocity(beta + step) - analytic.ball_velocity(beta - step)) / (2.0 * h)
+    slope = (ball_velocity(beta + step) - ball_velocity(beta - step)) / (2.0 * h)
     bearing = replace(BEARING, contact_angle=beta)
-    assert 2.0 * slope == pytest.approx(analytic.deviation_from_shifts(bearing, step / h, np.zeros(4)), rel=1e-8)
+    assert 2.0 * slope == pytest.approx(deviation_from_shifts(bearing, step / h, np.zeros(4)), rel=1e-8)
     printed = 1.0 - np.cos(2.0 * beta)
     assert (abs(printed - 2.0 * slope) < 1e-6) == (nominal == 45.0)
 
@@ -155,10 +156,10 @@ def test_velocity_formula_against_brute_force(nominal):
     start = np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 1e-5])
     x = fsolve(lambda x: linear_balance(bearing, angles, loads, x, 0.0, 1.4), start, xtol=1e-13)
     exact = 2.0 * x[0] - 1.0
-    shift = analytic.shifts(bearing, turn, loads, k_f=1.4)
-    assert analytic.deviation_from_shifts(bearing, turn, shift) == pytest.approx(exact, rel=2e-3)
+    shift = shifts(bearing, turn, loads, k_f=1.4)
+    assert deviation_from_shifts(bearing, turn, shift) == pytest.approx(exact, rel=2e-3)
     assert analytic.velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(exact, rel=2e-3)
-    assert analytic.mismatch(angles + shift) == pytest.approx(0.0, abs=1e-7)
+    assert mismatch(angles + shift) == pytest.approx(0.0, abs=1e-7)
     rows, right = no_slip_matrix(angles)
     sliding, spin = rows @ x - right, directions(angles) @ x[1:]
     # Delta eta = s_i c_i / R (3.34); the source's spin is about the inward normal, so c_i = -sliding / spin
@@ -173,8 +174,8 @@ def test_unequal_diagonals_against_brute_force():
     angles, start = bearing.contact_angle + turn, np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 1e-5])
     for force in (0.0, 0.05):
         x = fsolve(lambda x, p=force: linear_balance(bearing, angles, loads, x, p, 1.4), start, xtol=1e-13)
-        shift = analytic.shifts(bearing, turn, loads, force, k_f=1.4)
-        found = analytic.deviation_from_shifts(bearing, turn, shift)
+        shift = shifts(bearing, turn, loads, force, k_f=1.4)
+        found = deviation_from_shifts(bearing, turn, shift)
         assert found == pytest.approx(2.0 * x[0] - 1.0, rel=2e-2, abs=2e-6)
 
 

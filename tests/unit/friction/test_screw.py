@@ -13,11 +13,11 @@ from lowfi.friction.linear.bearing import LinearBearing
 from lowfi.friction.linear.pair import pair_state
 from lowfi.friction.linear.pair import solve_pair as solve_linear_pair
 from lowfi.friction.screw.chain import Chain, solve_chain
-from lowfi.friction.screw.coupled import coupled_ball
 from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
 from lowfi.friction.screw.load import load_arrays, load_state, screw_rows, settle
-from lowfi.friction.screw.motion import ball_cell, ball_motion, ball_motion_by_root, source_law
+from lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, source_law
 from lowfi.friction.screw.pair import inferred, plain, table_3_6
+from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import SCREW_STATES as STATES
 
 SCREW = table_3_6()

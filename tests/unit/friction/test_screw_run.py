@@ -8,7 +8,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from lowfi.friction.screw.motion import ball_motion
-from lowfi.friction.screw.run import RunResult, deviation, groups, lin_3_4_4, run_cell, sensitivity, simulate, summarise
+from lowfi.friction.screw.run import RunResult, deviation, groups, lin_3_4_4, run_cell, simulate, summarise
 
 THREE = np.radians(3.0)
 
@@ -127,20 +127,6 @@ def test_reversed_motion_and_mirrored_pattern() -> None:
 def test_groups() -> None:
     touching = np.array([[1, 0, 0, 1, 1, 0, 1], [0, 0, 0, 0, 0, 0, 0], [1, 1, 1, 1, 1, 1, 1], [0, 1, 1, 0, 1, 0, 0]])
     assert list(groups(touching.astype(bool))) == [2, 0, 1, 2]
-
-
-def test_sensitivity_table() -> None:
-    run = lin_3_4_4(steps=60, duration=0.6)
-    rows = sensitivity(run, {"amplitude": (0.0, THREE), "oversize": (3e-6,)})
-    assert [(name, value) for name, value, _ in rows] == [
-        ("none", None),
-        ("amplitude", 0.0),
-        ("amplitude", THREE),
-        ("oversize", 3e-6),
-    ]
-    assert rows[1][2].largest == 0.0
-    assert repr(rows[2][2]) == repr(rows[0][2])
-    assert rows[3][2].largest < rows[0][2].largest
 
 
 def test_summary() -> None:

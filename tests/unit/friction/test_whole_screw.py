@@ -8,9 +8,8 @@ from scipy.special import ellipe
 
 from compare.scenes import friction_scene
 from lowfi.friction.bearing.pairs import solve_bearing
-from lowfi.friction.screw.coupled import coupled_ball
 from lowfi.friction.screw.groove import ScrewGroove
-from lowfi.friction.screw.motion import ball_cell, ball_motion
+from lowfi.friction.screw.motion import ball_motion
 from lowfi.friction.screw.pair import table_3_6
 from lowfi.friction.whole.contacts import StaticContacts, contacts_of
 from lowfi.friction.whole.feedback import feed_back, seats
@@ -21,6 +20,7 @@ from lowfi.statics.problem import drawn_hertz
 from meshes.errors import specimen
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Support, Track
+from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import ALL_BUT_AXIAL, FLANK_ERRORS, small_screw, solved, with_ingredients
 
 MU, TURN = Friction(0.1, 0.1), Motion(10.0)

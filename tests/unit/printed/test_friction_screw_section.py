@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from compare.costs import friction_bench
-from compare.evidence import screw as friction_screw_values
+from compare.evidence import screw
+from compare.evidence.registry import evidence
 from compare.extremes import friction as friction_stability
 from compare.extremes.tally import Record, Tally
 from compare.models.study import Study
@@ -35,7 +36,7 @@ def made(study) -> Section:
 
 @pytest.fixture(scope="module")
 def found(study):
-    return friction_screw_values.findings(study)
+    return evidence(study, *friction_screw.TABLES)
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +57,7 @@ def test_name_and_unique_items(made):
 
 def test_every_printed_entry_has_one_finding(found):
     keys = Counter((f.printed.table, f.printed.key) for f in found)
-    assert keys == Counter((row.table, row.key) for t in friction_screw_values.TABLES for row in load_table(t))
+    assert keys == Counter((row.table, row.key) for t in friction_screw.TABLES for row in load_table(t))
 
 
 def test_verdicts_are_those_of_the_literature_tests(found):
@@ -71,7 +72,7 @@ def test_verdicts_are_those_of_the_literature_tests(found):
 
 def test_shown_rows_are_the_entries(made):
     shown = tables(made)
-    for name in friction_screw_values.TABLES:
+    for name in friction_screw.TABLES:
         table = shown[f"friction-{name}"]
         for row, printed in zip(table.rows, load_table(name), strict=True):
             assert set(row) == {c.key for c in table.columns}
@@ -90,12 +91,12 @@ def test_both_readings_stand_side_by_side(made):
         "increase_b": (49.858, 60.176),
     }
     for key, two in expected.items():
-        assert (rows[key]["right"], rows[key]["as_printed"]) == pytest.approx(two, rel=2e-4)
+        assert (rows[key]["right"], rows[key]["reading"]) == pytest.approx(two, rel=2e-4)
     assert rows["force_a"]["error"] == pytest.approx(-48.8, abs=0.1)
-    assert rows["force_a"]["inferred_error"] == pytest.approx(2.2, abs=0.1)
+    assert rows["force_a"]["reading_error"] == pytest.approx(2.2, abs=0.1)
     assert "does not give it" in rows["force_a"]["remark"]
     labels = {c.key: c.label for c in tables(made)["friction-lin-3.7"].columns}
-    assert "inferred" in labels["as_printed"]
+    assert "inferred" in labels["reading"]
     assert "plain" in labels["right"]
 
 
@@ -120,10 +121,10 @@ def test_whole_runs(made):
 
 
 def test_first_step_makes_most_of_the_variation_without_oversize(found):
-    loose = friction_screw_values.run(3.0, 0.0, "ball and screw")
-    assert friction_screw_values.summarise(loose).groove_variation > 0.3
-    assert friction_screw_values.variation(loose) < 0.08
-    text = next(f.evidence for f in found if f.printed.key == "groove_steady")
+    loose = screw.run(3.0, 0.0, "ball and screw")
+    assert screw.summarise(loose).groove_variation > 0.3
+    assert screw.variation(loose) < 0.08
+    text = next(f.words for f in found if f.printed.key == "groove_steady")
     assert "6.8%" in text
     assert "37%" in text
 

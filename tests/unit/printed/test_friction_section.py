@@ -5,7 +5,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from compare.evidence import rotary_linear as friction_values
+from compare.evidence import rotary_linear
+from compare.evidence.registry import evidence
 from compare.models.study import Study
 from compare.printed.printed_data import load_table
 from compare.sections import friction
@@ -26,14 +27,14 @@ def tables(made):
 
 
 def test_every_printed_entry_has_one_finding():
-    found = friction_values.findings(Study())
+    found = evidence(Study(), *friction.TABLES)
     keys = Counter((f.printed.table, f.printed.key) for f in found)
-    assert keys == Counter((row.table, row.key) for t in friction_values.TABLES for row in load_table(t))
+    assert keys == Counter((row.table, row.key) for t in friction.TABLES for row in load_table(t))
 
 
 def test_verdicts_are_those_of_the_literature_tests():
     """There every entry that is not open passes."""
-    for f in friction_values.findings(Study()):
+    for f in evidence(Study(), *friction.TABLES):
         if f.printed.cls == "open":
             assert f.verdict == "open", f.printed.key
         else:
@@ -47,7 +48,7 @@ def test_verdicts_are_those_of_the_literature_tests():
 
 def test_right_values_stand_beside_what_comes_out_by_a_fault_alone():
     """67.58 % with right constants, a/R and its angle not cut off, deviations at the load state of the text."""
-    found = {(f.printed.table, f.printed.key): f for f in friction_values.findings(Study())}
+    found = {(f.printed.table, f.printed.key): f for f in evidence(Study(), *friction.TABLES)}
     for key, right, faulty in (
         (("lin-3.2", "force_increase_III"), 87.8, 67.60),
         (("lin-G", "a_over_R"), 0.2186, 0.218),
@@ -65,7 +66,7 @@ def test_right_values_stand_beside_what_comes_out_by_a_fault_alone():
 
 def test_rows_show_class_verdict_and_both_values(made):
     shown = tables(made)
-    for name in friction_values.TABLES:
+    for name in friction.TABLES:
         table = shown[f"friction-{name}"]
         assert len(table.rows) == len(load_table(name))
         assert {c.key for c in table.columns} == set(table.rows[0])
@@ -85,8 +86,8 @@ def test_rows_show_class_verdict_and_both_values(made):
 
 
 def test_misprinted_exponents_are_far_off():
-    assert friction_values.misprinted_force() < 0.1
-    text = next(f.evidence for f in friction_values.findings(Study()) if f.printed.key == "a_force_analytic")
+    assert rotary_linear.misprinted_force() < 0.1
+    text = next(f.words for f in evidence(Study(), *friction.TABLES) if f.printed.key == "a_force_analytic")
     assert "0.017 N" in text
 
 

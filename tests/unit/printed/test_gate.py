@@ -40,12 +40,12 @@ def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_a_wrong_printed_digit_fails() -> None:
-    from compare.sections import hertz
+    from compare.evidence.hertz_b1 import table_b_1
 
-    found = hertz.findings(Study())[3]
-    assert gate.finding_row(found, 7.0).passed
+    found = table_b_1(Study())[3]
+    assert gate.evidence_row(found, 7.0).passed
     wrong = replace(found, as_printed=1.001 * (found.as_printed or 0.0))
-    assert not gate.finding_row(wrong, 7.0).passed
+    assert not gate.evidence_row(wrong, 7.0).passed
 
 
 def test_tighter_limit_is_used() -> None:

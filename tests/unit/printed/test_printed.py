@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from compare.errors import InputError
+from compare.evidence.record import Evidence, sentences
 from compare.printed import printed_data
-from compare.printed.findings import Finding, sentences
 from compare.scenes import catalogue
 from compare.sections import overview
 from lowfi.friction.screw.run import Run
@@ -177,9 +177,9 @@ def test_remarks_have_one_full_stop_between_them():
 
 def test_a_band_is_not_called_reproduced():
     entry = next(r for r in printed_data.load_table("lin-3.4.4") if r.cls == "band" and r.value is not None)
-    assert Finding(entry, entry.low).verdict == "within its band"
-    assert Finding(entry, entry.high + 1.0).verdict == "not reproduced"
-    assert Finding(entry).verdict == "open"
+    assert Evidence(entry, entry.low).verdict == "within its band"
+    assert Evidence(entry, entry.high + 1.0).verdict == "not reproduced"
+    assert Evidence(entry).verdict == "open"
 
 
 def all_rows():
@@ -193,8 +193,8 @@ def test_inputs_are_a_class_of_their_own_and_never_reproduced():
         assert (r.kind == "input") == (r.cls == "input")
         assert not (r.cls == "hard" and r.remark.startswith("Given")), (r.table, r.key)
         if r.cls == "input":
-            assert Finding(r, value=r.value).verdict == "taken over"
-            assert Finding(r, value=2.0 * r.value + 1.0).verdict == "not taken over"
+            assert Evidence(r, value=r.value).verdict == "taken over"
+            assert Evidence(r, value=2.0 * r.value + 1.0).verdict == "not taken over"
 
 
 def test_hard_entries_by_kind():
@@ -216,11 +216,11 @@ def test_hard_entries_by_kind():
 def test_counts_of_the_report_keep_kinds_apart():
     rows = {r.key: r for r in printed_data.load_table("lin-3.3")}
     found = [
-        Finding(rows["mu"], value=0.1),
-        Finding(rows["psi"], value=rows["psi"].value),
-        Finding(rows["yaw"], value=600.0),
-        Finding(rows["worst_increase"], holds=True),
-        Finding(rows["speed"], value=11.0),
+        Evidence(rows["mu"], value=0.1),
+        Evidence(rows["psi"], value=rows["psi"].value),
+        Evidence(rows["yaw"], value=600.0),
+        Evidence(rows["worst_increase"], holds=True),
+        Evidence(rows["speed"], value=11.0),
     ]
     counts = dict(overview.counts(found))
     assert counts["entries reproduced"] == "3"

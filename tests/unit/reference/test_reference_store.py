@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.commands.study import parse_levels, study_table, unconverged
+from compare.commands.study import parse_levels, unconverged
 from compare.errors import InputError
 from compare.gate import gate
 from compare.models import comparison
-from compare.models.comparison import CONTENDERS, from_model, gate_points, reference_answers, rows
+from compare.models.comparison import from_model, gate_points, reference_answers, rows
 from compare.models.ladder import LARGE, UNSEEN
+from compare.models.mesh_study import study_table
+from compare.models.registry import MODELS
 from compare.models.study import Study
 from compare.reference import jobs
 from compare.reference import runs as reference
@@ -337,22 +339,22 @@ def _found(name: str) -> reference.Reference:
 
 
 def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    points = gate_points(catalogue.scene("lin-case1"), _found("lin-case1"), 7.0)
+    points = gate_points("lin-case1", _found("lin-case1"), 7.0, Study().solve("lin-case1").load)
     worst = max(points, key=lambda p: abs(p.error_percent) - p.uncertainty_percent)
     limit = abs(worst.error_percent) - worst.uncertainty_percent - 0.01
     known = comparison.known_exceedances()
-    monkeypatch.setattr(comparison, "known_exceedances", list)
+    monkeypatch.setattr(gate, "known_exceedances", list)
     failed = [r for r in gate.source_rows(Study(), limit) if not r.passed]
     assert any(f"ball {worst.ball} {worst.side} is beyond the line and not named" in r.detail for r in failed)
     gone = comparison.Exceedance("lin-case1", 5, "SL", "no cause")
-    monkeypatch.setattr(comparison, "known_exceedances", lambda: [*known, gone])
+    monkeypatch.setattr(gate, "known_exceedances", lambda: [*known, gone])
     assert any("ball 5 SL is named and no longer" in r.detail for r in gate.source_rows(Study(), 7.0))
 
 
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     scene = catalogue.scene("lin-case1")
     found = _found("lin-case1")
-    own = rows(scene, from_model(CONTENDERS["lin"], scene), found)
+    own = rows(scene, from_model(MODELS["lin"], scene), found)
     loads = [r for r in own if r.quantity == "load"]
     assert len(loads) == 64
     assert all(r.reference_error is not None and 0.0 <= r.reference_error < 10.0 for r in loads)

@@ -13,13 +13,12 @@ from compare.reference.levels import LEVELS
 from compare.reference.runs import reference_of
 from compare.sections import reference_mesh, reference_time
 from compare.sections.reference import LABELS as NAMES
-from compare.sections.reference import references
 from compare.sections.reference_time import FLOOR, TimePoint, error_range, time_figures, time_panel, time_table
 from reports.figures import draw
 from reports.records import Figure, Panel, Series
 
 STUDY = Study()
-FOUND = references(STUDY, None, (*REFERENCED, *UNSEEN))
+FOUND = STUDY.references((*REFERENCED, *UNSEEN))
 
 
 def test_every_point_has_the_same_reference_and_its_bar() -> None:
@@ -83,7 +82,7 @@ def test_bars_of_another_length_are_refused() -> None:
 
 
 def test_unseen_scenes_have_a_figure() -> None:
-    axial = point(reference_time.CONTENDERS["mei"].label, "model", 9.0, 1.0)
+    axial = point(reference_time.MODELS["mei"].label, "model", 9.0, 1.0)
     level = point("level 1", "level", 0.5, 40.0)
     points = {"lin-case1": [axial, level], "lin-case3": [level], UNSEEN[0]: [level], UNSEEN[1]: [level]}
     names = {f.name: [p.title for p in f.panels] for f in time_figures(points)}
@@ -92,14 +91,6 @@ def test_unseen_scenes_have_a_figure() -> None:
         "reference-time-preload": ["lin-case3"],
         "reference-time-unseen": [UNSEEN[0], UNSEEN[1]],
     }
-
-
-def test_models_of_the_list_take_part() -> None:
-    from compare.models.comparison import suited
-    from compare.models.registry import MODELS
-
-    own = {c.model for c in (*suited(STUDY.scene("lin-case1")), *reference_time.FURTHER)}
-    assert own == set(MODELS)
 
 
 def test_levels_and_orders_of_every_scene() -> None:
@@ -111,7 +102,7 @@ def test_levels_and_orders_of_every_scene() -> None:
         counts = [row[label] for label in LABELS]
         assert sum(int(c or 0) for c in counts) == FOUND[str(row["scene"])].load.size
         assert float(row["rms"] or 0.0) < float(row["max"] or 0.0) < 10.0
-    levels = reference_mesh.level_table(STUDY, FOUND, None)
+    levels = reference_mesh.level_table(STUDY, FOUND)
     for name, found in FOUND.items():
         own = [r for r in levels.rows if r["scene"] == name and r["level"] != "source"]
         assert [r["change"] is None for r in own] == [False] * (len(found.runs) - 1) + [True]

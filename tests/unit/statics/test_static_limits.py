@@ -120,7 +120,7 @@ def test_what_was_included_does_not_stand_under_left_out(solve):
 
 def test_a_result_says_which_member_it_is():
     scene = catalogue.scene("lin-random")
-    options = Options(member=3, estimate=False, discretisation=False)
+    options = Options(member=3, discretisation=False)
     result = run_model(scene, "lin", options)
     assert as_json(scene, result)["member"] == 3
     assert "member 3 of its random errors" in str(as_table(scene, result)[0].title)

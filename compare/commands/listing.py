@@ -1,0 +1,56 @@
+"""The command ``rollbench list``: what is shipped, and where every printed number comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from compare.models.registry import MODELS
+from compare.printed import printed_data
+from compare.scenes import catalogue, friction_scene
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+def shipped_json() -> dict[str, dict[str, Any]]:
+    """Scenes, friction scenes and models with their titles, printed tables with their number of rows."""
+    return {
+        "scenes": {name: catalogue.scene(name).title for name in catalogue.scene_names()},
+        "friction_scenes": {name: friction_scene.scene(name).title for name in friction_scene.scene_names()},
+        "models": {model.name: model.about for model in MODELS.values()},
+        "printed_tables": {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()},
+    }
+
+
+def shipped_lines() -> Iterator[str]:
+    """The same for the terminal."""
+    shipped = shipped_json()
+    width = max(len(name) for group in shipped.values() for name in group)
+    for group, entries in shipped.items():
+        yield group.replace("_", " ")
+        for name, text in entries.items():
+            yield f"  {name:{width}}  {f'{text} rows' if group == 'printed_tables' else text}"
+
+
+def trace_json() -> list[dict[str, Any]]:
+    """Every printed entry: table, key, as printed, class, scenes, computation (``module:function``), test."""
+    from compare.evidence.registry import traces
+
+    return [asdict(trace) for trace in traces()]
+
+
+def trace_table() -> Table:
+    """The same for the terminal."""
+    from rich.table import Table
+
+    from compare.evidence.registry import traces
+
+    out = Table(title="every printed number: scenes, computation, test", title_justify="left")
+    for heading in ("table", "key", "printed", "class", "scenes", "computed by", "test"):
+        out.add_column(heading, overflow="fold")
+    for t in traces():
+        test = t.test.removeprefix("tests/literature/")
+        out.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or "–", t.computation, test or "–")
+    return out

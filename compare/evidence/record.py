@@ -1,0 +1,138 @@
+"""Evidence: what this project finds for a printed number or claim of the source, with a verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from compare.measure import error_percent
+from compare.printed.printed_data import Printed, load_table
+
+#: Verdict of a number or claim of class band that agrees: no more can be said of it.
+WITHIN = "within its band"
+#: Verdict of an input that a scene holds: nothing was computed.
+TAKEN = "taken over"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One printed entry and what is computed for it.
+
+    value: the right value in the printed unit; as_printed: the value with the source's faults repeated; reading: the
+    value under an assumption that was inferred from the printed results, which confirms nothing; holds: whether a claim
+    is borne out; words: the figures behind it.
+    """
+
+    printed: Printed
+    value: float | None = None
+    as_printed: float | None = None
+    reading: float | None = None
+    holds: bool | None = None
+    words: str = ""
+
+    @property
+    def compared(self) -> float | None:
+        """The value that is held against the printed one."""
+        return self.as_printed if self.printed.cls == "as-printed" else self.value
+
+    @property
+    def error_percent(self) -> float | None:
+        """Error of the compared value against the printed number."""
+        return self._against_printed(self.compared)
+
+    @property
+    def reading_error_percent(self) -> float | None:
+        """Error of the value under the inferred reading against the printed number."""
+        return self._against_printed(self.reading)
+
+    def _against_printed(self, value: float | None) -> float | None:
+        if value is None or self.printed.value is None:
+            return None
+        return float(error_percent(value, self.printed.value))
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether the entry is reproduced; None where that cannot be said."""
+        p = self.printed
+        if p.value is None:
+            return self.holds
+        if self.compared is None:
+            return None
+        if p.low is not None and p.high is not None:
+            return p.low <= self.compared <= p.high
+        # half a unit of the last digit, with the round-off of a decimal number
+        return bool(abs(self.compared - p.value) <= p.tolerance * (1.0 + 1e-9))
+
+    @property
+    def verdict(self) -> str:
+        """In words: reproduced, within its band, taken over (an input), not so, or open with what is seen."""
+        agrees = self.agrees
+        if self.printed.cls == "open":
+            if agrees is None or self.printed.value is not None:
+                return "open"
+            return "open: holds here" if agrees else "open: does not hold here"
+        if agrees is None:
+            return "open"
+        if self.printed.cls == "input":
+            return TAKEN if agrees else f"not {TAKEN}"
+        if self.printed.cls == "as-printed":
+            return "reproduced as printed" if agrees else "not reproduced"
+        if self.printed.cls == "band" and agrees:
+            return WITHIN
+        return "reproduced" if agrees else "not reproduced"
+
+
+class Sheet:
+    """Evidence of one printed table, filed entry by entry; an entry that nothing is filed for stays open.
+
+    >>> sheet = Sheet("lin-2.2")
+    >>> sheet.words("time_proposed_1", "another machine")
+    >>> [e.words for e in sheet.evidence() if e.words]
+    ['another machine']
+    """
+
+    def __init__(self, table: str) -> None:
+        """Start with every entry of ``table`` open. Raises InputError for an unknown table."""
+        self._entries = {row.key: Evidence(row) for row in load_table(table)}
+        self.table = table
+
+    def _file(self, key: str, **found: float | bool | str | None) -> None:
+        if key not in self._entries:
+            raise KeyError(f"{self.table}: no printed entry {key!r}")
+        self._entries[key] = replace(self._entries[key], **found)  # type: ignore[arg-type]
+
+    def number(
+        self,
+        key: str,
+        value: float | None,
+        words: str = "",
+        *,
+        as_printed: float | None = None,
+        reading: float | None = None,
+    ) -> None:
+        """File a number in the printed unit. Raises KeyError for an unknown key."""
+        self._file(key, value=value, as_printed=as_printed, reading=reading, words=words)
+
+    def claim(self, key: str, holds: bool, words: str) -> None:
+        """File whether a claim holds, and the figures behind it. Raises KeyError for an unknown key."""
+        self._file(key, holds=bool(holds), words=words)
+
+    def words(self, key: str, words: str) -> None:
+        """File why nothing is compared, or a remark on what is filed already. Raises KeyError for an unknown key."""
+        self._file(key, words=words)
+
+    def evidence(self) -> tuple[Evidence, ...]:
+        """All entries in the order of the table."""
+        return tuple(self._entries.values())
+
+
+def sentences(*texts: str) -> str:
+    """Join the remarks that are not empty by ". "."""
+    given = [text for text in texts if text]
+    return ". ".join([text.rstrip(".") for text in given[:-1]] + given[-1:])
+
+
+def count_of(mask: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> str:
+    """ "k of n" of a mask."""
+    return f"{int(mask.sum())} of {mask.size}"

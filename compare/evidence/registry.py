@@ -1,0 +1,157 @@
+"""Which function computes the evidence of which printed table, from which scenes, and which test asserts it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+from compare.evidence import rotary_linear, screw
+from compare.evidence.errors_2_4_2 import section_2_4_2
+from compare.evidence.errors_4_3_2 import section_4_3_2
+from compare.evidence.hertz_b1 import table_b_1
+from compare.evidence.loads_2_4_1 import section_2_4_1
+from compare.evidence.record import Evidence
+from compare.models.study import Study
+from compare.printed.printed_data import load_table, tables
+
+CHAPTER_2 = "tests/literature/test_lin_chapter2.py"
+ROTARY = "tests/literature/test_lin_chapter3_rotary.py"
+LINEAR = "tests/literature/test_lin_chapter3_linear.py"
+SCREW = "tests/literature/test_lin_chapter3_screw.py"
+CHAPTER_4 = "tests/literature/test_lin_chapter4_friction.py"
+
+
+@dataclass(frozen=True)
+class Computation:
+    """One printed table: the function that computes its evidence, the test file that asserts every entry of it, and the
+    scenes behind its entries, by pattern of the key (the first that fits counts)."""
+
+    table: str
+    compute: Callable[[Study], tuple[Evidence, ...]]
+    test: str
+    scenes: tuple[tuple[str, tuple[str, ...]], ...]
+
+    @property
+    def function(self) -> str:
+        """``module:function`` of the computation."""
+        return f"{self.compute.__module__}:{self.compute.__qualname__}"
+
+    def scenes_of(self, key: str) -> tuple[str, ...]:
+        """Scenes behind an entry; none for a choice and for arithmetic on printed numbers."""
+        return next((names for pattern, names in self.scenes if fnmatchcase(key, pattern)), ())
+
+
+CASE_1 = ("lin-case1",)
+CASE_3 = ("lin-case3", "lin-case3-clamped", "lin-case3-ux")
+OFFSET = tuple(name.replace("case3", "case3-offset") for name in CASE_3)
+PAIRS = ("lin-pair-a", "lin-pair-b")
+
+COMPUTATIONS = (
+    Computation("lin-B1", table_b_1, CHAPTER_2, (("*", CASE_1),)),
+    Computation(
+        "lin-2.4.1",
+        section_2_4_1,
+        CHAPTER_2,
+        (("speed_ratio", ()), ("case2_*", ("lin-case2", "lin-case1")), ("case3_*", CASE_3 + OFFSET), ("*", CASE_1)),
+    ),
+    Computation(
+        "lin-2.4.2",
+        section_2_4_2,
+        CHAPTER_2,
+        (
+            ("gamma_*", CASE_1),
+            ("profile_*", ("lin-profile", "lin-case1")),
+            ("pitch_*", ("lin-pitch", "lin-case1")),
+            ("random_*", ("lin-random", "lin-case1")),
+            ("combined_*", ("lin-combined",)),
+        ),
+    ),
+    Computation(
+        "lin-4.3.2",
+        section_4_3_2,
+        CHAPTER_2,
+        (
+            ("e_p", ("lin-pitch-4p1",)),
+            ("e_R", ("lin-roundness-4p1",)),
+            ("force", ("lin-pitch-4p1",)),
+            ("*_4p1", ("lin-pitch-4p1", "lin-roundness-4p1")),
+            ("*_2p1", ("lin-pitch-2p1", "lin-roundness-2p1")),
+        ),
+    ),
+    Computation("lin-3.1", rotary_linear.table_3_1, ROTARY, (("*", ("lin-rotary-1",)),)),
+    Computation(
+        "lin-3.2",
+        rotary_linear.table_3_2,
+        ROTARY,
+        (
+            ("*_III", ("lin-rotary-3-printed", "lin-rotary-3")),
+            ("*_II", ("lin-rotary-2-printed", "lin-rotary-2")),
+            ("*_I", ("lin-rotary-1-printed", "lin-rotary-1")),
+        ),
+    ),
+    Computation("lin-3.3", rotary_linear.table_3_3, LINEAR, (("*", ("lin-pair-a",)),)),
+    Computation("lin-3.4", rotary_linear.table_3_4, LINEAR, (("a_*", PAIRS[:1]), ("b_*", PAIRS[1:]))),
+    Computation(
+        "lin-3.5",
+        rotary_linear.table_3_5,
+        LINEAR,
+        (("error_numerical", ()), ("*_time_*", ()), ("*_ansys", ()), ("b_*", PAIRS[1:]), ("*", PAIRS[:1])),
+    ),
+    Computation("lin-G", rotary_linear.appendix_g, ROTARY, (("k_f", ("lin-pair-a",)),)),
+    Computation("lin-3.6", screw.given_3_6, SCREW, (("*", ("lin-screw-pair-a",)),)),
+    Computation(
+        "lin-3.7",
+        screw.table_3_7,
+        SCREW,
+        (
+            ("ansys_*", ()),
+            ("time_*", ()),
+            ("difference_*", ()),
+            ("*_a", ("lin-screw-pair-a", "lin-screw-pair-a-inferred")),
+            ("*_b", ("lin-screw-pair-b", "lin-screw-pair-b-inferred")),
+        ),
+    ),
+    Computation("lin-3.4.4", screw.section_3_4_4, SCREW, (("*", ("lin-screw-run",)),)),
+    Computation("lin-4.2", screw.table_4_2, CHAPTER_4, (("*", ("lin-bearing-pairs",)),)),
+    Computation(
+        "lin-4.3",
+        screw.section_4_3,
+        CHAPTER_4,
+        (("roundness_quicker", ("lin-pitch-4p1", "lin-roundness-4p1")), ("*", ("lin-bearing-pairs",))),
+    ),
+)
+BY_TABLE = {c.table: c for c in COMPUTATIONS}
+#: Printed tables that nothing is computed for, and why.
+NOT_COMPUTED = {"lin-2.2": "run times and element counts of the source's programs and machine: shown, not compared"}
+
+
+def evidence(study: Study, *names: str) -> list[Evidence]:
+    """Evidence of the printed tables ``names`` (all that are computed unless given), each computed once per study."""
+    return [e for name in names or BY_TABLE for e in study.once(BY_TABLE[name].compute)]
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Where a printed entry comes from: its scenes, its one computation (``module:function``) and its test."""
+
+    table: str
+    key: str
+    printed: str
+    cls: str
+    scenes: tuple[str, ...]
+    computation: str
+    test: str
+
+
+def traces() -> Iterator[Trace]:
+    """Every printed entry of every shipped table, in order."""
+    for name in tables():
+        own = BY_TABLE.get(name)
+        for row in load_table(name):
+            printed = row.claim or f"{row.printed} {row.unit}".rstrip()
+            if own is None:
+                yield Trace(name, row.key, printed, row.cls, (), f"none: {NOT_COMPUTED[name]}", "")
+            else:
+                test = f"{own.test}::test_entry[{name}:{row.key}]"
+                yield Trace(name, row.key, printed, row.cls, own.scenes_of(row.key), own.function, test)

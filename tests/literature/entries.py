@@ -1,0 +1,30 @@
+"""Shared by the literature tests: every printed entry of a table is a test of the evidence that the project computes."""
+
+from compare.evidence.record import Evidence
+from compare.evidence.registry import evidence
+from compare.models.study import Study
+from compare.printed.printed_data import load_table
+
+#: Sixty drawn screws decide the claims on random errors as two hundred do.
+STUDY = Study(members=60)
+
+
+def keys(*tables: str) -> list[str]:
+    """ "table:key" of every entry."""
+    return [f"{name}:{row.key}" for name in tables for row in load_table(name)]
+
+
+def found(key: str) -> Evidence:
+    """Evidence of an entry "table:key"."""
+    table, _, name = key.partition(":")
+    return next(e for e in evidence(STUDY, table) if e.printed.key == name)
+
+
+def check(key: str) -> None:
+    """An open entry is not claimed as reproduced; every other one with something to compare agrees."""
+    e = found(key)
+    if e.printed.cls == "open" or (e.printed.cls == "input" and e.value is None):
+        assert e.verdict.startswith("open"), "an open entry must not be claimed as reproduced"
+        assert e.words or e.printed.remark, "an open entry says why"
+    else:
+        assert e.agrees is True, f"{e.printed.label}: {e.compared} {e.words}"

@@ -1,0 +1,78 @@
+"""Every printed entry is traced to scenes, one computation and one test, and every trace resolves."""
+
+import ast
+import json
+from collections import Counter
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from compare.cli import app
+from compare.evidence.registry import BY_TABLE, COMPUTATIONS, NOT_COMPUTED, evidence, traces
+from compare.models.study import Study
+from compare.printed.printed_data import load_table, tables
+from compare.scenes import catalogue, friction_scene
+
+ROOT = Path(__file__).parents[3]
+TRACES = list(traces())
+
+
+def test_every_printed_entry_is_traced_once():
+    assert Counter((t.table, t.key) for t in TRACES) == Counter(
+        (r.table, r.key) for name in tables() for r in load_table(name)
+    )
+    assert set(BY_TABLE) | set(NOT_COMPUTED) == set(tables())
+    assert not set(BY_TABLE) & set(NOT_COMPUTED)
+    assert len(BY_TABLE) == len(COMPUTATIONS)
+
+
+@pytest.mark.parametrize("computation", COMPUTATIONS, ids=lambda c: c.table)
+def test_computation_resolves_to_a_function(computation):
+    module, name = computation.function.split(":")
+    assert getattr(import_module(module), name) is computation.compute
+
+
+@pytest.mark.parametrize("computation", COMPUTATIONS, ids=lambda c: c.table)
+def test_the_test_file_asserts_every_entry_of_the_table(computation):
+    """Its function test_entry is parametrised with the keys of the table."""
+    tree = ast.parse((ROOT / computation.test).read_text(encoding="utf-8"))
+    (entry,) = (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "test_entry")
+    assert "check(key)" in ast.unparse(entry)
+    constants = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant)}
+    assert computation.table in constants
+
+
+def test_scenes_exist_and_every_pattern_is_needed():
+    shipped = {*catalogue.scene_names(), *friction_scene.scene_names()}
+    used = {(t.table, t.scenes) for t in TRACES}
+    for t in TRACES:
+        assert set(t.scenes) <= shipped, t
+    for c in COMPUTATIONS:
+        for _, names in c.scenes:
+            assert (c.table, names) in used, (c.table, names)
+
+
+def test_only_what_needs_no_scene_has_none():
+    """Choices, arithmetic on printed numbers, other programs and machines."""
+    without = {t.key for t in TRACES if not t.scenes and t.table not in NOT_COMPUTED}
+    others = {"speed_ratio", "error_numerical", "reach", "pressure", "a_over_R", "eta", "difference_a", "difference_b"}
+    assert {k for k in without if "ansys" not in k and "time" not in k} == others
+
+
+def test_evidence_of_a_table_is_in_its_order_and_computed_once():
+    study = Study()
+    assert [e.printed for e in evidence(study, "lin-B1")] == list(load_table("lin-B1"))
+    assert evidence(study, "lin-B1")[0] is evidence(study, "lin-B1")[0]
+
+
+def test_command(capsys):
+    app(["list", "--trace", "--json"], result_action="return_value")
+    rows = json.loads(capsys.readouterr().out)
+    assert len(rows) == len(TRACES)
+    (row,) = (r for r in rows if (r["table"], r["key"]) == ("lin-3.2", "F_IR_II"))
+    assert row["computation"] == "compare.evidence.rotary_linear:table_3_2"
+    assert row["scenes"] == ["lin-rotary-2-printed", "lin-rotary-2"]
+    assert row["test"] == "tests/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
+    app(["list", "--trace"], result_action="return_value")
+    assert "F_IR_II" in capsys.readouterr().out
