@@ -41,44 +41,51 @@ def list_(*, as_json: Json = False) -> None:
     """List the scenes, the models and the printed tables that are shipped."""
     from compare.models.registry import MODELS
     from compare.printed import printed_data
-    from compare.scenes import catalogue, friction_scene
+    from compare.scenes import catalogue
+    from compare.scenes.keys import FRICTION_ONLY, WHOLE
+    from compare.scenes.scene_file import kind_of
 
-    friction = {name: friction_scene.scene(name).title for name in friction_scene.scene_names()}
-    scenes = {name: catalogue.scene(name).title for name in catalogue.scene_names()}
+    shipped = {name: catalogue.shipped(name) for name in catalogue.scene_names()}
+    kinds = {k: {n: s.title for n, s in shipped.items() if kind_of(s) == k} for k in (*WHOLE, *FRICTION_ONLY)}
     tables = {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()}
     if as_json:
         models = {m.name: m.about for m in MODELS.values()}
-        _print_json({"scenes": scenes, "friction_scenes": friction, "models": models, "printed_tables": tables})
+        _print_json({"scenes": kinds, "models": models, "printed_tables": tables})
         return
-    width = max(map(len, (*scenes, *friction, *tables, *MODELS)))
-    _show("scenes", *(f"  {name:{width}}  {title}" for name, title in scenes.items()))
-    _show("friction scenes", *(f"  {name:{width}}  {title}" for name, title in friction.items()))
+    width = max(map(len, (*shipped, *tables, *MODELS)))
+    for kind, titles in kinds.items():
+        _show(f"scenes, {kind}", *(f"  {name:{width}}  {title}" for name, title in titles.items()))
     _show("models", *(f"  {m.name:{width}}  {m.about}" for m in MODELS.values()))
     _show("printed tables", *(f"  {name:{width}}  {count} rows" for name, count in tables.items()))
 
 
 @app.command
 def schema() -> None:
-    """Print the JSON Schema of a scene file."""
-    from compare.scenes.scene_file import json_schema
+    """Print the JSON Schema of a scene file, of all kinds."""
+    from compare.scenes.kinds.table import json_schema
 
     _print_json(json_schema())
 
 
 @app.command
-def new(file: Path) -> None:
+def new(file: Path, *, kind: str = "ball-screw") -> None:
     """Write a commented scene to edit.
 
     Parameters
     ----------
     file
         Where to write it; an existing file is never overwritten.
+    kind
+        ball-screw, bearing, or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
+        screw-pair, screw-run.
     """
-    from compare.scenes.scene_file import template
+    from compare.scenes.keys import WHOLE
+    from compare.scenes.template import template
     from compare.writing import write_new
 
-    write_new(file, template())
-    _show(f"wrote {file}; solve it with: rollbench solve {file}")
+    write_new(file, template(kind))
+    command = "solve" if kind.replace("-", " ") in WHOLE else "friction"
+    _show(f"wrote {file}; solve it with: rollbench {command} {file}")
 
 
 @app.command

@@ -9,6 +9,7 @@ from math import radians
 
 import numpy as np
 
+from compare.evidence.cases import inferred, plain, table_3_6
 from compare.evidence.rotary_linear import CASES, ROTARY
 from compare.extremes.tally import ANGLES, CLEARANCE, FAR, LOADS, MU, NEAR, SHARPNESS, STARTS, Record, Tally
 from lowfi.friction.bearing.rotary import Bearing, Mode, solve_ball, source_law
@@ -17,7 +18,7 @@ from lowfi.friction.contact.laws import Sigmoid
 from lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
 from lowfi.friction.screw.motion import screw_contacts
 from lowfi.friction.screw.motion import source_law as screw_law
-from lowfi.friction.screw.pair import Pair, inferred, plain, solve_pair, table_3_6
+from lowfi.friction.screw.pair import Pair, solve_pair
 
 
 @dataclass(frozen=True)

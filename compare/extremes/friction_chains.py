@@ -9,6 +9,7 @@ from math import radians
 
 import numpy as np
 
+from compare.evidence.cases import four_point, inferred, plain, table_3_6
 from compare.evidence.rotary_linear import LINEAR
 from compare.extremes.tally import (
     ANGLES,
@@ -29,7 +30,7 @@ from compare.extremes.tally import (
     Tally,
 )
 from lowfi.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts
-from lowfi.friction.bearing.pairs import four_point, solve_bearing
+from lowfi.friction.bearing.pairs import solve_bearing
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.linear.bearing import LinearBearing, deviations
 from lowfi.friction.linear.chain import Chain, prepare, solve
@@ -37,7 +38,7 @@ from lowfi.friction.linear.loads import balanced_loads
 from lowfi.friction.linear.pair import pair_state
 from lowfi.friction.screw.chain import Chain as ScrewChain
 from lowfi.friction.screw.chain import ChainMotion, solve_chain
-from lowfi.friction.screw.pair import Pair, inferred, plain, solve_pair, table_3_6
+from lowfi.friction.screw.pair import Pair, solve_pair
 
 
 @dataclass(frozen=True)

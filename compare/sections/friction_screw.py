@@ -9,6 +9,7 @@ from math import degrees, radians
 
 import numpy as np
 
+from compare.evidence.cases import double_row, four_point, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
 from compare.evidence.screw import (
     AMPLITUDES,
     ANGLES,
@@ -33,10 +34,10 @@ from compare.models.study import Study
 from compare.printed.findings import entry, sentences
 from compare.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
 from lowfi.as_source.run import simulate_by_root
-from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BearingCase, Row, double_row, four_point, torque_curve
+from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BearingCase, Row, torque_curve
 from lowfi.friction.screw.groove import Mode
-from lowfi.friction.screw.pair import INFERRED_OVERSIZE, SHIFTED, Pair, inferred, plain, solve_pair, table_3_6
-from lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, lin_3_4_4, simulate, summarise
+from lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
+from lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, simulate, summarise
 from reports.records import Cell, Column, Section, Table, Text
 
 # --- tables
@@ -104,7 +105,7 @@ def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
 
     radial = wide(plain, free="r", force=(100.0,), coupling="none")
-    half, more = 0.5 * INFERRED_OVERSIZE, 1.5 * INFERRED_OVERSIZE
+    half, more = 0.5 * inferred_oversize(), 1.5 * inferred_oversize()
     one, faulty = (1.0, 0.0, 0.0, 0.0), table_3_6(hertz="as printed")
     return [
         ("plain", "text as it stands, friction moves the balls", plain),
@@ -247,7 +248,7 @@ def bearing_cases() -> list[tuple[str, str, BearingCase]]:
     face = (Row(-6e-3, DIAGONAL), Row(6e-3, OTHER))
     four = four_point(tilt=True)
     faulty: Mode = "as printed"
-    out = [("four-point", "tilt free, no clearance", four), ("four-point", "tilt held", four_point())]
+    out = [("four-point", "tilt free, no clearance", four), ("four-point", "tilt held", four_point(tilt=False))]
     out += [
         ("four-point", f"ball {100 * p:.0f} % of a distance off the load's plane", replace(four, phase=p))
         for p in (0.25, 0.5)
@@ -257,7 +258,7 @@ def bearing_cases() -> list[tuple[str, str, BearingCase]]:
         ("four-point", "Hertz constants as Table B.1", replace(four, groove=replace(four.groove, hertz=faulty))),
         ("four-point", "force 2 mm off the middle", replace(four, arm=2e-3)),
         ("double row", "tilt free, back to back", double_row(tilt=True)),
-        ("double row", "tilt held", double_row()),
+        ("double row", "tilt held", double_row(tilt=False)),
         ("double row", "tilt free, face to face", double_row(tilt=True, rows=face)),
     ]
     return out

@@ -8,13 +8,14 @@ from math import radians
 
 import numpy as np
 
+from compare.evidence.cases import inferred
 from compare.evidence.rotary_linear import numbers
-from compare.evidence.screw import ANGLES, THETA, curve, cut, run, variation
+from compare.evidence.screw import ANGLES, THETA, curve, cut, loose_run, run, variation
 from compare.printed.findings import entry
 from lowfi.friction.bearing.pairs import TorqueCurve
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.pair import inferred, oversize_map
+from lowfi.friction.screw.pair import oversize_map
 from lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
 from reports.records import Figure, Panel, Series
 
@@ -51,7 +52,7 @@ def contact_panels(r: RunResult) -> tuple[Panel, Panel]:
 
 def run_figure() -> Figure:
     """Figures 3.23 to 3.25."""
-    three, two, open_grooves = run(3.0), run(2.0), run(3.0, 0.0, "ball and screw")
+    three, two, open_grooves = run(3.0), run(2.0), loose_run()
     panels = (
         theta_panel(three.run),
         torque_panel("torque, θ of 3°, 1.7 µm", three),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lowfi.as_source.chain import SourceMotion, solve_by_root
 from lowfi.as_source.loads import Places, loads_by_root
-from lowfi.as_source.screw import screw_balls
+from lowfi.as_source.screw import SHARPNESS, screw_balls
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.contact.laws import Law
 from lowfi.friction.screw.motion import source_law
@@ -72,7 +72,7 @@ def simulate_by_root(run: Run, steps: int | None = None, law: Law | None = None)
     if run.tube > 0.0 or run.coupling != "none":
         raise ValueError('the run by root finding needs tube = 0 and coupling = "none"')
     g, n, dt = run.groove, run.count, run.duration / run.steps
-    law = source_law(g) if law is None else law
+    law = source_law(g, SHARPNESS) if law is None else law
     azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
     gap = np.full(n, run.ring / n - g.pair.spacing)
     before: _Before | None = None

@@ -5,23 +5,18 @@ from functools import cache
 import numpy as np
 import pytest
 
+from compare.evidence import cases
 from compare.printed.printed_data import Printed, load_table
-from lowfi.friction.bearing.rotary import (
-    SIDES,
-    Bearing,
-    Solution,
-    inner_torque,
-    solve_ball,
-    solve_ball_as_printed,
-    source_law,
-)
+from lowfi.friction.bearing.rotary import SIDES, Solution, inner_torque, solve_ball, solve_ball_as_printed, source_law
 from lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from lowfi.hertz import contact_modulus, hertz_constants
 
-BEARING = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
-FORCE = 100.0
+BEARING, FORCE = cases.rotary("I").bearing, cases.rotary("I").force
+PRINTED = cases.rotary("I", printed=True)
+#: The source's law with what was inferred for it, and the same with exact integrals in place of its maps.
+LAW, EXACT = (source_law(BEARING, PRINTED.sharpness, step) for step in (PRINTED.map_step, None))
 #: Radial displacements [m] of the three cases: not printed, inferred from the forces.
-U_Y = {"I": 0.0, "II": 5.2e-6, "III": 8.0e-6}
+U_Y = {case: cases.rotary(case).displacement for case in cases.ROTARY}
 UNIT = {"N": 1.0, "W": 1.0, "N mm": 1e3, "rad/s": 1.0}
 
 
@@ -31,7 +26,7 @@ def rows(table: str) -> dict[str, Printed]:
 
 @cache
 def as_printed(case: str) -> Solution:
-    return solve_ball_as_printed(BEARING, FORCE, U_Y[case], fast=True)
+    return solve_ball_as_printed(BEARING, FORCE, U_Y[case], LAW, fast=True)
 
 
 @cache
@@ -101,7 +96,7 @@ def test_increases_of_the_text(case: str) -> None:
 def test_step_of_the_maps_is_inferred_from_case_iii(spacing: float | None) -> None:
     """Exact integrals and other steps miss the losses of case III; 0.08 gives every digit of the case (above)."""
     table = rows("lin-3.2")
-    s = solve_ball_as_printed(BEARING, FORCE, U_Y["III"], source_law(BEARING, map_spacing=spacing), fast=True)
+    s = solve_ball_as_printed(BEARING, FORCE, U_Y["III"], source_law(BEARING, PRINTED.sharpness, spacing), fast=True)
     off = [abs(quantity(s, f"P_{side}_III") - table[f"P_{side}_III"].value) for side in SIDES]
     assert max(off) > 3.0 * 5e-5
     assert s.torque * 1e3 == pytest.approx(table["torque_III"].value, rel=1.1e-3)
@@ -111,7 +106,7 @@ def test_interpolated_maps_break_the_balance_of_power() -> None:
     """Fault of the source: with its maps torque 3.21 is 0.2 % more than the moment friction exerts on the ring."""
     s = as_printed("III")
     assert s.torque / inner_torque(BEARING, s.load, s.motion) - 1.0 == pytest.approx(1.92e-3, abs=1e-4)
-    exact = solve_ball_as_printed(BEARING, FORCE, U_Y["III"], source_law(BEARING, map_spacing=None), fast=True)
+    exact = solve_ball_as_printed(BEARING, FORCE, U_Y["III"], EXACT, fast=True)
     assert exact.torque == pytest.approx(inner_torque(BEARING, exact.load, exact.motion), rel=1e-9)
 
 
@@ -126,7 +121,7 @@ def test_right_values_balance_power(case: str) -> None:
 @pytest.mark.parametrize("case", list(U_Y))
 def test_sigmoid_spends_what_stick_spends(case: str) -> None:
     """At the printed loads the source's total is the least dissipation; only who spends it and the motion differ."""
-    printed = solve_ball_as_printed(BEARING, FORCE, U_Y[case], source_law(BEARING, map_spacing=None), fast=True)
+    printed = solve_ball_as_printed(BEARING, FORCE, U_Y[case], EXACT, fast=True)
     least = right(case, "as printed")
     assert printed.motion.loss == pytest.approx(least.motion.loss, rel=1e-8)
     assert least.motion.rest.sum() == {"I": 1, "II": 1, "III": 0}[case]
@@ -145,7 +140,7 @@ def test_right_values(case: str, force: float, torque: float) -> None:
 def test_transition_of_figure_3_7() -> None:
     """Forces nearly constant before four-point contact, torque then rises much faster than force."""
     start, end = as_printed("I"), as_printed("III")
-    early = solve_ball_as_printed(BEARING, FORCE, 3e-6, fast=True)
+    early = solve_ball_as_printed(BEARING, FORCE, 3e-6, LAW, fast=True)
     assert early.load.force.sum() == pytest.approx(start.load.force.sum(), rel=5e-3)
     assert np.sum(early.load.force > 0.0) == 2
     assert end.torque / start.torque > 5.0 * end.load.force.sum() / start.load.force.sum()

@@ -6,20 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from compare.evidence.cases import double_row, four_point
 from compare.printed.printed_data import Printed, load_table
 from compare.scenes.catalogue import scene
-from lowfi.friction.bearing.pairs import (
-    ALL,
-    DIAGONAL,
-    OTHER,
-    Row,
-    TorqueCurve,
-    double_row,
-    four_point,
-    solve_bearing,
-    torque_curve,
-    vary,
-)
+from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, Row, TorqueCurve, solve_bearing, torque_curve, vary
 from lowfi.friction.screw.errors import Onset, contact_onset, groove_of
 from lowfi.statics.static import solve_static
 
@@ -38,7 +28,7 @@ def curve(name: str, tilt: bool, **changes) -> TorqueCurve:
 
 def test_inputs_are_those_of_table_4_2() -> None:
     v = {key: row.value for key, row in rows("lin-4.2").items()}
-    for key, case in (("4p", four_point()), ("dr", double_row())):
+    for key, case in (("4p", four_point(tilt=False)), ("dr", double_row(tilt=False))):
         g = case.groove
         assert 2e3 * g.pitch_radius == v["pitch_diameter"]
         assert 1e3 * g.ball_radius == pytest.approx(v[f"ball_{key}"], rel=1e-14)
@@ -74,7 +64,7 @@ def test_ratio_of_the_four_point_bearing() -> None:
 def test_an_inner_ring_that_cannot_tilt_shows_no_transition() -> None:
     assert curve("4P", False).ratio < 1.03
     assert np.all(curve("4P", False).four == 0)
-    later = torque_curve(four_point(), np.radians([0.0, 30.0, 45.0]))
+    later = torque_curve(four_point(tilt=False), np.radians([0.0, 30.0, 45.0]))
     assert later.ratio > 3.0
     assert later.four[-1] > 0
 
@@ -153,8 +143,8 @@ def test_torque_goes_with_friction_and_not_with_speed() -> None:
 
 def test_bad_bearing() -> None:
     with pytest.raises(ValueError, match="zero lead"):
-        four_point(groove=replace(four_point().groove, lead=1e-3))
-    assert four_point().rows[0].contacts == ALL
+        four_point(tilt=False, groove=replace(four_point(tilt=False).groove, lead=1e-3))
+    assert four_point(tilt=False).rows[0].contacts == ALL
 
 
 @cache

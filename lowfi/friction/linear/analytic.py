@@ -11,8 +11,6 @@ import numpy as np
 
 from lowfi.friction.linear.bearing import Array, LinearBearing
 
-#: Slope of friction force over c/a read off Lin's Figure 3.11.
-K_F = 1.38
 _FORCE_SENSE = np.array([1.0, 1.0, -1.0, -1.0])
 _SPIN_SENSE = np.array([1.0, -1.0, -1.0, 1.0])
 
@@ -32,11 +30,12 @@ def mismatch(angles: Array) -> Array:
     return np.asarray(np.sin(bl + tl) + np.sin(br - tl) - np.sin(br + tr) - np.sin(bl - tr))
 
 
-def shifts(bearing: LinearBearing, deviation: Array, loads: Array, force: float = 0.0, k_f: float = K_F) -> Array:
+def shifts(bearing: LinearBearing, deviation: Array, loads: Array, force: float = 0.0, *, k_f: float) -> Array:
     """Shifts Delta eta + Delta zeta ``(4,)`` [rad] of the points of no slip, loads of the four contacts unequal.
 
     Solves (3.37) or (3.45), mended, with (3.40), (3.47): force and moments in balance with an axial ``force`` [N]
-    against the ball's motion, and one rigid motion. deviation ``(4,)``: Delta beta [rad].
+    against the ball's motion, and one rigid motion. deviation ``(4,)``: Delta beta [rad]; k_f: slope of the normalised
+    friction force against c/a.
     """
     beta = bearing.contact_angle + np.asarray(deviation, dtype=float)
     constants, radius = bearing.hertz(), bearing.ball_radius
@@ -72,10 +71,10 @@ def velocity_deviation(contact_angle: float, deviation: Array, up: Array, down: 
     return np.asarray(0.5 * np.tan(contact_angle) * ((tr - bl) * u + (tl - br) * d) / (u + d))
 
 
-def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: float = K_F) -> Array:
+def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: float) -> Array:
     """Force [N] between two balls in reach: (3.51) with exponents +2/3 and tan beta_0; zero unless they close.
 
-    loads ``(..., 2, 2)``: F_U, F_D [N] of balls 1 and 2; difference: epsilon_1 - epsilon_2.
+    loads ``(..., 2, 2)``: F_U, F_D [N] of balls 1 and 2; difference: epsilon_1 - epsilon_2; k_f as in ``shifts``.
     """
     stiff = np.cbrt(np.square(loads)).sum(axis=-1)
     both = stiff[..., 0] * stiff[..., 1] / (stiff[..., 0] + stiff[..., 1])

@@ -16,7 +16,7 @@ from lowfi.friction.screw.coupled import CoupledChain, coupled_chain
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.load import Cell, screw_rows
 from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.pair import BOTH, INFERRED_OVERSIZE, table_3_6
+from lowfi.friction.screw.pair import BOTH
 
 
 @dataclass(frozen=True)
@@ -31,14 +31,14 @@ class Run:
     """
 
     groove: ScrewGroove
-    count: int = 37
-    turns: float = 2.0
-    force: tuple[float, ...] = (1500.0,)
-    free: str = "z"
-    duration: float = 2.0
-    steps: int = 200
+    count: int
+    turns: float
+    force: tuple[float, ...]
+    free: str
+    duration: float
+    steps: int
     oversize: float = 0.0
-    amplitude: float = np.radians(3.0)
+    amplitude: float = 0.0
     cycles: float = 2.0
     phase: float = 0.0
     pattern: tuple[float, ...] = BOTH
@@ -177,11 +177,6 @@ def simulate(run: Run) -> RunResult:
         )
         azimuth = azimuth + dt * omega
     return RunResult(run, **{key: np.array(rows) for key, rows in log.rows.items()})
-
-
-def lin_3_4_4(**changes: object) -> Run:
-    """The case study of 3.4.4 with its assumptions, or others in ``changes``."""
-    return replace(Run(table_3_6(), oversize=INFERRED_OVERSIZE), **changes)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

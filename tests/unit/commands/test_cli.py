@@ -127,7 +127,9 @@ def test_list_and_schema(capsys: pytest.CaptureFixture[str]) -> None:
     assert "lin-B1" in out
     code, out, _ = run(capsys, "schema")
     assert code == 0
-    assert "track" in json.loads(out)["properties"]
+    schema = json.loads(out)
+    assert len(schema["oneOf"]) == 7
+    assert "track" in schema["$defs"]["SceneKeys"]["properties"]
 
 
 @pytest.mark.parametrize("tokens", [["--help"], ["solve", "lin-case1", "--json"], ["list"]])

@@ -120,7 +120,7 @@ def test_whole_runs(made):
 
 
 def test_first_step_makes_most_of_the_variation_without_oversize(found):
-    loose = friction_screw_values.run(3.0, 0.0, "ball and screw")
+    loose = friction_screw_values.loose_run()
     assert friction_screw_values.summarise(loose).groove_variation > 0.3
     assert friction_screw_values.variation(loose) < 0.08
     text = next(f.evidence for f in found if f.printed.key == "groove_steady")

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from compare.errors import SceneError
 from compare.scenes import scene_file
+from compare.scenes.template import template
 
-GOOD = scene_file.template()
+GOOD = template()
 BEARING = {'lead = "20 mm"': 'lead = "0 mm"', "turns = 2": "turns = 1", "count = 32": "count = 16"}
 
 
