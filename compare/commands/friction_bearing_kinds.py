@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,13 +18,20 @@ from lowfi.friction.bearing.pairs import BearingCase, BearingState, free_motion,
 from lowfi.friction.bearing.rotary import SIDES, ball_contacts, bearing_load, inner_torque, motion_problem, source_law
 from lowfi.friction.contact.ellipse import Array, Contacts
 from lowfi.friction.contact.laws import Regularised
-from lowfi.friction.contact.motion import Motion, Problem, balance_by_root, balance_by_sharpening, least_dissipation
+from lowfi.friction.contact.motion import (
+    Motion,
+    Problem,
+    balance_by_root,
+    balance_by_sharpening,
+    least_dissipation,
+    without_friction,
+)
 
 
 def ball_motion(scene: BearingBallScene, problem: Problem) -> Motion:
     """Motion under the scene's law: least dissipation for Coulomb, else a root of the balance begun there."""
     first = least_dissipation(problem)
-    if scene.law == "coulomb" or scene.bearing.mu == 0.0:
+    if scene.law == "coulomb":
         return first
     if scene.law == "regularised":
         return balance_by_root(problem, Regularised(scene.creep), first.q)
@@ -38,7 +46,7 @@ def ball_status(loaded: bool, balanced: bool, motion: str) -> str:
         return "no contact: nothing presses the ball"
     if not balanced:
         return "no balance of the loads found"
-    return "no balance of friction found" if motion == "failed" else motion
+    return "no balance of friction found" if motion == "failed" else "converged"
 
 
 def ball_row(load: ModuleLoad, at: Contacts, motion: Motion) -> dict[str, Any]:
@@ -93,8 +101,11 @@ def solve_ball(scene: KindScene) -> Answer:
     assert isinstance(scene, BearingBallScene)
     b = scene.bearing
     load = bearing_load(b, scene.force, scene.displacement, scene.hertz)
-    at = ball_contacts(b, load, scene.hertz)
-    motion = ball_motion(scene, motion_problem(b, load, at))
+    rough = replace(b, mu=b.mu or 1.0)
+    at = ball_contacts(rough, load, scene.hertz)
+    motion = ball_motion(scene, motion_problem(rough, load, at))
+    if b.mu == 0.0:
+        motion = without_friction(motion)
     held = load.force > 0.0
     converged = bool(held.any()) and load.converged and motion.status != "failed"
     ball, torque, speed = ball_row(load, at, motion), inner_torque(b, load, motion), b.speed
@@ -113,6 +124,7 @@ def solve_ball(scene: KindScene) -> Answer:
             "friction_imbalance_N": number(motion.imbalance),
             "load_steps": load.steps,
             "motion_steps": motion.steps,
+            "motion": motion.status,
         },
         "assumed": list(scene.assumed),
         "warnings": size_warnings(at.a[held], b.ball_radius),

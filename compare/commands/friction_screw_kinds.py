@@ -201,7 +201,8 @@ def solve_run(scene: KindScene) -> Answer:
     loss = r.torque * speed
     bound = sliding(run.groove, r.load) / run.steps
     spent = energy(float((loss * (1.0 + r.imbalance)).mean()), float(loss.mean()), bound)
-    spent["largest_step_balance_percent"] = number(100.0 * np.abs(r.imbalance).max())
+    known = spent["balance_percent"] is not None
+    spent["largest_step_balance_percent"] = number(100.0 * np.abs(r.imbalance).max()) if known else None
     summary = run_summary(r)
     data = head(scene, status, failed == 0) | {
         "law": "coulomb",

@@ -76,11 +76,11 @@ def _table(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
         if isinstance(found, dict):
             yield f"[{where}]"
             yield from _table(_resolve(entry, defs), defs, found, f"{where}.")
-            continue
-        for row in found:
+        else:
             yield f"[[{where}]]"
-            yield from (f"{key} = {show(value)}" for key, value in row.items())
-            yield ""
+            yield from _table(_resolve(entry["items"], defs), defs, found[0], f"{where}.")
+        for row in () if isinstance(found, dict) else found[1:]:
+            yield from ("", f"[[{where}]]", *(f"{key} = {show(value)}" for key, value in row.items()))
 
 
 def _line(name: str, entry: Node, found: Any) -> Iterator[str]:

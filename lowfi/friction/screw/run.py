@@ -111,8 +111,10 @@ class RunResult:
 
     @property
     def ratio(self) -> Array:
-        """Torque by ball-to-ball contact over that of the grooves, (T,)."""
-        return np.asarray((self.ball_torque + self.closing_torque) / self.groove_torque)
+        """Torque by ball-to-ball contact over that of the grooves, (T,); nan without friction."""
+        groove = self.groove_torque
+        part = self.ball_torque + self.closing_torque
+        return np.divide(part, groove, out=np.full_like(groove, np.nan), where=groove > 0.0)
 
 
 def deviation(run: Run, azimuth: Array) -> Array:
@@ -171,7 +173,7 @@ def simulate(run: Run) -> RunResult:
             groove_torque=float(m.groove_loss.sum()) / abs(g.speed),
             ball_torque=float(m.ball_loss.sum()) / abs(g.speed),
             closing_torque=float(m.closing_loss.sum()) / abs(g.speed),
-            imbalance=m.input_power / m.loss - 1.0,
+            imbalance=m.input_power / m.loss - 1.0 if m.loss > 0.0 else 0.0,
             change=near.change,
             converged=m.converged and near.load.converged and (near.converged or run.rounds == 1),
         )
@@ -208,7 +210,7 @@ def summarise(result: RunResult) -> RunSummary:
         at=float(angle[top]),
         none_at=float(angle[later[0]]) if later.size else float("nan"),
         groups=int(np.max(groups(result.contact))),
-        groove_variation=float((torque.max() - torque.min()) / torque.mean()),
+        groove_variation=float(np.ptp(torque) / torque.mean()) if torque.mean() > 0.0 else float("nan"),
     )
 
 

@@ -272,7 +272,7 @@ def test_semi_axes_follow_psi():
         {"ball_radius": 0.0},
         {"conformity": 0.5},
         {"contact_angle": 1.6},
-        {"mu": 0.0},
+        {"mu": -0.1},
         {"mu_balls": -0.1},
         {"young": -1.0},
         {"poisson": 0.6},

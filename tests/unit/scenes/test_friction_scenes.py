@@ -175,6 +175,21 @@ def test_no_contact_and_nothing_moving_are_said():
     assert rolling["friction_increase_percent"] is None, "two contacts on a diagonal roll: no percentage of nothing"
 
 
+@pytest.mark.parametrize(
+    "name", ["lin-rotary-2", "lin-rotary-2-printed", "lin-pair-a", "lin-chain-10", "lin-screw-pair-a-inferred"]
+)
+def test_without_friction_nothing_is_lost_and_motion_is_that_of_a_vanishing_coefficient(name):
+    rough, smooth = (solved(name, ("coefficient = 0.1", f"coefficient = {mu}")) for mu in ("1e-6", "0"))
+    assert smooth.converged
+    assert smooth.data["energy"] == {"input_power_W": 0.0, "loss_W": 0.0, "balance_W": 0.0, "balance_percent": None}
+    for one, two in zip(rough.data["balls"], smooth.data["balls"], strict=True):
+        assert two["rotation_rad_s"] == pytest.approx(one["rotation_rad_s"], rel=1e-5, abs=1e-6)
+        assert any(one["rotation_rad_s"])
+    assert all(pair["force_N"] == pair["loss_mW"] == 0.0 for pair in smooth.data.get("pairs", ()))
+    ratios = ("friction_increase_percent", "ball_to_ball_percent")
+    assert [smooth.data.get(k) for k in ratios] == [None, None], "no ratio of round-off"
+
+
 def test_large_contacts_are_warned_of():
     answer = solved("lin-rotary-3", ('"100 N"', '"100 kN"'))
     assert "Hertz" in answer.data["warnings"][0]

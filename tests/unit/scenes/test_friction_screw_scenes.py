@@ -14,7 +14,7 @@ from compare.evidence.cases import double_row, four_point, inferred, lin_3_4_4, 
 from compare.scenes import catalogue, scene_file
 from compare.scenes.kinds.bearing_pair import BearingPairScene
 from compare.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, torque_curve
+from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, free_motion, torque_curve
 from lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
 from lowfi.friction.screw.run import simulate, summarise
 
@@ -140,6 +140,31 @@ def test_run_without_contact_says_nothing_of_where():
     found = solve_kind(loaded("lin-screw-run", *SHORT, ('"3 deg"', '"0 deg"'))).data["summary"]
     assert found["largest_ball_to_groove_percent"] == 0.0
     assert [found[k] for k in ("largest_at_deg", "contact_begins_deg", "contact_ends_deg")] == [None] * 3
+
+
+def test_run_and_bearings_without_friction_have_no_ratios():
+    run = solve_kind(loaded("lin-screw-run", *SHORT, ("coefficient = 0.1", "coefficient = 0")))
+    assert run.converged
+    assert run.data["energy"]["loss_W"] == 0.0
+    assert run.data["energy"]["largest_step_balance_percent"] is None
+    assert run.data["summary"]["largest_ball_to_groove_percent"] is None
+    assert run.data["summary"]["groove_variation_percent"] is None
+    assert set(run.data["series"]["ball_to_groove_percent"]) == {None}
+    bearings = solve_kind(loaded("lin-bearing-pairs", *FEW, ("coefficient = 0.1", "coefficient = 0")))
+    assert bearings.converged
+    assert bearings.data["four_over_double"] == [None] * 4
+    assert bearings.data["four_point"]["largest_over_smallest"] is None
+
+
+@pytest.mark.parametrize("angle", [0.3, 0.9])
+def test_one_ball_holds_a_tilting_ring_only_against_a_force_through_its_centre(angle):
+    ball = four_point(count=1)
+    assert "ry" in free_motion(ball, angle)
+    assert free_motion(replace(ball, tilt=False), angle) == ""
+    through = -ball.groove.pitch_radius / np.tan(angle)
+    assert free_motion(replace(ball, arm=through), angle) == ""
+    assert "ry" in free_motion(replace(ball, arm=1.001 * through), angle)
+    assert free_motion(four_point(), angle) == free_motion(double_row(), angle) == ""
 
 
 def test_return_tube_is_a_length():

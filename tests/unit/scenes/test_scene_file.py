@@ -11,14 +11,19 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from compare.errors import InputError
+from compare.errors import InputError, SceneError
 from compare.scenes import catalogue, scene_file
-from compare.scenes.keys import tidy_schema
+from compare.scenes.catalogue import scene_text
+from compare.scenes.keys import FRICTION_ONLY, WHOLE, tidy_schema
+from compare.scenes.kinds.screw_balls import ScrewRunScene
+from compare.scenes.kinds.table import KINDS, json_schema
 from compare.scenes.schema import SceneKeys
 from compare.scenes.template import template
 from meshes.parts import FREEDOMS, SIDES, FourierTerm, Scene
 
 NAMES = catalogue.whole_names()
+#: Keys that exclude another key, or that another choice needs.
+EITHER_OR = ("groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts")
 EXPECTED = {
     "bearing-9",
     "bearing-9-preload",
@@ -127,6 +132,68 @@ def test_template_shows_every_key_and_loads_with_all_optional_ones():
     assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
     words = set(re.findall(r"\w+", text))
     assert not schema_keys(tidy_schema(SceneKeys)) - words
+
+
+@pytest.mark.parametrize("kind", [*WHOLE, *FRICTION_ONLY])
+def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
+    text = template(kind.replace(" ", "-"))
+    scene = scene_file.read(text, "my.toml")
+    assert (scene_file.kind_of(scene), scene.name) == (kind, "my")
+    assert f'kind = "{kind}"' in text
+    keys = SceneKeys if kind in WHOLE else KINDS[kind].keys
+    words = set(re.findall(r"\w+", text))
+    assert set(tidy_schema(keys)["properties"]) <= words
+    if kind in FRICTION_ONLY:
+        assert schema_keys(tidy_schema(keys)) <= words
+    optional = [line for line in text.splitlines() if re.match(r"# \w+ = ", line)]
+    assert optional
+    for line in () if kind == "ball screw" else optional:
+        if line.split()[1] not in EITHER_OR:
+            scene_file.read(text.replace(line, line.removeprefix("# "), 1), "my.toml")
+
+
+def test_template_of_an_unknown_kind_is_refused():
+    with pytest.raises(InputError, match=r"screw-run.*a whole screw is a ball-screw"):
+        template("screw")
+
+
+def test_whole_scene_may_name_its_kind_and_must_name_the_right_one():
+    text = scene_text("lin-case1").replace("[material]", 'kind = "ball screw"\n[material]', 1)
+    assert scene_file.loads(text, "lin-case1.toml") == catalogue.scene("lin-case1")
+    with pytest.raises(SceneError, match='kind: got "bearing"; allowed: "ball screw" with this lead'):
+        scene_file.loads(text.replace('"ball screw"', '"bearing"', 1), "a.toml")
+    ring = scene_text("bearing-9").replace("[material]", 'kind = "ball screw"\n[material]', 1)
+    with pytest.raises(SceneError, match='allowed: "bearing" with this lead'):
+        scene_file.loads(ring, "a.toml")
+
+
+def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
+    names = set(catalogue.scene_names()) - set(catalogue.whole_names())
+    assert {scene_file.kind_of(catalogue.shipped(name)) for name in names} == set(FRICTION_ONLY)
+    assert catalogue.shipped("lin-pair-a") is catalogue.shipped("lin-pair-a"), "each is read once"
+    with pytest.raises(
+        SceneError, match=r'"linear pair"; allowed: "ball screw", "bearing"; .*rollbench friction lin-pair-a'
+    ):
+        catalogue.scene("lin-pair-a")
+    with pytest.raises(InputError, match='kind: got "linear pair"; allowed: "screw run"'):
+        catalogue.case("lin-pair-a", ScrewRunScene)
+    path = tmp_path / "mine.toml"
+    path.write_text(scene_text("lin-pair-a"))
+    with pytest.raises(SceneError, match="rollbench friction"):
+        scene_file.load(path)
+    assert scene_file.kind_of(catalogue.any_scene(str(path))) == "linear pair"
+
+
+def test_one_schema_for_all_kinds():
+    schema = json.loads(json.dumps(json_schema(), allow_nan=False))
+    assert schema["$schema"].startswith("https://json-schema.org/")
+    of_kind = [schema["$defs"][branch["$ref"].rsplit("/", 1)[1]] for branch in schema["oneOf"]]
+    words = [table["properties"]["kind"] for table in of_kind]
+    assert words[0]["enum"] == list(WHOLE)
+    assert [w["const"] for w in words[1:]] == list(FRICTION_ONLY)
+    assert ["kind" in table["required"] for table in of_kind] == [False] + [True] * len(FRICTION_ONLY)
+    shared = {"MaterialKeys", "GrooveKeys", "PathKeys", "HelixKeys", "BallSizeKeys", "MotionKeys", "TrackKeys"}
+    assert shared <= schema["$defs"].keys()
 
 
 def test_template_alternatives_load():
