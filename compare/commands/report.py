@@ -147,6 +147,7 @@ def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], S
 
 def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list[Section], list[tuple[str, str]], Study]:
     """Sections asked for (all if none), headline figures, and the study they were made from."""
+    from compare.evidence.cases import SCENES_3_2_3_3, SCENES_3_4_4_3
     from compare.sections import (
         cases,
         crosscheck,
@@ -200,10 +201,12 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
             made[name] = verification.section(progress.step, wanted_levels)
         elif name == "stability":
             progress.section(name)
+            study.uses((*SCENES_3_2_3_3, *SCENES_3_4_4_3))
             made[name], line = stability.section(progress.step)
             headline.append(line)
         elif name == "timing":
             progress.section(name)
+            study.uses((*SCENES_3_2_3_3, *SCENES_3_4_4_3))
             made[name], lines = timing.section(progress.step)
             headline += lines
     if "notes" in wanted:
@@ -264,7 +267,7 @@ def make_report(
         headline=headline,
         provenance=facts,
         sections=sections,
-        scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in sorted(study.scenes)},
+        scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in study.used},
     )
     try:
         page = write(report, out, partial(progress.step))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from math import radians
 from time import perf_counter
 
 import numpy as np
@@ -15,10 +14,10 @@ from compare.evidence.cases import inferred, lin_3_4_4, plain
 from compare.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
 from compare.extremes.friction_chains import chain_state
 from compare.printed.findings import entry
-from lowfi.as_source.chain import SourceMotion
+from lowfi.as_source.chain import SHARPNESS, SourceMotion
 from lowfi.as_source.linear import linear_pair_by_root, solve_linear_by_root
 from lowfi.as_source.run import simulate_by_root
-from lowfi.as_source.screw import SHARPNESS, screw_pair_by_root, state_of
+from lowfi.as_source.screw import screw_pair_by_root, state_of
 from lowfi.friction.bearing.rotary import solve_ball, source_law
 from lowfi.friction.contact.ellipse import Array, about_point
 from lowfi.friction.contact.motion import Motion, balance_by_root, least_dissipation
@@ -106,7 +105,7 @@ def ball_jobs(repeats: int) -> Iterator[Row]:
     for case in CASES:
         yield rotary_job(case, repeats)
     for make in (plain, inferred):
-        yield screw_job(f"{make.__name__} reading", make(radians(2.0)), repeats)
+        yield screw_job(f"{make.__name__} reading", make(), repeats)
 
 
 def against_source(
@@ -152,7 +151,7 @@ def pair_jobs(repeats: int) -> Iterator[Row]:
     """Two balls of a screw, apart and in contact, with their loads."""
     printed = entry("lin-3.7", "time_a").printed
     for make, words in ((inferred, "loads not coupled"), (plain, "friction moves the balls")):
-        pair = make(radians(2.0))
+        pair = make()
         ratio, how = screw_ratio(pair, seconds := timed(partial(solve_pair, pair), 2 * repeats), 2 * repeats)
         note = f"loads ({words}), apart and in contact; {how}; the source prints {printed} s on another machine"
         yield Row(f"screw pair, {make.__name__} reading", seconds, SCREW_PAIR, ratio, note)

@@ -255,7 +255,8 @@ def table_4_3_values(study: Study) -> dict[str, Ours]:
 
 
 def ours(study: Study) -> dict[str, dict[str, Ours]]:
-    """Our values of all tables."""
+    """Our values of all tables; the study notes the scenes."""
+    study.uses(cases.SCENES_3_4_4_3)
     made = (table_3_6_values(), table_3_7_values(), table_3_4_4_values(), table_4_2_values(), table_4_3_values(study))
     return dict(zip(TABLES, made, strict=True))
 

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from compare.models.registry import Options, run_model
 from compare.scenes import catalogue
 from lowfi.statics.result import StaticResult
 from meshes.parts import Ingredients, Scene
 
+if TYPE_CHECKING:
+    from compare.scenes.kinds.common import KindScene
+
 
 @dataclass
 class Study:
-    """A cache of solved scenes. Scenes are named as shipped; ``changed`` makes variants of them."""
+    """A cache of solved scenes, and a list of all that were used. Scenes are named as shipped; ``changed`` makes variants.
+
+    ``others``: scenes of a kind that only friction solves, whose results the evidence itself keeps.
+    """
 
     scenes: dict[str, Scene] = field(default_factory=dict)
+    others: dict[str, KindScene] = field(default_factory=dict)
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
 
     def scene(self, name: str) -> Scene:
@@ -23,6 +31,21 @@ class Study:
         if name not in self.scenes:
             self.scenes[name] = catalogue.scene(name)
         return self.scenes[name]
+
+    def uses(self, names: Sequence[str]) -> None:
+        """Note that results rest on these shipped scenes, of whatever kind."""
+        for name in names:
+            found = catalogue.shipped(name)
+            if isinstance(found, Scene):
+                self.scenes.setdefault(name, found)
+            else:
+                self.others.setdefault(name, found)
+
+    @property
+    def used(self) -> dict[str, Scene | KindScene]:
+        """All scenes used so far, by name, sorted."""
+        found: dict[str, Scene | KindScene] = {**self.scenes, **self.others}
+        return dict(sorted(found.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:
         """Shipped scene with other ingredients (see ``meshes.parts.Ingredients``)."""

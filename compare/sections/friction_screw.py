@@ -98,6 +98,11 @@ def printed_table(values: dict[str, dict[str, Ours]], table: str) -> Table:
     return Table(f"friction-{table}", f"{title}: printed and ours", columns, rows, notes.get(table, ""))
 
 
+def oversize_text() -> str:
+    """The inferred oversize in words."""
+    return f"{1e6 * inferred_oversize():g} µm"
+
+
 def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
     """Readings of Table 3.7: kind, what is assumed, the pair of a theta [rad]."""
 
@@ -106,22 +111,23 @@ def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
 
     radial = wide(plain, free="r", force=(100.0,), coupling="none")
     half, more = 0.5 * inferred_oversize(), 1.5 * inferred_oversize()
+    size = oversize_text()
     one, faulty = (1.0, 0.0, 0.0, 0.0), table_3_6(hertz="as printed")
     return [
         ("plain", "text as it stands, friction moves the balls", plain),
         ("plain, varied", "loads not coupled to friction", wide(plain, coupling="none")),
         ("plain, varied", "friction moves balls and screw", wide(plain, coupling="ball and screw")),
         ("plain, varied", "50 N radially on each ball, not coupled", radial),
-        ("inferred", "1.7 µm oversize, not coupled", inferred),
-        ("inferred, varied", "1.7 µm, friction moves the balls", wide(inferred, coupling="ball")),
-        ("inferred, varied", "1.7 µm, friction moves balls and screw", wide(inferred, coupling="ball and screw")),
+        ("inferred", f"{size} oversize, not coupled", inferred),
+        ("inferred, varied", f"{size}, friction moves the balls", wide(inferred, coupling="ball")),
+        ("inferred, varied", f"{size}, friction moves balls and screw", wide(inferred, coupling="ball and screw")),
         ("inferred, varied", "half the oversize", wide(inferred, oversize=half)),
         ("inferred, varied", "one and a half times the oversize", wide(inferred, oversize=more)),
-        ("inferred, varied", "1.7 µm, 25 N instead of 50 N", wide(inferred, force=(25.0,))),
-        ("inferred, varied", "1.7 µm, 100 N instead of 50 N", wide(inferred, force=(100.0,))),
-        ("inferred, varied", "1.7 µm, theta on one contact of the screw", wide(inferred, pattern=(one, one))),
-        ("inferred, varied", "1.7 µm, screw's groove shifted sideways", wide(inferred, pattern=(SHIFTED, SHIFTED))),
-        ("inferred, varied", "1.7 µm, Hertz constants of Table B.1", wide(inferred, groove=faulty)),
+        ("inferred, varied", f"{size}, 25 N instead of 50 N", wide(inferred, force=(25.0,))),
+        ("inferred, varied", f"{size}, 100 N instead of 50 N", wide(inferred, force=(100.0,))),
+        ("inferred, varied", f"{size}, theta on one contact of the screw", wide(inferred, pattern=(one, one))),
+        ("inferred, varied", f"{size}, screw's groove shifted sideways", wide(inferred, pattern=(SHIFTED, SHIFTED))),
+        ("inferred, varied", f"{size}, Hertz constants of Table B.1", wide(inferred, groove=faulty)),
     ]
 
 
@@ -165,7 +171,7 @@ def run_changes() -> list[tuple[str, str, dict[str, object]]]:
     changes += [("oversize", f"{o:g} µm", {"oversize": 1e-6 * o}) for o in (0.0, 1.0, 2.5)]
     changes += [
         ("oversize and coupling", "0 µm, friction moves balls and screw", {"oversize": 0.0, "coupling": "ball and screw"}),
-        ("coupling", "1.7 µm, friction moves balls and screw", {"coupling": "ball and screw"}),
+        ("coupling", f"{oversize_text()}, friction moves balls and screw", {"coupling": "ball and screw"}),
         ("phase of theta", "90°", {"phase": 0.5 * np.pi}),
         ("phase of theta", "180°", {"phase": np.pi}),
         ("pattern", "groove shifted sideways", {"pattern": SHIFTED}),
@@ -218,7 +224,8 @@ def run_table() -> Table:
     """Sensitivity of the whole run to what 3.4.4 does not print."""
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
-        summary_row("as the case study", f"{n}, 1.7 µm, 200 steps", run(a)) for n, a in zip(names, AMPLITUDES, strict=True)
+        summary_row("as the case study", f"{n}, {oversize_text()}, {run(a).run.steps} steps", run(a))
+        for n, a in zip(names, AMPLITUDES, strict=True)
     ]
     rows.append(source_run_row(lin_3_4_4()))
     rows += [summary_row(name, value, simulate(lin_3_4_4(**(SHORT | new)))) for name, value, new in run_changes()]
@@ -237,7 +244,8 @@ def run_table() -> Table:
         "Printed: 49.6 % at 126°, no contact at 306°, four groups. The third row is the same run by root finding as in "
         "the source, where neighbours touch if they are near and close in when alone (3.77): overlapping balls that "
         "part count as free, and fewer forces are found. Below these rows one assumption at a time "
-        "is changed from theta = 3°, 1500 N, 1.7 µm oversize, loads not coupled, over one turn of the nut in steps of "
+        f"is changed from theta = 3°, {lin_3_4_4().force[0]:g} N, {oversize_text()} oversize, loads not coupled, over one "
+        "turn of the nut in steps of "
         "7.2°. A run that loses no contact within that turn has no entry there."
     )
     return Table("friction-run-sensitivity", "Whole screw: what the assumptions change", columns, rows, note)
@@ -324,7 +332,7 @@ INTRODUCTION: Sequence[str] = (
     "The source does not print the load state of the pair in 3.4.3. Taken at its word (no oversize, 50 N along the "
     "axis) one diagonal carries nearly all: a quarter to a third of the printed forces, half of them where friction "
     "moves the balls and loads a third contact. Printed force and increase together imply nearly twice that contact "
-    "load, which 1.7 µm of oversize would give. The plain reading is held against the "
+    f"load, which {oversize_text()} of oversize would give. The plain reading is held against the "
     "printed numbers; the inferred one stands beside it, labelled so, because its oversize comes from these very "
     "numbers.",
     "The run of 3.4.4 needs the amplitude, phase and pattern of theta, oversize, start and return tube besides: all "

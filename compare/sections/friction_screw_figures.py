@@ -55,8 +55,8 @@ def run_figure() -> Figure:
     three, two, open_grooves = run(3.0), run(2.0), loose_run()
     panels = (
         theta_panel(three.run),
-        torque_panel("torque, θ of 3°, 1.7 µm", three),
-        torque_panel("torque, θ of 2°, 1.7 µm", two),
+        torque_panel(f"torque, θ of 3°, {1e6 * three.run.oversize:g} µm", three),
+        torque_panel(f"torque, θ of 2°, {1e6 * two.run.oversize:g} µm", two),
         *contact_panels(three),
         torque_panel("torque, θ of 3°, 0 µm, coupled", open_grooves),
     )
@@ -96,7 +96,8 @@ def map_figure() -> Figure:
         "Once all four contacts are loaded (a bend, the later the larger the axial force) the force grows with "
         "the oversize whatever the axial force is, while the friction increase falls, because grooves' losses grow "
         "faster. Below the bend forces are small; friction that moves the balls about doubles them at 50 N and θ = 2°. "
-        "Curves of 50 N meet the printed forces near 1.7 µm only. The printed increase is met there too, but in case "
+        f"Curves of {inferred().force[0]:g} N meet the printed forces near {1e6 * inferred().oversize:g} µm only. The "
+        "printed increase is met there too, but in case "
         "(a) also near 1 µm: force and increase together make the inferred oversize. At 0 µm with friction "
         "moving the balls, the plain reading, the force is half the printed one."
     )

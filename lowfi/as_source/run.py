@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.as_source.chain import SourceMotion, solve_by_root
+from lowfi.as_source.chain import SHARPNESS, SourceMotion, solve_by_root
 from lowfi.as_source.loads import Places, loads_by_root
-from lowfi.as_source.screw import SHARPNESS, screw_balls
+from lowfi.as_source.screw import screw_balls
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.contact.laws import Law
 from lowfi.friction.screw.motion import source_law

@@ -13,6 +13,7 @@ from scipy.optimize import root
 
 from lowfi.as_source.chain import (
     ACCEPTED,
+    SHARPNESS,
     Balls,
     Mask,
     Neighbours,
@@ -56,10 +57,6 @@ def screw_balls(groove: ScrewGroove, force: Array, angle: Array) -> Balls:
     """N balls at given contact forces [N] and angles [rad], both (N, 4), in the order SL, SR, NL, NR."""
     maps, drives = groove.maps(groove.normals(angle))
     return Balls(screw_contacts(groove, force), maps, drives, neighbours(groove))
-
-
-#: k_S of the source's sigmoid in its searches for ball screws, for which the text prints none.
-SHARPNESS = 100.0
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from lowfi.as_source.chain import SourceMotion, solve_by_root
+from lowfi.as_source.chain import SHARPNESS, SourceMotion, solve_by_root
 from lowfi.as_source.linear import linear_balls, linear_law
-from lowfi.as_source.screw import SHARPNESS, SourceState, neighbours, screw_balls, screw_pair_by_root, state_of
+from lowfi.as_source.screw import SourceState, neighbours, screw_balls, screw_pair_by_root, state_of
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.contact.laws import Sigmoid
 from lowfi.friction.linear.bearing import LinearBearing
