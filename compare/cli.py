@@ -57,26 +57,31 @@ def list_(*, trace: Annotated[bool, Parameter(negative="")] = False, as_json: Js
 
 @app.command
 def schema() -> None:
-    """Print the JSON Schema of a scene file."""
-    from compare.scenes.scene_file import json_schema
+    """Print the JSON Schema of a scene file, of all kinds."""
+    from compare.scenes.kinds.table import json_schema
 
     _print_json(json_schema())
 
 
 @app.command
-def new(file: Path) -> None:
+def new(file: Path, *, kind: str = "ball-screw") -> None:
     """Write a commented scene to edit.
 
     Parameters
     ----------
     file
         Where to write it; an existing file is never overwritten.
+    kind
+        ball-screw, bearing, or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
+        screw-pair, screw-run.
     """
-    from compare.scenes.scene_file import template
+    from compare.scenes.keys import WHOLE
+    from compare.scenes.template import template
     from compare.writing import write_new
 
-    write_new(file, template())
-    _show(f"wrote {file}; solve it with: rollbench solve {file}")
+    write_new(file, template(kind))
+    command = "solve" if kind.replace("-", " ") in WHOLE else "friction"
+    _show(f"wrote {file}; solve it with: rollbench {command} {file}")
 
 
 @app.command

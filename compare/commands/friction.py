@@ -5,7 +5,6 @@ Static loads by the chosen model, then friction of every ball and the torques th
 
 from __future__ import annotations
 
-import difflib
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.friction_kinds import Answer, as_table, run_friction
+from compare.commands.answer import Answer, as_table
 from compare.commands.friction_output import (
     BALL_COLUMNS,
     LOSS_COLUMNS,
@@ -31,7 +30,8 @@ from compare.commands.friction_output import (
 from compare.commands.solve_output import number
 from compare.errors import InputError
 from compare.models.registry import DEFAULT, Options, run_model
-from compare.scenes import catalogue, friction_scene, scene_file
+from compare.scenes import catalogue
+from compare.scenes.scene_file import kind_of
 from lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from lowfi.jit import cached
 from lowfi.statics.result import StaticResult
@@ -77,17 +77,8 @@ class Drag:
 
 
 def run(name: str, choices: Choices, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
-    """Solve a shipped scene or a file of either sort and print it; 1 where it did not converge. Raises InputError."""
-    if not describes_parts(name):
-        if choices != Choices():
-            advice = "leave them out: such a scene holds its own loads and coefficients"
-            given = "--model, --mu, --member or --condensed"
-            raise InputError("command line", given, f"with {name}", "with the scene of a whole screw or bearing", advice)
-        return run_friction(name, as_json, show, print_json)
-    scene = catalogue.scene(name)
-    if any(will_compile(scene, pair) for pair in coefficients(scene, choices.mu)) and not cached():
-        sys.stderr.write(COMPILING)
-    answer = solve_scene(scene, choices)
+    """Solve a shipped scene or a file of any kind and print it; 1 where it did not converge. Raises InputError."""
+    answer = solve(name, choices)
     if as_json:
         print_json(answer.data)
     else:
@@ -95,21 +86,20 @@ def run(name: str, choices: Choices, as_json: bool, show: Callable[..., None], p
     return 0 if answer.converged else 1
 
 
-def describes_parts(name: str) -> bool:
-    """Whether a shipped name or a file holds a whole screw or bearing rather than a ``kind`` of friction scene.
+def solve(name: str, choices: Choices) -> Answer:
+    """Solve a shipped scene or a file of any kind. Raises InputError."""
+    scene = catalogue.any_scene(name)
+    if isinstance(scene, Scene):
+        if any(will_compile(scene, pair) for pair in coefficients(scene, choices.mu)) and not cached():
+            sys.stderr.write(COMPILING)
+        return solve_scene(scene, choices)
+    if choices != Choices():
+        advice = "leave them out: such a scene holds its own loads and coefficients"
+        given = "--model, --mu, --member or --condensed"
+        raise InputError("command line", given, f"with {name}", "with the scene of a whole screw or bearing", advice)
+    from compare.commands.friction_kinds import solve_kind
 
-    Raises InputError for a name that is neither, and for a file that cannot be read.
-    """
-    whole, kinds = catalogue.scene_names(), friction_scene.scene_names()
-    if name in whole or name in kinds:
-        return name in whole
-    if catalogue.looks_like_path(name):
-        raw = scene_file.read_toml(scene_file.read_text(name), name)
-        return "kind" not in raw and "nut" in raw
-    near = difflib.get_close_matches(name, [*whole, *kinds], n=3, cutoff=0.4)
-    advice = f"did you mean {' or '.join(near)}?" if near else "see: rollbench list"
-    allowed = f"one of {len(whole) + len(kinds)} shipped names, or a file"
-    raise InputError("friction scene", "name", f'"{name}"', allowed, advice)
+    return solve_kind(scene)
 
 
 def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
@@ -150,11 +140,6 @@ def solve_scene(scene: Scene, choices: Choices) -> Answer:
     states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
     drags = drag_torques(scene, states, pairs, model, options)
     return _answer(scene, result, head, (pairs, states, drags))
-
-
-def kind_of(scene: Scene) -> str:
-    """The word for what a scene describes."""
-    return "bearing" if scene.track.lead == 0.0 else "ball screw"
 
 
 def drag_torques(

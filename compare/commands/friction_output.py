@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.friction_kinds import size_warnings
+from compare.commands.answer import Column, size_warnings
 from compare.commands.solve_output import number
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.whole.losses import CAUSES
@@ -21,8 +21,6 @@ from meshes.parts import SIDES, Friction, Motion, Scene
 YIELD = 4.2e9
 #: Coefficient of friction from which a second, jammed state was seen.
 JAMMED = 0.3
-
-Column = tuple[str, str, str]
 
 
 def _sides(values: Array) -> dict[str, Any]:

@@ -8,17 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 from compare.models.registry import MODELS
 from compare.printed import printed_data
-from compare.scenes import catalogue, friction_scene
+from compare.scenes import catalogue
+from compare.scenes.keys import FRICTION_ONLY, WHOLE
+from compare.scenes.scene_file import kind_of
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 
 def shipped_json() -> dict[str, dict[str, Any]]:
-    """Scenes, friction scenes and models with their titles, printed tables with their number of rows."""
+    """Scenes by kind and models with their titles, printed tables with their number of rows."""
+    shipped = {name: catalogue.shipped(name) for name in catalogue.scene_names()}
     return {
-        "scenes": {name: catalogue.scene(name).title for name in catalogue.scene_names()},
-        "friction_scenes": {name: friction_scene.scene(name).title for name in friction_scene.scene_names()},
+        "scenes": {k: {n: s.title for n, s in shipped.items() if kind_of(s) == k} for k in (*WHOLE, *FRICTION_ONLY)},
         "models": {model.name: model.about for model in MODELS.values()},
         "printed_tables": {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()},
     }
@@ -27,8 +29,9 @@ def shipped_json() -> dict[str, dict[str, Any]]:
 def shipped_lines() -> Iterator[str]:
     """The same for the terminal."""
     shipped = shipped_json()
-    width = max(len(name) for group in shipped.values() for name in group)
-    for group, entries in shipped.items():
+    groups = {f"scenes, {kind}": titles for kind, titles in shipped.pop("scenes").items()} | shipped
+    width = max(len(name) for group in groups.values() for name in group)
+    for group, entries in groups.items():
         yield group.replace("_", " ")
         for name, text in entries.items():
             yield f"  {name:{width}}  {f'{text} rows' if group == 'printed_tables' else text}"

@@ -225,7 +225,7 @@ def make_report(
         headline=[line for section in sections for line in section.headline],
         provenance=facts,
         sections=sections,
-        scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in sorted(study.scenes)},
+        scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in study.used},
     )
     try:
         page = write(report, out, partial(progress.step))

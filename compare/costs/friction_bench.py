@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from math import radians
 from time import perf_counter
 
 import numpy as np
 
 from compare.costs.bench import timed
+from compare.evidence.cases import inferred, lin_3_4_4, plain
 from compare.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
 from compare.extremes.friction_chains import chain_state
 from compare.printed.printed_data import entry
-from lowfi.as_source.chain import SourceMotion
+from lowfi.as_source.chain import SHARPNESS, SourceMotion
 from lowfi.as_source.linear import linear_pair_by_root, solve_linear_by_root
 from lowfi.as_source.run import simulate_by_root
 from lowfi.as_source.screw import screw_pair_by_root, state_of
@@ -26,8 +26,8 @@ from lowfi.friction.linear.pair import pair_state
 from lowfi.friction.linear.pair import solve_pair as solve_linear_pair
 from lowfi.friction.screw.motion import ROUNDS, ball_motion, ball_motion_by_root
 from lowfi.friction.screw.motion import source_law as screw_law
-from lowfi.friction.screw.pair import Pair, inferred, plain, solve_pair
-from lowfi.friction.screw.run import lin_3_4_4, simulate
+from lowfi.friction.screw.pair import Pair, solve_pair
+from lowfi.friction.screw.run import simulate
 from lowfi.jit import CONTACT, kernels
 
 #: Contacts in one call that a single one is timed with.
@@ -79,7 +79,7 @@ def contact_jobs(repeats: int) -> Iterator[Row]:
 def rotary_job(case: str, repeats: int) -> Row:
     """One ball of the rotary bearing."""
     s = solve_ball(ROTARY, AXIAL, CASES[case], fast=True)
-    law, start = source_law(ROTARY, map_spacing=None), s.motion.q
+    law, start = source_law(ROTARY, SHARPNESS, None), s.motion.q
     return against_root(
         f"ball of the rotary bearing, case {case}",
         lambda: least_dissipation(s.problem, fast=True),
@@ -91,7 +91,7 @@ def rotary_job(case: str, repeats: int) -> Row:
 def screw_job(name: str, pair: Pair, repeats: int) -> Row:
     """Second ball of a pair of the screw, apart."""
     g, load = pair.groove, solve_pair(pair).free.load
-    one, law = ball_motion(g, load.force[1], load.angle[1]), screw_law(pair.groove)
+    one, law = ball_motion(g, load.force[1], load.angle[1]), screw_law(pair.groove, SHARPNESS)
     return against_root(
         f"ball of the screw, {name}",
         lambda: ball_motion(g, load.force[1], load.angle[1]),
@@ -105,7 +105,7 @@ def ball_jobs(repeats: int) -> Iterator[Row]:
     for case in CASES:
         yield rotary_job(case, repeats)
     for make in (plain, inferred):
-        yield screw_job(f"{make.__name__} reading", make(radians(2.0)), repeats)
+        yield screw_job(f"{make.__name__} reading", make(), repeats)
 
 
 def against_source(
@@ -151,7 +151,7 @@ def pair_jobs(repeats: int) -> Iterator[Row]:
     """Two balls of a screw, apart and in contact, with their loads."""
     printed = entry("lin-3.7", "time_a").printed
     for make, words in ((inferred, "loads not coupled"), (plain, "friction moves the balls")):
-        pair = make(radians(2.0))
+        pair = make()
         ratio, how = screw_ratio(pair, seconds := timed(partial(solve_pair, pair), 2 * repeats), 2 * repeats)
         note = f"loads ({words}), apart and in contact; {how}; the source prints {printed} s on another machine"
         yield Row(f"screw pair, {make.__name__} reading", seconds, SCREW_PAIR, ratio, note)

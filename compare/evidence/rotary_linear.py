@@ -5,29 +5,32 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from itertools import product
-from math import degrees, radians
+from math import degrees
 
 import numpy as np
 
+from compare.evidence import cases
 from compare.evidence.record import Evidence, Sheet
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.printed_data import entry, load_table
-from lowfi.friction.bearing.rotary import SIDES, Bearing, Mode, Solution, solve_ball, solve_ball_as_printed
+from lowfi.friction.bearing.rotary import SIDES, Mode, Solution, solve_ball, solve_ball_as_printed, source_law
 from lowfi.friction.contact.ellipse import Array, cubic_factor, linear_error, linear_factor
 from lowfi.friction.linear.analytic import velocity_deviation
-from lowfi.friction.linear.bearing import LinearBearing
 from lowfi.friction.linear.loads import Loads
 from lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
 from lowfi.hertz import contact_modulus, hertz_constants
 
 #: Tables 3.1 and 3.3: inputs of the two case studies.
-ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
-AXIAL = 100.0
-LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
-VERTICAL, SIDE, THETA, WORST = 100.0, -0.6, radians(2.0), radians(3.0)
+ROTARY, AXIAL = cases.rotary("I").bearing, cases.rotary("I").force
+LINEAR, VERTICAL, SIDE = cases.linear().bearing, cases.linear().vertical, float(cases.linear().side[0])
+THETA, WORST = cases.linear().deviation, cases.linear(cases.LINEAR_WORST).deviation
 #: Radial displacements [m] of cases I to III: not printed, inferred from the forces.
-CASES = {"I": 0.0, "II": 5.2e-6, "III": 8.0e-6}
+CASES = {name: cases.rotary(name).displacement for name in cases.ROTARY}
+#: Slope of the normalised friction force, as printed.
+K_F = cases.k_f()
+#: The source's own law of friction, with what was inferred for it.
+PRINTED_LAW = source_law(ROTARY, cases.rotary("I", printed=True).sharpness, cases.rotary("I", printed=True).map_step)
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
 #: Yield strength [MPa] and its multiple that make the allowable pressure of appendix G.
 YIELD, MULTIPLE = 370.0, 4.2
@@ -39,7 +42,9 @@ YIELD, MULTIPLE = 370.0, 4.2
 @cache
 def as_printed(case: str) -> Solution:
     """A case of Table 3.2 with the source's Hertz constants, sigmoid and root."""
-    return solve_ball_as_printed(ROTARY, AXIAL, CASES[case], fast=True)
+    scene = cases.rotary(case, printed=True)
+    law = source_law(scene.bearing, scene.sharpness, scene.map_step)
+    return solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
 
 
 @cache
@@ -57,7 +62,7 @@ def pair(theta: float = THETA, loads: Loads = "balanced", mated: bool = False, m
 @cache
 def claim_maps() -> PairMaps:
     """Coarse maps that the claims are held against: theta from -3 to 3 deg, rho from -0.6 to 0.6."""
-    return maps(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL)
+    return maps(LINEAR, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, K_F)
 
 
 # --- values of the printed entries
@@ -201,14 +206,14 @@ def misprinted_force() -> float:
     loads = pair_state(LINEAR, THETA, SIDE, VERTICAL, loads="diagonal")[1][:, :2]
     right_way, as_is = (np.cbrt(loads) ** power for power in (2.0, -2.0))
     both = [float(s[0].sum() * s[1].sum() / s.sum()) for s in (right_way, as_is)]
-    return pair_formulas(LINEAR, THETA, SIDE, VERTICAL)[1] * both[1] / both[0]
+    return pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F)[1] * both[1] / both[0]
 
 
 def table_3_5(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Table 3.5: ball-to-ball forces [N] and the differences from ANSYS; times stay open."""
     sheet = Sheet("lin-3.5")
     spread = ", ".join(f"{loads} {pair(loads=loads).force:.2f} N" for loads in LOADS)
-    formula = {case: pair_formulas(LINEAR, THETA, SIDE, VERTICAL, mated=case == "b")[1] for case in "ab"}
+    formula = {case: pair_formulas(LINEAR, THETA, SIDE, VERTICAL, K_F, mated=case == "b")[1] for case in "ab"}
     as_is = f"with the exponents -2/3 as printed the formula gives {misprinted_force():.2g} N"
     for case, of_loads, of_formula in (("a", f"loads {spread}", as_is), ("b", "", "")):
         sheet.number(f"{case}_force_numerical", pair(mated=case == "b").force, of_loads)
@@ -224,7 +229,9 @@ def table_3_5(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
 
 def straight_groove(conformity: float, pressure: float) -> tuple[float, float]:
     """Ratio b/a, and a over the ball's radius at the Hertz pressure [Pa], of a ball in a straight groove."""
-    h = hertz_constants(np.array(1.0), np.array(1.0 - 0.5 / conformity), contact_modulus(2.1e11, 0.28, 2.1e11, 0.28))
+    h = hertz_constants(
+        np.array(1.0), np.array(1.0 - 0.5 / conformity), contact_modulus(*2 * (LINEAR.young, LINEAR.poisson))
+    )
     return float(h.C_b / h.C_a), float(h.C_a) * pressure * np.pi * float(h.C_a * h.C_b) / 1.5
 
 
@@ -235,7 +242,7 @@ def appendix_g(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every ta
     slope, cubic = float(linear_factor(ratio)), float(cubic_factor(ratio))
     a_over_r = straight_groove(0.52, 1e6 * pressure)[1]
     reach, cut = entry("lin-G", "reach").value or 0.0, np.floor(1e3 * a_over_r) / 1e3
-    off = 100.0 * float(linear_error(ratio, entry("lin-G", "k_f").value or 0.0))
+    off = 100.0 * float(linear_error(ratio, K_F))
     sheet.number(
         "k_f",
         slope,

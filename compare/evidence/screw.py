@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import degrees, radians
 from typing import Literal
 
 import numpy as np
 
+from compare.evidence import cases
+from compare.evidence.cases import double_row, four_point, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
 from compare.evidence.record import Evidence, Sheet
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.printed_data import entry
-from lowfi.friction.bearing.pairs import TorqueCurve, double_row, four_point, torque_curve
+from compare.scenes.catalogue import case as case_of
+from compare.scenes.kinds.screw_balls import ScrewPairScene
+from lowfi.friction.bearing.pairs import TorqueCurve, torque_curve
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.errors import Onset, contact_onset
-from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.pair import INFERRED_OVERSIZE, PairResult, implied_load, inferred, plain, solve_pair, table_3_6
-from lowfi.friction.screw.run import RunResult, lin_3_4_4, simulate, summarise
+from lowfi.friction.screw.pair import PairResult, implied_load, solve_pair
+from lowfi.friction.screw.run import RunResult, simulate, summarise
 
 #: Deviations theta [deg] of the cases of Table 3.7, and amplitudes [deg] of the runs, which 3.4.4 does not print.
-THETA = {"a": 2.0, "b": 3.0}
-AMPLITUDES = (2.0, 3.0)
+THETA = {name: degrees(cases.deviation(name)) for name in cases.PAIRS}
+AMPLITUDES = tuple(cases.RUNS)
 #: Angles [rad] of the load in 4.3.1, and ends of the range [deg] that the ratio of torques is taken over.
-ANGLES, ENDS = np.radians(np.arange(0.0, 30.1, 2.0)), (10.0, 18.0, 30.0)
+ANGLES, ENDS = cases.bearings().angle, (10.0, 18.0, 30.0)
 #: Steps and time [s] of the runs in the sensitivity table: one turn of the nut, 7.2 degrees a step.
 SHORT = {"steps": 50, "duration": 1.0}
 #: Scenes of 4.3.2, and velocities of unloaded balls over the nominal one.
@@ -37,14 +41,19 @@ IDLE = (0.0, 0.5, 0.9, 1.0)
 @cache
 def pair(case: str, reading: Literal["plain", "inferred"]) -> PairResult:
     """A case of Table 3.7 in a reading."""
-    make = plain if reading == "plain" else inferred
-    return solve_pair(make(radians(THETA[case])))
+    return solve_pair(case_of(cases.PAIRS[case] + "-inferred" * (reading == "inferred"), ScrewPairScene).pair)
 
 
 @cache
-def run(amplitude: float, oversize: float = INFERRED_OVERSIZE, coupling: Coupling = "none") -> RunResult:
-    """The whole screw of 3.4.4 over its 200 steps; amplitude [deg] of theta, oversize [m]."""
-    return simulate(lin_3_4_4(amplitude=radians(amplitude), oversize=oversize, coupling=coupling))
+def run(amplitude: float) -> RunResult:
+    """The whole screw of 3.4.4 over its 200 steps; amplitude [deg] of theta."""
+    return simulate(cases.run_of(amplitude))
+
+
+@cache
+def loose_run() -> RunResult:
+    """The same with 3 degrees, without oversize, friction moving balls and screw."""
+    return simulate(replace(cases.run_of(3.0), oversize=0.0, coupling="ball and screw"))
 
 
 @cache
@@ -172,7 +181,7 @@ def section_3_4_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every
 
 def _numbers_of_run(sheet: Sheet) -> None:
     low, high = (summarise(run(a)) for a in AMPLITUDES)
-    assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * INFERRED_OVERSIZE:g} µm oversize"
+    assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * inferred_oversize():g} µm oversize"
     earlier = "; earlier than printed, see table friction-run-sensitivity"
     between = (
         f"{assumed.format(f'{100.0 * low.largest:.1f} %')}: the printed number lies between; the source's rule of contact"
@@ -188,7 +197,7 @@ def _claims_of_run(sheet: Sheet) -> None:
     words = f"{low.groups} groups with 2 deg, {high.groups} with 3 deg"
     sheet.claim("groups", low.groups == high.groups == 4, words)
     vary = [low.groove_variation, high.groove_variation]
-    loose = run(3.0, 0.0, "ball and screw")
+    loose = loose_run()
     sheet.claim(
         "groove_steady",
         max(vary) < 0.03,
@@ -203,7 +212,7 @@ def _claims_of_run(sheet: Sheet) -> None:
 
 def table_4_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Table 4.2: inputs; dimensions that enter no model here stay open."""
-    four, double, sheet = four_point(), double_row(), Sheet("lin-4.2")
+    four, double, sheet = four_point(tilt=False), double_row(tilt=False), Sheet("lin-4.2")
     g = four.groove
     values = {
         "pitch_diameter": 2e3 * g.pitch_radius,

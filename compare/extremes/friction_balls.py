@@ -9,7 +9,8 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.rotary_linear import CASES, ROTARY
+from compare.evidence.cases import inferred, plain, table_3_6
+from compare.evidence.rotary_linear import AXIAL, CASES, ROTARY
 from compare.extremes.tally import ANGLES, CLEARANCE, FAR, LOADS, MU, NEAR, SHARPNESS, STARTS, Record, Tally
 from lowfi.friction.bearing.rotary import Bearing, Mode, solve_ball, source_law
 from lowfi.friction.contact.ellipse import Array
@@ -17,7 +18,7 @@ from lowfi.friction.contact.laws import Sigmoid
 from lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
 from lowfi.friction.screw.motion import screw_contacts
 from lowfi.friction.screw.motion import source_law as screw_law
-from lowfi.friction.screw.pair import Pair, inferred, plain, solve_pair, table_3_6
+from lowfi.friction.screw.pair import Pair, solve_pair
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ def ball_rows() -> list[Record]:
     rows = []
     for off, k in product((NEAR, FAR), SHARPNESS):
         note = f"starts within {off:.0%}"
-        printed = [rotary_ball(ROTARY, 100.0, u, k, "as printed") for u in CASES.values()]
+        printed = [rotary_ball(ROTARY, AXIAL, u, k, "as printed") for u in CASES.values()]
         rows.append(ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))
         both = [screw_ball(p(two), None, k) for p in (plain, inferred)]
         rows.append(ball_group(f"k_S {k:g}", "screw, pair of Table 3.7", both, note, off))
@@ -103,12 +104,12 @@ def ball_rows() -> list[Record]:
         ball_group(
             "mu 0.001 to 0.5",
             "rotary",
-            [rotary_ball(replace(ROTARY, mu=m), 100.0, u) for m, u in product(MU, CASES.values())],
+            [rotary_ball(replace(ROTARY, mu=m), AXIAL, u) for m, u in product(MU, CASES.values())],
         ),
         ball_group(
             "two-point transition",
             "rotary",
-            [rotary_ball(ROTARY, 100.0, float(u)) for u in around],
+            [rotary_ball(ROTARY, AXIAL, float(u)) for u in around],
             "radial displacement 4.2 to 4.5 µm",
         ),
         ball_group(
@@ -120,7 +121,7 @@ def ball_rows() -> list[Record]:
         ball_group("loads 1e-3 to 1e5 N", "rotary", [rotary_ball(ROTARY, f, u) for f, u in product(LOADS, CASES.values())]),
         ball_group("loads 1e-3 to 1e5 N", "screw", [screw_ball(replace(inferred(two), force=(f,))) for f in LOADS]),
         ball_group(
-            "clearance to 10 µm", "rotary", [rotary_ball(b, 100.0, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))]
+            "clearance to 10 µm", "rotary", [rotary_ball(b, AXIAL, u) for b, u in product(loose, (0.0, 5.2e-6, 20e-6))]
         ),
         ball_group(
             "clearance to 10 µm",
@@ -130,7 +131,7 @@ def ball_rows() -> list[Record]:
         ball_group(
             "zero speed",
             "rotary",
-            [rotary_ball(replace(ROTARY, speed=0.0), 100.0, u) for u in CASES.values()],
+            [rotary_ball(replace(ROTARY, speed=0.0), AXIAL, u) for u in CASES.values()],
             "nothing turns",
         ),
         ball_group("zero speed", "screw", [screw_ball(replace(inferred(two), groove=rest))], "nothing turns"),

@@ -9,7 +9,8 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.rotary_linear import LINEAR
+from compare.evidence.cases import four_point, inferred, plain, table_3_6
+from compare.evidence.rotary_linear import LINEAR, VERTICAL
 from compare.extremes.tally import (
     ANGLES,
     CHAIN_STARTS,
@@ -29,7 +30,7 @@ from compare.extremes.tally import (
     Tally,
 )
 from lowfi.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts
-from lowfi.friction.bearing.pairs import four_point, solve_bearing
+from lowfi.friction.bearing.pairs import solve_bearing
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.linear.bearing import LinearBearing, deviations
 from lowfi.friction.linear.chain import Chain, prepare, solve
@@ -37,7 +38,7 @@ from lowfi.friction.linear.loads import balanced_loads
 from lowfi.friction.linear.pair import pair_state
 from lowfi.friction.screw.chain import Chain as ScrewChain
 from lowfi.friction.screw.chain import ChainMotion, solve_chain
-from lowfi.friction.screw.pair import Pair, inferred, plain, solve_pair, table_3_6
+from lowfi.friction.screw.pair import Pair, solve_pair
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,9 @@ def chain_group(
     return tally.record(group, model, note)
 
 
-def linear_pair(theta: float, rho: float, vertical: float = 100.0, mu: float = 0.1, speed: float = 0.01) -> LinearCase:
+def linear_pair(
+    theta: float, rho: float, vertical: float = VERTICAL, mu: float = LINEAR.mu, speed: float = LINEAR.speed
+) -> LinearCase:
     """Linear pair; theta [deg], side force ratio, load [N], friction coefficient, speed [m/s]."""
     bearing = replace(LINEAR, mu=mu, mu_balls=mu, speed=speed)
     return LinearCase(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
@@ -91,10 +94,10 @@ def chain_state(count: int) -> tuple[Array, Array]:
     """Contact angles [rad] and loads [N], (N, 4), of a linear chain with deviations and side forces at random."""
     rng = np.random.default_rng(count)
     angles = LINEAR.contact_angle + deviations(np.radians(rng.uniform(-3.0, 3.0, count)))
-    return angles, balanced_loads(angles, 100.0, rng.uniform(-0.6, 0.6, count))
+    return angles, balanced_loads(angles, VERTICAL, rng.uniform(-0.6, 0.6, count))
 
 
-def linear_chain(count: int, mu: float = 0.1) -> LinearCase:
+def linear_chain(count: int, mu: float = LINEAR.mu) -> LinearCase:
     """Linear chain with deviations and side forces at random, every neighbour in reach; mu of grooves and balls."""
     return LinearCase(replace(LINEAR, mu=mu, mu_balls=mu), *chain_state(count))
 
@@ -187,7 +190,7 @@ def chain_rows() -> list[Record]:
     base, few = inferred(two), f"one random start; source up to {SOURCE_BALLS} balls"
     return [
         chain_group("rho to ±0.999, theta to ±5°", [linear_pair(t, r) for t, r in product(ANGLES, RHO)]),
-        chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, 100.0, m) for r, m in product((-0.6, -0.999), MU)]),
+        chain_group("mu 0.001 to 0.5", [linear_pair(2.0, r, VERTICAL, m) for r, m in product((-0.6, -0.999), MU)]),
         chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]),
         chain_group("two-point transition", [relieved_pair(10.0**-k) for k in range(1, 13)]),
         chain_group("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),

@@ -100,7 +100,7 @@ def solver_rows(study: Study, max_error: float) -> list[GateRow]:
     """Balance of every shipped scene, and both solvers on the same equations."""
     rows = []
     limit = min(EXACT, max_error)
-    for name in catalogue.scene_names():
+    for name in catalogue.whole_names():
         result = study.solve(name)
         e = result.equilibrium
         worst = max(e.force_residual, e.moment_residual) if e is not None else float("inf")

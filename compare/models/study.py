@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from compare.models.ensemble import EnsembleResult, run_ensemble
 from compare.models.registry import Options, run_model
@@ -16,6 +16,9 @@ from meshes.parts import Scene
 
 T = TypeVar("T")
 
+if TYPE_CHECKING:
+    from compare.scenes.kinds.common import KindScene
+
 
 @dataclass
 class Study:
@@ -23,7 +26,8 @@ class Study:
 
     stores: folders of runs of the 3D reference, in the order they are searched (None: those of the package); members:
     drawn screws of an ensemble (None: as many as the scene says; 0: no ensemble is made, and what needs one stays open);
-    quick: coarse meshes only; cache: folder of meshes and condensed parts (None: none).
+    quick: coarse meshes only; cache: folder of meshes and condensed parts (None: none); others: scenes of a kind that only
+    friction solves, whose results the evidence itself keeps.
     """
 
     stores: Sequence[Path] | None = None
@@ -31,6 +35,7 @@ class Study:
     quick: bool = False
     cache: Path | None = None
     scenes: dict[str, Scene] = field(default_factory=dict)
+    others: dict[str, KindScene] = field(default_factory=dict)
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
     made: dict[Any, Any] = field(default_factory=dict)
 
@@ -39,6 +44,21 @@ class Study:
         if name not in self.scenes:
             self.scenes[name] = catalogue.scene(name)
         return self.scenes[name]
+
+    def uses(self, names: Sequence[str]) -> None:
+        """Note that results rest on these shipped scenes, of whatever kind."""
+        for name in names:
+            found = catalogue.shipped(name)
+            if isinstance(found, Scene):
+                self.scenes.setdefault(name, found)
+            else:
+                self.others.setdefault(name, found)
+
+    @property
+    def used(self) -> dict[str, Scene | KindScene]:
+        """All scenes used so far, by name, sorted."""
+        found: dict[str, Scene | KindScene] = {**self.scenes, **self.others}
+        return dict(sorted(found.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:
         """Shipped scene with other ingredients (see ``meshes.parts.Ingredients``)."""

@@ -1,4 +1,4 @@
-"""What the package ships: scenes by name, and the names of the printed tables."""
+"""What the package ships: scenes of all kinds by name, each read once, and the names of the printed tables."""
 
 from __future__ import annotations
 
@@ -7,17 +7,31 @@ import tomllib
 from functools import cache
 from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 from compare.errors import InputError
 from compare.printed import printed_data
 from compare.scenes import scene_file
+from compare.scenes.keys import FRICTION_ONLY
 from meshes.parts import Scene
 
+if TYPE_CHECKING:
+    from compare.scenes.kinds.common import KindScene
 
-def scene_names() -> list[str]:
-    """Names of the shipped scenes, sorted."""
+Of = TypeVar("Of", bound="KindScene")
+
+
+@cache
+def scene_names() -> tuple[str, ...]:
+    """Names of the shipped scenes of all kinds, sorted."""
     files = resources.files("compare").joinpath("scenes").iterdir()
-    return sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml"))
+    return tuple(sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml")))
+
+
+@cache
+def whole_names() -> tuple[str, ...]:
+    """Names of the shipped whole screws and bearings, sorted; the others are of a kind that only friction solves."""
+    return tuple(name for name in scene_names() if tomllib.loads(scene_text(name)).get("kind") not in FRICTION_ONLY)
 
 
 @cache
@@ -34,17 +48,39 @@ def scene_text(name: str) -> str:
     return resources.files("compare").joinpath("scenes", f"{name}.toml").read_text(encoding="utf-8")
 
 
-def scene(name_or_path: str) -> Scene:
-    """A shipped scene by name, or the scene of a file.
+@cache
+def shipped(name: str) -> Scene | KindScene:
+    """The shipped scene of that name, of any kind. Raises InputError for an unknown name."""
+    return scene_file.read(scene_text(name), f"{name}.toml")
+
+
+def case(name: str, of: type[Of]) -> Of:
+    """The shipped scene of that name, of the kind with the record ``of``. Raises InputError where it is another."""
+    found = shipped(name)
+    if not isinstance(found, of):
+        raise InputError(name, "kind", f'"{scene_file.kind_of(found)}"', f'"{of.kind}"', "name a scene of that kind")
+    return found
+
+
+def any_scene(name_or_path: str) -> Scene | KindScene:
+    """A shipped scene by name, or the scene of a file, of any kind.
 
     What is no shipped name is a path if it ends in ``.toml``, holds a path separator, or names an existing
     file or folder. Raises InputError (SceneError for a faulty file).
     """
     if name_or_path in scene_names():
-        return scene_file.loads(scene_text(name_or_path), f"{name_or_path}.toml")
+        return shipped(name_or_path)
     if looks_like_path(name_or_path):
-        return scene_file.load(name_or_path)
+        return scene_file.read(scene_file.read_text(name_or_path), name_or_path)
     raise _unknown(name_or_path)
+
+
+def scene(name_or_path: str) -> Scene:
+    """A whole screw or bearing, shipped or of a file, as ``any_scene`` finds it.
+
+    Raises InputError (SceneError for a faulty file, and for a scene of a kind that only friction solves).
+    """
+    return scene_file.whole(any_scene(name_or_path), name_or_path)
 
 
 def looks_like_path(text: str) -> bool:

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.scenes.schema import MAX_BALLS, SceneKeys
+from compare.scenes.keys import MAX_BALLS, GrooveKeys
+from compare.scenes.schema import SceneKeys
 from lowfi.statics.supports import Held, contradiction, show
 from meshes.helix import ball_layout, lead_angle
 from meshes.partition import MERGE
@@ -46,16 +47,29 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     """Faults that show before geometry is built: keys that exclude or need each other, counts, supports."""
     for part in ("screw", "nut", "balls"):
         yield from _material_faults(keys, part)
-    for name, part_keys in (("screw", keys.screw), ("nut", keys.nut)):
-        if (part_keys.groove_radius is None) == (part_keys.conformity is None):
-            found = "neither" if part_keys.conformity is None else "both"
-            advice = "groove radius = conformity x ball diameter: give one and leave out the other"
-            yield Fault((f"{name}.groove_radius",), "one of groove_radius and conformity", advice, found)
+    yield from _kind_faults(keys)
+    yield from groove_choice_faults(keys.screw, "screw")
+    yield from groove_choice_faults(keys.nut, "nut")
     yield from _ball_choice_faults(keys)
     yield from _support_faults(keys)
     if keys.motion is not None and keys.motion.speed == 0.0:
         advice = "friction at rest may have any value up to its limit: give the speed at which the part turns"
         yield Fault(("motion.speed",), "any angular speed but zero", advice)
+
+
+def _kind_faults(keys: SceneKeys) -> Iterator[Fault]:
+    found = "bearing" if keys.track.lead == 0.0 else "ball screw"
+    if keys.kind not in (None, found):
+        advice = f"a lead {'of zero' if keys.track.lead == 0.0 else 'above zero'} is a {found}: mend kind or track.lead"
+        yield Fault(("kind",), f'"{found}" with this lead', advice)
+
+
+def groove_choice_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
+    """A groove must be given in one of two ways; ``table`` is where it stands in the file."""
+    if (groove.groove_radius is None) == (groove.conformity is None):
+        found = "neither" if groove.conformity is None else "both"
+        advice = "groove radius = conformity x ball diameter: give one and leave out the other"
+        yield Fault((f"{table}.groove_radius",), "one of groove_radius and conformity", advice, found)
 
 
 def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:

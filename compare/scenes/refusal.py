@@ -7,11 +7,11 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from compare.errors import SceneError
 from compare.scenes.checks import Fault
-from compare.scenes.schema import json_schema
+from compare.scenes.keys import tidy_schema
 from compare.scenes.units import show
 
 
@@ -37,14 +37,14 @@ def _find(raw: Any, path: str) -> Any:
     return raw
 
 
-def refuse_keys(origin: str, error: ValidationError) -> NoReturn:
-    """Raise the first fault that pydantic found (unknown keys first, as they explain missing ones)."""
+def refuse_keys(origin: str, keys: type[BaseModel], error: ValidationError) -> NoReturn:
+    """Raise the first fault that pydantic found in ``keys`` (unknown keys first, as they explain missing ones)."""
     faults = error.errors(include_url=False)
     first = min(faults, key=lambda f: f["type"] != "extra_forbidden")
     where = first["loc"]
     path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".") or "file"
     context, kind = first.get("ctx", {}), first["type"]
-    schema = json_schema()
+    schema = tidy_schema(keys)
     if kind == "extra_forbidden":
         known = list(_node(schema, where[:-1]).get("properties", {}))
         near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
@@ -79,6 +79,8 @@ def _allowed(node: Mapping[str, Any]) -> str:
         return f"{node['x-dimension']}, {node['x-allowed']}"
     if "enum" in node:
         return ", ".join(show(v) for v in node["enum"])
+    if node.get("type") == "boolean":
+        return "true, false"
     if node.get("type") == "integer":
         return f"a whole number from {node.get('minimum')} to {node.get('maximum')}"
     if node.get("type") == "string":

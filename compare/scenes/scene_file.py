@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 import math
 import re
 import tomllib
 from collections.abc import Sequence
-from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from compare.errors import SceneError
 from compare.scenes.checks import choice_faults, geometry_faults
+from compare.scenes.keys import FRICTION_ONLY, WHOLE, MaterialKeys
 from compare.scenes.refusal import refuse, refuse_keys
-from compare.scenes.schema import (
-    BallKeys,
-    FrictionKeys,
-    MaterialKeys,
-    SceneKeys,
-    SideKeys,
-    SupportKeys,
-    TermKeys,
-    json_schema,
-)
+from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys
+from compare.scenes.units import show
 from meshes.parts import (
     FREEDOMS,
     BallErrors,
@@ -46,23 +39,66 @@ from meshes.parts import (
     Track,
 )
 
-__all__ = ["json_schema", "load", "loads", "read_text", "read_toml", "scene_hash", "template"]
+if TYPE_CHECKING:
+    from compare.scenes.kinds.common import KindScene
 
 MAX_BYTES = 16_000_000
 
 
 def load(path: str | Path) -> Scene:
-    """The scene in the file ``path``; its name is the file's stem. Raises SceneError."""
+    """The whole screw or bearing in the file ``path``; its name is the file's stem. Raises SceneError."""
     return loads(read_text(path), str(path))
 
 
 def loads(text: str, origin: str) -> Scene:
-    """The scene in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
+    """The whole screw or bearing in ``text``; ``origin`` is the file named in errors.
+
+    Raises SceneError, also for a scene of a kind that only friction solves, and nothing else.
+    """
+    return whole(read(text, origin), origin)
+
+
+def whole(scene: Scene | KindScene, origin: str) -> Scene:
+    """The scene, if it is a whole screw or bearing. Raises SceneError naming its kind where it is another."""
+    if isinstance(scene, Scene):
+        return scene
+    advice = f"only friction solves this kind: rollbench friction {origin.removesuffix('.toml')}"
+    raise SceneError(origin, "kind", show(scene.kind), ", ".join(map(show, WHOLE)), advice)
+
+
+def read(text: str, origin: str) -> Scene | KindScene:
+    """The scene of any kind in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
     raw = read_toml(text, origin)
+    kind = raw.get("kind")
+    if kind is None or kind in WHOLE:
+        return _read_whole(raw, origin)
+    if kind not in FRICTION_ONLY:
+        near = difflib.get_close_matches(str(kind), (*WHOLE, *FRICTION_ONLY), n=1, cutoff=0.5)
+        advice = f"did you mean {show(near[0])}?" if near else "leave it out for a whole screw or bearing"
+        raise SceneError(origin, "kind", show(kind), ", ".join(map(show, (*WHOLE, *FRICTION_ONLY))), advice)
+    from compare.scenes.kinds.table import KINDS
+
+    of = KINDS[kind]
+    try:
+        keys = of.keys.model_validate(raw)
+    except ValidationError as error:
+        refuse_keys(origin, of.keys, error)
+    refuse(origin, raw, list(of.faults(keys)))
+    return of.record(keys, Path(origin).stem)
+
+
+def kind_of(scene: Scene | KindScene) -> str:
+    """The kind of a scene, as its file may name it."""
+    if not isinstance(scene, Scene):
+        return scene.kind
+    return "bearing" if scene.track.lead == 0.0 else "ball screw"
+
+
+def _read_whole(raw: dict[str, Any], origin: str) -> Scene:
     try:
         keys = SceneKeys.model_validate(raw)
     except ValidationError as error:
-        refuse_keys(origin, error)
+        refuse_keys(origin, SceneKeys, error)
     refuse(origin, raw, list(choice_faults(keys)))
     scene = _scene(keys, Path(origin).stem)
     refuse(origin, raw, list(geometry_faults(scene)))
@@ -95,11 +131,6 @@ def read_text(path: str | Path) -> str:
         advice = f"{place}: save the scene as plain UTF-8 text"
         raise SceneError(str(path), "file", "a binary file", "UTF-8 text", advice)
     return text
-
-
-def template() -> str:
-    """A commented scene that loads: the screw of Lin 2.4.1.1, every optional key shown as a comment."""
-    return resources.files("compare").joinpath("template.toml").read_text(encoding="utf-8")
 
 
 def scene_hash(text: str) -> str:

@@ -1,111 +1,87 @@
-"""Keys of a scene file: names, descriptions, units, ranges and defaults. Values come out in SI units."""
+"""Keys of the scene of a whole screw or bearing: names, descriptions, units, ranges and defaults. Values come out in SI."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from compare.scenes.quantity import Quantity, Rate, key
+from compare.scenes.keys import (
+    MATERIAL,
+    MAX_BALLS,
+    Azimuth,
+    BallSizeKeys,
+    Bore,
+    Coefficient,
+    CoulombKeys,
+    Count,
+    Deviation,
+    Element,
+    Force,
+    Freedom,
+    GrooveKeys,
+    Harmonic,
+    HeadKeys,
+    HelixKeys,
+    MaterialKeys,
+    Moment,
+    MotionKeys,
+    OversizeKeys,
+    Sentence,
+    Shift,
+    Size,
+    Spread,
+    Station,
+    Table,
+    Turn,
+    Turns,
+)
+from compare.scenes.quantity import key
 from meshes.parts import NutHeld
 
-MAX_BALLS = 100_000
 
-
-Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
-Radius = Annotated[float, Quantity("length", "0.01 mm", "1 m", "2.778 mm")]
-Bore = Annotated[float, Quantity("length", "0 mm", "100 m", "10 mm")]
-Station = Annotated[float, Quantity("length", "0 mm", "100 m", "400 mm")]
-Lead = Annotated[float, Quantity("length", "0 mm", "1 m", "20 mm")]
-Deviation = Annotated[float, Quantity("length", "-10 mm", "10 mm", "1 um")]
-Spread = Annotated[float, Quantity("length", "0 mm", "10 mm", "1 um")]
-Shift = Annotated[float, Quantity("length", "-1 m", "1 m", "300 um")]
-Turn = Annotated[float, Quantity("angle", "-200 mrad", "200 mrad", "1 mrad")]
-Azimuth = Annotated[float, Quantity("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
-ContactAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "45 deg", above=True, below=True)]
-Modulus = Annotated[float, Quantity("pressure", "1 MPa", "1000000 GPa", "210 GPa")]
-Poisson = Annotated[float, Quantity("number", 0, 0.5, 0.28, below=True)]
-Conformity = Annotated[float, Quantity("number", 0.5, 50, 0.52, above=True)]
-Turns = Annotated[float, Quantity("number", 0, 10_000, 2, above=True)]
-Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
-Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
-Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
-Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
-Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
-Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
-Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
-Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
-Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
-
-
-class Table(BaseModel):
-    """A table of a scene file: no other keys, no silent conversions."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, validate_default=True)
-
-
-class MaterialKeys(Table):
-    """Isotropic elastic material. A part that gives only one of the two takes the other from [material]."""
-
-    youngs_modulus: Modulus | None = key("Young's modulus", None)
-    poissons_ratio: Poisson | None = key("Poisson's ratio", None)
-
-
-_MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
-
-
-class TrackKeys(Table):
+class TrackKeys(HelixKeys):
     """Nominal path of the ball centres."""
 
-    pitch_radius: Size = key("radius of the helix of the ball centres", example="16.5 mm")
-    lead: Lead = key('advance of the helix per turn; "0 mm" is a ball bearing')
-    contact_angle: ContactAngle = key("nominal angle of the contact normal against the radius")
-    hand: Literal["right", "left"] = key("hand of the helix", "right", "right")
     starts: Annotated[int, Field(ge=1, le=100)] = key(
         "number of starts; start k is start 1 turned by k/starts of a revolution", 1, 1
     )
     phase: Azimuth = key("azimuth of the helix at the nut's centre", "0 deg", "0 deg")
 
 
-class ScrewKeys(Table):
+class ScrewKeys(GrooveKeys):
     """Screw shaft, or inner ring of a bearing."""
 
     length: Size = key("length; stations run from 0 to it", example="800 mm")
     outer_diameter: Size = key("outer diameter of the thread or of the shoulders", example="32 mm")
     bore: Bore = key("diameter of the hole along the axis", "0 mm", "10 mm")
-    groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
-    conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
-    material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
+    material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
 
 
-class NutKeys(Table):
+class NutKeys(GrooveKeys):
     """Nut, or outer ring of a bearing; held fixed."""
 
     position: Station = key("station of the nut's centre along the screw", example="400 mm")
     length: Size = key("length", example="54 mm")
     outer_diameter: Size = key("outer diameter", example="48 mm")
-    groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
-    conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
     azimuth: Azimuth = key("angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg")
-    material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
+    material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
 
 
-class BallKeys(Table):
+class BallKeys(BallSizeKeys):
     """Balls: either count and turns, or the azimuths one by one."""
 
-    radius: Radius = key("nominal radius")
     count: Count | None = key("number of balls over all starts, spread evenly (with turns)", None, 32)
     turns: Turns | None = key("turns filled by the balls of each start, centred on the nut (zero lead: 1)", None)
     azimuths: Annotated[list[Azimuth], Field(min_length=1, max_length=MAX_BALLS)] | None = key(
         "unwrapped azimuths of the balls of one start, instead of count and turns", None, ["-90 deg", "90 deg"]
     )
-    material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
+    material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
 
 
-class BallErrorKeys(Table):
+class BallErrorKeys(OversizeKeys):
     """Errors of the ball radii."""
 
-    oversize: Deviation = key("added to every ball's radius (preload if positive)", "0 um", "7 um")
     listed: dict[str, Deviation] = key(
         "added to the radius of single balls, by number from 1 (all balls of start 1 first)", {}, {"17": "1 um"}
     )
@@ -226,10 +202,9 @@ class SolidKeys(Table):
     nut: Literal["elastic", "rigid"] = key("nut elastic, or rigid beyond its contact patches", "elastic", "elastic")
 
 
-class FrictionKeys(Table):
+class FrictionKeys(CoulombKeys):
     """Coulomb friction of the balls on the grooves, for: rollbench friction. Static loads do not depend on it."""
 
-    coefficient: Coefficient = key("coefficient of friction of ball on groove; zero is allowed")
     screw: Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
     nut: Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
     coupling: Literal["none", "ball"] = key(
@@ -242,30 +217,17 @@ class FrictionKeys(Table):
     )
 
 
-class MotionKeys(Table):
-    """Which part turns and how fast, for: rollbench friction."""
+class SceneKeys(HeadKeys):
+    """One load case of one whole ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
 
-    speed: Turning = key("angular speed of the part that turns, about +z; negative: the other way")
-    turns: Literal["screw", "nut"] = key(
-        "the part that turns; the other one does not, and they move apart along the axis by the lead", "screw", "nut"
-    )
-
-
-class SceneKeys(Table):
-    """One load case of one ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
-
-    title: Sentence = key("one line saying what the scene is", example="Screw under 5 kN")
+    kind: Literal["ball screw", "bearing"] | None = key("what is described; by the lead if left out", None, "ball screw")
     role: Literal["", "referenced", "unseen, changed parts", "unseen, catalogue size"] = key(
         "of a shipped scene in the report: a case study with a 3D reference, or a scene that no model was made with",
         "",
         "referenced",
     )
-    source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, 2.4.1.1")
-    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
-        "sentences on what the source leaves open", [], ["The nut is rigid."]
-    )
     members: Annotated[int, Field(ge=1, le=100_000)] = key("number of draws of the random errors", 1, 200)
-    material: MaterialKeys = key("material of every part that gives none", MaterialKeys(), _MATERIAL)
+    material: MaterialKeys = key("material of every part that gives none", MaterialKeys(), MATERIAL)
     track: TrackKeys = key("path of the ball centres")
     screw: ScrewKeys = key("screw shaft, or inner ring")
     nut: NutKeys = key("nut, or outer ring")
@@ -281,33 +243,3 @@ class SceneKeys(Table):
     solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_held": "left face"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
-
-
-def json_schema() -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of a scene file, with description, unit, range and example of every key."""
-    schema = SceneKeys.model_json_schema()
-    found: dict[str, Any] = _without_null(schema)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "rollbench scene"} | {
-        k: v for k, v in found.items() if k != "title"
-    }
-
-
-def _without_null(node: Any) -> Any:
-    """Drop ``null`` (TOML has none) and pydantic's titles, and defaults that are whole tables."""
-    if isinstance(node, list):
-        return [_without_null(v) for v in node]
-    if not isinstance(node, dict):
-        return node
-    out: dict[str, Any] = {}
-    for name, value in node.items():
-        if name == "anyOf":
-            (kept,) = (v for v in value if v != {"type": "null"})
-            out |= {k: v for k, v in _without_null(kept).items() if k not in node}
-        elif name == "properties" or name == "$defs":
-            out[name] = {k: _without_null(v) for k, v in value.items()}
-        elif name == "default":
-            if value is not None and not isinstance(value, dict):
-                out[name] = value
-        elif not (name == "title" and isinstance(value, str)):
-            out[name] = value if name == "examples" else _without_null(value)
-    return out

@@ -10,7 +10,20 @@ from math import degrees, radians
 import numpy as np
 
 from compare.evidence.registry import evidence
-from compare.evidence.rotary_linear import AXIAL, CASES, LINEAR, LOADS, ROTARY, VERTICAL, WORST, as_printed, pair, right
+from compare.evidence.rotary_linear import (
+    AXIAL,
+    CASES,
+    K_F,
+    LINEAR,
+    LOADS,
+    PRINTED_LAW,
+    ROTARY,
+    VERTICAL,
+    WORST,
+    as_printed,
+    pair,
+    right,
+)
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.printed_data import entry
@@ -236,7 +249,7 @@ def root_table() -> Table:
 def torque_figure() -> Figure:
     """Figure 3.7: forces, torque, losses and motion over the ring's radial displacement."""
     u = 1e-6 * np.concatenate([np.linspace(0.0, 4.0, 9), np.linspace(4.05, 6.0, 40), np.linspace(6.2, 10.0, 20)])
-    true, printed = sweep(ROTARY, AXIAL, u), sweep(ROTARY, AXIAL, u, "as printed")
+    true, printed = sweep(ROTARY, AXIAL, u), sweep(ROTARY, AXIAL, u, PRINTED_LAW)
     good = np.array([s == "exact" for s in printed.status])
     x, label = numbers(u, 1e6), "u_y / µm"
     marks = [1e6 * v for v in CASES.values()]
@@ -306,7 +319,7 @@ def map_panels(m: PairMaps, name: str, label: str) -> list[Panel]:
 
 def map_figures() -> tuple[Figure, Figure]:
     """Figures 3.14 and 3.15 as families of curves."""
-    m = maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL)
+    m = maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL, K_F)
     first = Figure(
         "friction-difference",
         "Velocity difference of two balls (Figure 3.14)",

@@ -8,6 +8,7 @@ from math import degrees, radians
 
 import numpy as np
 
+from compare.evidence.cases import double_row, four_point, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
 from compare.evidence.registry import evidence
 from compare.evidence.screw import (
     AMPLITUDES,
@@ -30,10 +31,10 @@ from compare.printed.printed_data import entry
 from compare.sections.finding_table import printed_table
 from compare.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
 from lowfi.as_source.run import simulate_by_root
-from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BearingCase, Row, double_row, four_point, torque_curve
+from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BearingCase, Row, torque_curve
 from lowfi.friction.screw.groove import Mode
-from lowfi.friction.screw.pair import INFERRED_OVERSIZE, SHIFTED, Pair, implied_load, inferred, plain, solve_pair, table_3_6
-from lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, lin_3_4_4, simulate, summarise
+from lowfi.friction.screw.pair import SHIFTED, Pair, implied_load, solve_pair
+from lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, simulate, summarise
 from reports.records import Cell, Column, Section, Table, Text
 
 # --- tables
@@ -47,7 +48,6 @@ NOTES = {
 
 #: Labels of rows that the introduction quotes.
 AS_TEXT, UNCOUPLED = "text as it stands, friction moves the balls", "loads not coupled to friction"
-OVERSIZED = f"{1e6 * INFERRED_OVERSIZE:g} µm oversize, not coupled"
 AS_CASE, SOURCE_RULE = "as the case study", "the source's rule of contact"
 
 
@@ -58,6 +58,16 @@ def table_of(study: Study, name: str) -> Table:
     return printed_table(f"friction-{name}", f"{title}: printed and computed", evidence(study, name), NOTES.get(name, ""))
 
 
+def oversize_text() -> str:
+    """The inferred oversize in words."""
+    return f"{1e6 * inferred_oversize():g} µm"
+
+
+def oversized() -> str:
+    """Label of the inferred reading."""
+    return f"{oversize_text()} oversize, not coupled"
+
+
 def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
     """Readings of Table 3.7: kind, what is assumed, the pair of a theta [rad]."""
 
@@ -65,23 +75,24 @@ def readings() -> list[tuple[str, str, Callable[[float], Pair]]]:
         return lambda theta: replace(make(theta), **changes)  # type: ignore[arg-type]
 
     radial = wide(plain, free="r", force=(100.0,), coupling="none")
-    half, more = 0.5 * INFERRED_OVERSIZE, 1.5 * INFERRED_OVERSIZE
+    half, more = 0.5 * inferred_oversize(), 1.5 * inferred_oversize()
+    size = oversize_text()
     one, faulty = (1.0, 0.0, 0.0, 0.0), table_3_6(hertz="as printed")
     return [
         ("plain", AS_TEXT, plain),
         ("plain, varied", UNCOUPLED, wide(plain, coupling="none")),
         ("plain, varied", "friction moves balls and screw", wide(plain, coupling="ball and screw")),
         ("plain, varied", "50 N radially on each ball, not coupled", radial),
-        ("inferred", OVERSIZED, inferred),
-        ("inferred, varied", "1.7 µm, friction moves the balls", wide(inferred, coupling="ball")),
-        ("inferred, varied", "1.7 µm, friction moves balls and screw", wide(inferred, coupling="ball and screw")),
+        ("inferred", oversized(), inferred),
+        ("inferred, varied", f"{size}, friction moves the balls", wide(inferred, coupling="ball")),
+        ("inferred, varied", f"{size}, friction moves balls and screw", wide(inferred, coupling="ball and screw")),
         ("inferred, varied", "half the oversize", wide(inferred, oversize=half)),
         ("inferred, varied", "one and a half times the oversize", wide(inferred, oversize=more)),
-        ("inferred, varied", "1.7 µm, 25 N instead of 50 N", wide(inferred, force=(25.0,))),
-        ("inferred, varied", "1.7 µm, 100 N instead of 50 N", wide(inferred, force=(100.0,))),
-        ("inferred, varied", "1.7 µm, theta on one contact of the screw", wide(inferred, pattern=(one, one))),
-        ("inferred, varied", "1.7 µm, screw's groove shifted sideways", wide(inferred, pattern=(SHIFTED, SHIFTED))),
-        ("inferred, varied", "1.7 µm, Hertz constants of Table B.1", wide(inferred, groove=faulty)),
+        ("inferred, varied", f"{size}, 25 N instead of 50 N", wide(inferred, force=(25.0,))),
+        ("inferred, varied", f"{size}, 100 N instead of 50 N", wide(inferred, force=(100.0,))),
+        ("inferred, varied", f"{size}, theta on one contact of the screw", wide(inferred, pattern=(one, one))),
+        ("inferred, varied", f"{size}, screw's groove shifted sideways", wide(inferred, pattern=(SHIFTED, SHIFTED))),
+        ("inferred, varied", f"{size}, Hertz constants of Table B.1", wide(inferred, groove=faulty)),
     ]
 
 
@@ -127,7 +138,7 @@ def run_changes() -> list[tuple[str, str, dict[str, object]]]:
     changes += [("oversize", f"{o:g} µm", {"oversize": 1e-6 * o}) for o in (0.0, 1.0, 2.5)]
     changes += [
         ("oversize and coupling", "0 µm, friction moves balls and screw", {"oversize": 0.0, "coupling": "ball and screw"}),
-        ("coupling", "1.7 µm, friction moves balls and screw", {"coupling": "ball and screw"}),
+        ("coupling", f"{oversize_text()}, friction moves balls and screw", {"coupling": "ball and screw"}),
         ("phase of theta", "90°", {"phase": 0.5 * np.pi}),
         ("phase of theta", "180°", {"phase": np.pi}),
         ("pattern", "groove shifted sideways", {"pattern": SHIFTED}),
@@ -179,7 +190,10 @@ def source_run_row(run: Run) -> dict[str, Cell]:
 def run_table() -> Table:
     """Sensitivity of the whole run to what 3.4.4 does not print."""
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
-    rows = [summary_row(AS_CASE, f"{n}, 1.7 µm, 200 steps", run(a)) for n, a in zip(names, AMPLITUDES, strict=True)]
+    rows = [
+        summary_row(AS_CASE, f"{n}, {oversize_text()}, {run(a).run.steps} steps", run(a))
+        for n, a in zip(names, AMPLITUDES, strict=True)
+    ]
     rows.append(source_run_row(lin_3_4_4()))
     rows += [summary_row(name, value, simulate(lin_3_4_4(**(SHORT | new)))) for name, value, new in run_changes()]
     columns = (
@@ -199,7 +213,8 @@ def run_table() -> Table:
         "finding as in "
         "the source, where neighbours touch if they are near and close in when alone (3.77): overlapping balls that "
         "part count as free, and fewer forces are found. Below these rows one assumption at a time "
-        "is changed from theta = 3°, 1500 N, 1.7 µm oversize, loads not coupled, over one turn of the nut in steps of "
+        f"is changed from theta = 3°, {lin_3_4_4().force[0]:g} N, {oversize_text()} oversize, loads not coupled, over one "
+        "turn of the nut in steps of "
         "7.2°. A run that loses no contact within that turn has no entry there."
     )
     return Table("friction-run-sensitivity", "Whole screw: what the assumptions change", columns, rows, note)
@@ -210,7 +225,7 @@ def bearing_cases() -> list[tuple[str, str, BearingCase]]:
     face = (Row(-6e-3, DIAGONAL), Row(6e-3, OTHER))
     four = four_point(tilt=True)
     faulty: Mode = "as printed"
-    out = [("four-point", "tilt free, no clearance", four), ("four-point", "tilt held", four_point())]
+    out = [("four-point", "tilt free, no clearance", four), ("four-point", "tilt held", four_point(tilt=False))]
     out += [
         ("four-point", f"ball {100 * p:.0f} % of a distance off the load's plane", replace(four, phase=p))
         for p in (0.25, 0.5)
@@ -220,7 +235,7 @@ def bearing_cases() -> list[tuple[str, str, BearingCase]]:
         ("four-point", "Hertz constants as Table B.1", replace(four, groove=replace(four.groove, hertz=faulty))),
         ("four-point", "force 2 mm off the middle", replace(four, arm=2e-3)),
         ("double row", "tilt free, back to back", double_row(tilt=True)),
-        ("double row", "tilt held", double_row()),
+        ("double row", "tilt held", double_row(tilt=False)),
         ("double row", "tilt free, face to face", double_row(tilt=True, rows=face)),
     ]
     return out
@@ -298,11 +313,11 @@ def _of_the_pair(pairs: Table) -> str:
     implied = implied_load(inferred(radians(THETA["a"])), force, 1e-2 * increase)
     return (
         f"The source does not print the load state of the pair in 3.4.3. As the text stands (no oversize, "
-        f"{plain(0.0).force[0]:g} N along the axis) one diagonal carries nearly all: {part} of the printed forces "
+        f"{plain().force[0]:g} N along the axis) one diagonal carries nearly all: {part} of the printed forces "
         "(cases a and "
         f"b), {more} where friction moves the balls and loads a third contact. Printed force and increase together imply "
         f"{implied:.0f} N of contact load a ball, against {float(coupled['load_a'] or 0.0):.0f} N; "
-        f"{1e6 * INFERRED_OVERSIZE:g} µm of oversize would give {float(rows[OVERSIZED]['load_a'] or 0.0):.0f} N. The plain "
+        f"{oversize_text()} of oversize would give {float(rows[oversized()]['load_a'] or 0.0):.0f} N. The plain "
         "reading is held against the printed numbers; the inferred one is shown with it, labelled so, because its oversize "
         "was inferred from these numbers."
     )

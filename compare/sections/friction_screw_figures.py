@@ -8,13 +8,14 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.screw import ANGLES, THETA, curve, cut, run, variation
+from compare.evidence.cases import inferred
+from compare.evidence.screw import ANGLES, THETA, curve, cut, loose_run, run, variation
 from compare.printed.printed_data import entry
 from compare.sections.curves import numbers
 from lowfi.friction.bearing.pairs import TorqueCurve
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.pair import inferred, oversize_map
+from lowfi.friction.screw.pair import oversize_map
 from lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
 from reports.records import Figure, Panel, Series
 
@@ -51,11 +52,11 @@ def contact_panels(r: RunResult) -> tuple[Panel, Panel]:
 
 def run_figure() -> Figure:
     """Figures 3.23 to 3.25."""
-    three, two, open_grooves = run(3.0), run(2.0), run(3.0, 0.0, "ball and screw")
+    three, two, open_grooves = run(3.0), run(2.0), loose_run()
     panels = (
         theta_panel(three.run),
-        torque_panel("torque, θ of 3°, 1.7 µm", three),
-        torque_panel("torque, θ of 2°, 1.7 µm", two),
+        torque_panel(f"torque, θ of 3°, {1e6 * three.run.oversize:g} µm", three),
+        torque_panel(f"torque, θ of 2°, {1e6 * two.run.oversize:g} µm", two),
         *contact_panels(three),
         torque_panel("torque, θ of 3°, 0 µm, coupled", open_grooves),
     )
@@ -95,7 +96,8 @@ def map_figure() -> Figure:
         "Once all four contacts are loaded (a bend, the later the larger the axial force) the force grows with "
         "the oversize whatever the axial force is, while the friction increase falls, because grooves' losses grow "
         "faster. Below the bend forces are small; friction that moves the balls about doubles them at 50 N and θ = 2°. "
-        "Curves of 50 N meet the printed forces near 1.7 µm only. The printed increase is met there too, but in case "
+        f"Curves of {inferred().force[0]:g} N meet the printed forces near {1e6 * inferred().oversize:g} µm only. The "
+        "printed increase is met there too, but in case "
         "(a) also near 1 µm: force and increase together make the inferred oversize. At 0 µm with friction "
         "moving the balls, the plain reading, the force is half the printed one."
     )

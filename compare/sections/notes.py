@@ -22,10 +22,10 @@ def misprints() -> list[dict[str, Cell]]:
 def assumptions(study: Study) -> list[dict[str, Cell]]:
     """Assumed statements and the scenes that make them."""
     by_text: dict[str, list[str]] = {}
-    for name, scene in sorted(study.scenes.items()):
+    for name, scene in study.used.items():
         for sentence in scene.assumed:
             by_text.setdefault(sentence, []).append(name)
-    total = len(study.scenes)
+    total = len(study.used)
     return [
         {"assumed": text, "scenes": "all" if len(names) == total else ", ".join(names)}
         for text, names in sorted(by_text.items(), key=lambda item: -len(item[1]))

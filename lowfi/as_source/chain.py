@@ -23,6 +23,9 @@ Status = Literal["exact", "overlapping", "failed"]
 #: Force out of balance over a ball's friction bound, and closing speed over the nominal, that count as none.
 ACCEPTED = 1e-8
 
+#: k_S of the source's sigmoid in its searches for touching balls, for which the text prints none.
+SHARPNESS = 100.0
+
 
 @dataclass(frozen=True)
 class Neighbours:

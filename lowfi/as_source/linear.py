@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.as_source.chain import Balls, Mask, Neighbours, SourceMotion, solve_by_root
+from lowfi.as_source.chain import SHARPNESS, Balls, Mask, Neighbours, SourceMotion, solve_by_root
 from lowfi.friction.contact.ellipse import Array, contacts
 from lowfi.friction.contact.laws import Coulomb, Law, Sigmoid
 from lowfi.friction.linear.bearing import MOVING, LinearBearing, directions, semi_axes
@@ -37,7 +37,7 @@ def linear_balls(bearing: LinearBearing, angles: Array, loads: Array) -> Balls:
     return Balls(at, maps, drives, neighbours(bearing))
 
 
-def linear_law(bearing: LinearBearing, sharpness: float | None = 100.0) -> Law:
+def linear_law(bearing: LinearBearing, sharpness: float | None = SHARPNESS) -> Law:
     """Sigmoid of Lin 3.20 with k_S = ``sharpness`` and the nominal spin v tan(beta) / (2 R_B); None: Coulomb.
 
     The reference is an assumption: 3.25 prints no sigmoid, and the rotary bearing's (difference of the rings' spins)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.as_source.chain import SourceMotion, solve_by_root
+from lowfi.as_source.chain import SHARPNESS, SourceMotion, solve_by_root
 from lowfi.as_source.loads import Places, loads_by_root
 from lowfi.as_source.screw import screw_balls
 from lowfi.friction.contact.ellipse import Array
@@ -72,7 +72,7 @@ def simulate_by_root(run: Run, steps: int | None = None) -> SourceRun:
     if run.tube > 0.0 or run.coupling != "none":
         raise ValueError('the run by root finding needs tube = 0 and coupling = "none"')
     g, n, dt = run.groove, run.count, run.duration / run.steps
-    law = source_law(g)
+    law = source_law(g, SHARPNESS)
     azimuth = run.ring * (np.arange(n) + run.first) / n - np.pi * run.turns
     gap = np.full(n, run.ring / n - g.pair.spacing)
     before: _Before | None = None

@@ -13,6 +13,7 @@ from scipy.optimize import root
 
 from lowfi.as_source.chain import (
     ACCEPTED,
+    SHARPNESS,
     Balls,
     Mask,
     Neighbours,
@@ -192,7 +193,7 @@ def coupled_by_root(
 def screw_pair_by_root(
     pair: Pair, law: Law | None = None, start: SourceState | None = None, touching: SourceState | None = None
 ) -> SourceScrew:
-    """Two balls of a screw in reach (Lin 3.4.3) the source's way; law: its sigmoid with k_S = 100 where None.
+    """Two balls of a screw in reach (Lin 3.4.3) the source's way; law: its sigmoid with SHARPNESS where None.
 
     Loads by root finding first; the motion at these where the pair's coupling is "none", else both together, from
     starts as in ``coupled_by_root``. Raises ValueError for coupling "ball and screw", which the source has not, and
@@ -200,7 +201,7 @@ def screw_pair_by_root(
     """
     if pair.coupling == "ball and screw":
         raise ValueError('the source holds the screw where it is without friction: coupling "none" or "ball"')
-    cell, law = pair.cell(), source_law(pair.groove) if law is None else law
+    cell, law = pair.cell(), source_law(pair.groove, SHARPNESS) if law is None else law
     load, reach = loads_by_root(cell), np.array([True])
     if not load.converged:
         raise RuntimeError(f"no root for the loads: {load.left:.1e} N left after {load.steps} calls")

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lowfi.as_source.chain import SourceMotion, solve_by_root
+from lowfi.as_source.chain import SHARPNESS, SourceMotion, solve_by_root
 from lowfi.as_source.linear import linear_balls, linear_law
 from lowfi.as_source.screw import SourceState, neighbours, screw_balls, screw_pair_by_root, state_of
 from lowfi.friction.contact.ellipse import Array
@@ -21,9 +21,6 @@ from lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.motion import source_law
 from lowfi.friction.screw.pair import Pair, PairResult
-
-#: Sharpness of the source's sigmoid, its k_S.
-SHARPNESS = 100.0
 
 
 def shaken(q: Array, units: Array, rng: np.random.Generator, off: float) -> Array:

@@ -3,11 +3,25 @@
 import numpy as np
 import pytest
 
-from compare.evidence.rotary_linear import AXIAL, CASES, ROTARY, as_printed, right, rotary_value, straight_groove
+from compare.evidence import cases
+from compare.evidence.rotary_linear import (
+    AXIAL,
+    CASES,
+    PRINTED_LAW,
+    ROTARY,
+    as_printed,
+    right,
+    rotary_value,
+    straight_groove,
+)
 from compare.printed.printed_data import Printed, load_table
 from lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_printed, source_law
 from lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from tests.literature.entries import check, found, keys
+
+PRINTED = cases.rotary("I", printed=True)
+#: The source's law with exact integrals in place of its maps.
+EXACT = source_law(ROTARY, PRINTED.sharpness, None)
 
 
 @pytest.mark.parametrize("key", keys("lin-3.1", "lin-3.2", "lin-G"))
@@ -46,7 +60,7 @@ def test_printed_sum_of_case_iii_is_a_misprint() -> None:
 def test_step_of_the_maps_is_inferred_from_case_iii(spacing: float | None) -> None:
     """Exact integrals and other steps miss the losses of case III; 0.08 gives every digit of the case (above)."""
     table = rows("lin-3.2")
-    s = solve_ball_as_printed(ROTARY, AXIAL, CASES["III"], source_law(ROTARY, map_spacing=spacing), fast=True)
+    s = solve_ball_as_printed(ROTARY, AXIAL, CASES["III"], source_law(ROTARY, PRINTED.sharpness, spacing), fast=True)
     off = [abs(rotary_value(s, f"P_{side}") - table[f"P_{side}_III"].value) for side in SIDES]
     assert max(off) > 3.0 * 5e-5
     assert s.torque * 1e3 == pytest.approx(table["torque_III"].value, rel=1.1e-3)
@@ -56,7 +70,7 @@ def test_interpolated_maps_break_the_balance_of_power() -> None:
     """Fault of the source: with its maps torque 3.21 is 0.2 % more than the moment friction exerts on the ring."""
     s = as_printed("III")
     assert s.torque / inner_torque(ROTARY, s.load, s.motion) - 1.0 == pytest.approx(1.92e-3, abs=1e-4)
-    exact = solve_ball_as_printed(ROTARY, AXIAL, CASES["III"], source_law(ROTARY, map_spacing=None), fast=True)
+    exact = solve_ball_as_printed(ROTARY, AXIAL, CASES["III"], EXACT, fast=True)
     assert exact.torque == pytest.approx(inner_torque(ROTARY, exact.load, exact.motion), rel=1e-9)
 
 
@@ -71,7 +85,7 @@ def test_right_values_balance_power(case: str) -> None:
 @pytest.mark.parametrize("case", list(CASES))
 def test_sigmoid_spends_what_stick_spends(case: str) -> None:
     """At the printed loads the source's total is the least dissipation; only who spends it and the motion differ."""
-    printed = solve_ball_as_printed(ROTARY, AXIAL, CASES[case], source_law(ROTARY, map_spacing=None), fast=True)
+    printed = solve_ball_as_printed(ROTARY, AXIAL, CASES[case], EXACT, fast=True)
     least = right(case, "as printed")
     assert printed.motion.loss == pytest.approx(least.motion.loss, rel=1e-8)
     assert least.motion.rest.sum() == {"I": 1, "II": 1, "III": 0}[case]
@@ -90,7 +104,7 @@ def test_right_values(case: str, force: float, torque: float) -> None:
 def test_transition_of_figure_3_7() -> None:
     """Forces nearly constant before four-point contact, torque then rises much faster than force."""
     start, end = as_printed("I"), as_printed("III")
-    early = solve_ball_as_printed(ROTARY, AXIAL, 3e-6, fast=True)
+    early = solve_ball_as_printed(ROTARY, AXIAL, 3e-6, PRINTED_LAW, fast=True)
     assert early.load.force.sum() == pytest.approx(start.load.force.sum(), rel=5e-3)
     assert np.sum(early.load.force > 0.0) == 2
     assert end.torque / start.torque > 5.0 * end.load.force.sum() / start.load.force.sum()

@@ -7,25 +7,14 @@ from functools import cache
 import numpy as np
 import pytest
 
+from compare.evidence.cases import PAIRS, deviation, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
 from compare.evidence.screw import AMPLITUDES, pair
 from compare.printed.printed_data import Printed, load_table
-from lowfi.friction.screw.pair import (
-    BOTH,
-    INFERRED_OVERSIZE,
-    SHIFTED,
-    Pair,
-    PairResult,
-    implied_load,
-    inferred,
-    plain,
-    sliding_speed,
-    solve_pair,
-    table_3_6,
-)
-from lowfi.friction.screw.run import RunSummary, lin_3_4_4, simulate, summarise
+from lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
+from lowfi.friction.screw.run import RunSummary, simulate, summarise
 from tests.literature.entries import check, keys
 
-THETA = {"a": np.radians(2.0), "b": np.radians(3.0)}
+THETA = {case: deviation(case) for case in PAIRS}
 
 
 def rows(table: str) -> dict[str, Printed]:
@@ -117,7 +106,7 @@ def test_oversize_is_what_matters() -> None:
     base = inferred(THETA["a"])
     printed = rows("lin-3.7")["force_a"].value
     for factor in (0.5, 1.5):
-        assert abs(solve_pair(replace(base, oversize=factor * INFERRED_OVERSIZE)).force / printed - 1.0) > 0.2
+        assert abs(solve_pair(replace(base, oversize=factor * inferred_oversize())).force / printed - 1.0) > 0.2
     for force in (25.0, 100.0):
         assert solve_pair(replace(base, force=(force,))).force == pytest.approx(printed, rel=0.03)
 

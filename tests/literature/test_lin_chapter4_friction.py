@@ -6,19 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from compare.evidence.cases import double_row, four_point
 from compare.printed.printed_data import Printed, load_table
 from compare.scenes.catalogue import scene
-from lowfi.friction.bearing.pairs import (
-    ALL,
-    DIAGONAL,
-    OTHER,
-    Row,
-    TorqueCurve,
-    double_row,
-    four_point,
-    solve_bearing,
-    torque_curve,
-)
+from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, Row, TorqueCurve, solve_bearing, torque_curve
 from lowfi.friction.screw.errors import Onset, contact_onset, groove_of
 from lowfi.statics.static import solve_static
 from tests.literature.entries import check, keys
@@ -66,7 +57,7 @@ def test_ratio_of_the_four_point_bearing() -> None:
 def test_an_inner_ring_that_cannot_tilt_shows_no_transition() -> None:
     assert curve("4P", False).ratio < 1.03
     assert np.all(curve("4P", False).four == 0)
-    later = torque_curve(four_point(), np.radians([0.0, 30.0, 45.0]))
+    later = torque_curve(four_point(tilt=False), np.radians([0.0, 30.0, 45.0]))
     assert later.ratio > 3.0
     assert later.four[-1] > 0
 
@@ -139,8 +130,8 @@ def test_torque_goes_with_friction_and_not_with_speed() -> None:
 
 def test_bad_bearing() -> None:
     with pytest.raises(ValueError, match="zero lead"):
-        four_point(groove=replace(four_point().groove, lead=1e-3))
-    assert four_point().rows[0].contacts == ALL
+        four_point(tilt=False, groove=replace(four_point(tilt=False).groove, lead=1e-3))
+    assert four_point(tilt=False).rows[0].contacts == ALL
 
 
 @cache

@@ -6,16 +6,18 @@ bearing is a ball screw of zero lead whose "screw" is the inner ring; friction t
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.friction.contact.ellipse import Array
-from lowfi.friction.screw.groove import ScrewGroove, frame
+from lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, frame
 from lowfi.friction.screw.load import Cell, ScrewLoad, settle
 from lowfi.friction.screw.motion import ball_motion
 
+#: Freedoms of the inner ring in the order of the unknowns, and the smallest part that is not round-off.
+UNKNOWNS, RANK = ("ux", "uy", "uz", "rx", "ry"), 1e-9
 #: Contacts (SL, SR, NL, NR) that a row has: all, or those of one diagonal.
 ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (False, True, True, False)
 
@@ -41,7 +43,7 @@ class BearingCase:
     groove: ScrewGroove
     count: int
     rows: tuple[Row, ...]
-    force: float = 3000.0
+    force: float
     clearance: float = 0.0
     tilt: bool = False
     phase: float = 0.0
@@ -105,6 +107,26 @@ def bearing_cell(case: BearingCase, angle: float) -> Cell:
     )
 
 
+def free_motion(case: BearingCase, angle: float) -> str:
+    """Motion of the inner ring that the force at ``angle`` [rad] drives and no contact resists, in words; or empty.
+
+    A contact resists motion along its normal at the nominal contact angle. Exact for the question whether the linear
+    equilibrium of contact forces and load has a solution, signs of the contact forces apart.
+    """
+    cell, beta = bearing_cell(case, angle), case.groove.contact_angle
+    normal = np.stack([SIGN_X * np.cos(beta), SIGN_Z * np.sin(beta)], axis=1)[ON_SCREW]
+    has = cell.interference[:, ON_SCREW] > -case.groove.reach
+    resists = np.einsum("sx,nxm->nsm", normal, cell.section)[has]
+    _, size, v = np.linalg.svd(resists, full_matrices=True)
+    null = v[int(np.sum(size > RANK * size.max(initial=0.0))) :]
+    drive = null @ cell.force
+    if not np.abs(drive).max(initial=0.0) > RANK * float(np.linalg.norm(cell.force)):
+        return ""
+    motion = np.abs(drive @ null)
+    parts = [name for name, part in zip(UNKNOWNS, motion, strict=False) if part > RANK * motion.max()]
+    return f"rigid motion of the inner ring in {', '.join(parts)}"
+
+
 def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
     """Loads, motions and friction torque with the force at ``angle`` [rad] from the axis; near: a similar state."""
     load = settle(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.screw))
@@ -154,16 +176,3 @@ def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
         four=np.array([int(np.sum(s.points > 2)) for s in states]),
         converged=np.array([s.converged for s in states]),
     )
-
-
-def four_point(**changes: object) -> BearingCase:
-    """Four-point bearing of Table 4.2 (E in kN/mm^2); mu = 0.1 is not printed; ``changes``: of the case."""
-    groove = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 210e9, 0.28, 0.1, 0.0, 20.0 * np.pi)
-    return replace(BearingCase(groove, 9, (Row(0.0, ALL),)), **changes)  # type: ignore[arg-type]
-
-
-def double_row(**changes: object) -> BearingCase:
-    """Double-row bearing of Table 4.2; rows 12 mm apart and back to back are not printed; ``changes``: of the case."""
-    groove = ScrewGroove(4e-3, 4.32e-3, 35e-3, 0.0, 0.25 * np.pi, 210e9, 0.28, 0.1, 0.0, 20.0 * np.pi)
-    rows = (Row(-6e-3, OTHER), Row(6e-3, DIAGONAL))
-    return replace(BearingCase(groove, 9, rows), **changes)  # type: ignore[arg-type]

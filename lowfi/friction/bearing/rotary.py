@@ -155,10 +155,10 @@ def inner_torque(bearing: Bearing, load: ModuleLoad, motion: Motion) -> float:
     return float(np.sum(moments[INNER]))
 
 
-def source_law(bearing: Bearing, sharpness: float = 100.0, map_spacing: float | None = 0.08) -> Sigmoid:
+def source_law(bearing: Bearing, sharpness: float, map_spacing: float | None) -> Sigmoid:
     """The source's sigmoid with its k_S and reference spin omega_I sin(beta) (Lin 3.20).
 
-    map_spacing: step in c/a of its interpolated maps, not printed; 0.08 is inferred: all of case III comes out then.
+    map_spacing: step in c/a of its interpolated maps; None: exact integrals.
     """
     return Sigmoid(sharpness, abs(bearing.speed) * float(np.sin(bearing.contact_angle)), map_spacing)
 
@@ -176,7 +176,7 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, hertz: Mode = "righ
 
 
 def solve_ball_as_printed(
-    bearing: Bearing, force_x: float, u_y: float, law: Sigmoid | None = None, start: Array | None = None, fast: bool = False
+    bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, start: Array | None = None, fast: bool = False
 ) -> Solution:
     """The source's own way, faults included: Table B.1's Hertz constants, sigmoid, root of 3.19, torque 3.21.
 
@@ -186,7 +186,6 @@ def solve_ball_as_printed(
     load = bearing_load(bearing, force_x, u_y, "as printed")
     at = ball_contacts(bearing, load, "as printed")
     problem = motion_problem(bearing, load, at)
-    law = source_law(bearing) if law is None else law
     first = least_dissipation(problem, fast=fast).q if start is None else start
     motion = balance_by_root(problem, law, first, fast)
     if motion.status != "exact" and start is None:
@@ -209,10 +208,17 @@ class Sweep:
     status: tuple[str, ...] = field(default=())
 
 
-def sweep(bearing: Bearing, force_x: float, u_y: Array, mode: Mode = "right") -> Sweep:
-    """Sum of contact forces and friction torque against u_y (Figure 3.7), each point solved on its own."""
-    one = solve_ball if mode == "right" else solve_ball_as_printed
-    found = [one(bearing, force_x, float(u), fast=True) for u in u_y]
+def sweep(bearing: Bearing, force_x: float, u_y: Array, law: Sigmoid | None = None) -> Sweep:
+    """Sum of contact forces and friction torque against u_y (Figure 3.7), each point solved on its own.
+
+    law: the source's own way with that law, as ``solve_ball_as_printed``; without, least dissipation.
+    """
+    found = [
+        solve_ball(bearing, force_x, float(u), fast=True)
+        if law is None
+        else solve_ball_as_printed(bearing, force_x, float(u), law, fast=True)
+        for u in u_y
+    ]
     return Sweep(
         u_y=np.asarray(u_y, dtype=float),
         load=np.array([s.load.force for s in found]),

@@ -105,6 +105,12 @@ def least_dissipation(problem: Problem, start: Array | None = None, fast: bool =
     )
 
 
+def without_friction(found: Motion) -> Motion:
+    """The same motion with no forces: at given loads the limit for a coefficient that vanishes, as motion knows none."""
+    none = Friction(*(np.zeros_like(v) for v in (found.friction.force, found.friction.moment, found.friction.loss)))
+    return replace(found, friction=none, imbalance=0.0, bounds=(0.0, 0.0))
+
+
 def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False) -> Motion:
     """The source's way, kept for comparison: a root of the force balance under ``law`` by MINPACK's hybrid method.
 

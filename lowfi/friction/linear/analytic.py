@@ -11,9 +11,6 @@ import numpy as np
 
 from lowfi.friction.linear.bearing import Array, LinearBearing
 
-#: Slope of friction force over c/a read off Lin's Figure 3.11.
-K_F = 1.38
-
 
 def _second_kind(axis_ratio: float) -> float:
     from scipy.special import ellipe
@@ -28,10 +25,10 @@ def velocity_deviation(contact_angle: float, deviation: Array, up: Array, down: 
     return np.asarray(0.5 * np.tan(contact_angle) * ((tr - bl) * u + (tl - br) * d) / (u + d))
 
 
-def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: float = K_F) -> Array:
+def ball_force(bearing: LinearBearing, loads: Array, difference: Array, k_f: float) -> Array:
     """Force [N] between two balls in reach: (3.51) with exponents +2/3 and tan beta_0; zero unless they close.
 
-    loads ``(..., 2, 2)``: F_U, F_D [N] of balls 1 and 2; difference: epsilon_1 - epsilon_2.
+    loads ``(..., 2, 2)``: F_U, F_D [N] of balls 1 and 2; difference: epsilon_1 - epsilon_2; k_f as in ``shifts``.
     """
     stiff = np.cbrt(np.square(loads)).sum(axis=-1)
     both = stiff[..., 0] * stiff[..., 1] / (stiff[..., 0] + stiff[..., 1])

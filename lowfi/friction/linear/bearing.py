@@ -47,8 +47,8 @@ class LinearBearing:
             raise ValueError(f"conformity must exceed 0.5 (groove wider than the ball), not {self.conformity}")
         if not 0.0 < self.contact_angle < 0.5 * np.pi:
             raise ValueError(f"contact angle must lie between 0 and 90 degrees, not {self.contact_angle} rad")
-        if not (self.mu > 0.0 and self.mu_balls >= 0.0 and np.isfinite(self.mu + self.mu_balls + self.speed)):
-            raise ValueError("mu must be positive, mu_balls not negative, the speed finite")
+        if not (self.mu >= 0.0 and self.mu_balls >= 0.0 and np.isfinite(self.mu + self.mu_balls + self.speed)):
+            raise ValueError("mu and mu_balls must not be negative, the speed finite")
 
     def hertz(self) -> HertzConstants:
         """Hertz constants of a ball in a straight groove; semi-axis a lies in the section, b along the track."""

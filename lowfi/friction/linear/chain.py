@@ -84,7 +84,11 @@ class ChainResult:
 
 @dataclass(frozen=True)
 class Chain:
-    """Arrays of one chain as the kernels take them; ``scale``: largest friction bound of a ball [N]."""
+    """Arrays of one chain as the kernels take them; ``scale``: largest friction bound of a ball [N].
+
+    Motion does not depend on mu of the grooves, forces and losses are proportional to it; without friction (mu = 0) the
+    scale is that of mu = 1, so that the motion is the limit for a mu that vanishes.
+    """
 
     bearing: LinearBearing
     problem: Any
@@ -109,7 +113,7 @@ def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask 
     if not (np.all(np.isfinite(angles)) and np.all(np.isfinite(loads)) and np.all(loads >= 0.0)):
         raise ValueError("contact angles must be finite, loads finite and not negative")
     closed = np.broadcast_to(np.asarray(touching, dtype=bool), (count - 1,)).astype(float)
-    bounds = bearing.mu * loads
+    bounds = (bearing.mu or 1.0) * loads
     scale = float(bounds.sum(axis=1).max())
     sign = float(np.sign(bearing.speed))
     n = directions(angles)
@@ -158,7 +162,8 @@ def _result(chain: Chain, state: Any, push: Array, done: tuple[int, float], fast
     for j, i in np.ndindex(*force.shape):
         _, f, m, *_ = law(slips[j, i, 0], slips[j, i, 1], shapes[j, i], table, CREEP)
         force[j, i], moment[j, i] = f, m
-    bound = chain.scale * contacts[..., 3]
+    scale = chain.scale if chain.bearing.mu > 0.0 else 0.0
+    bound = scale * contacts[..., 3]
     rub = np.hypot(pair[:, 1], pair[:, 2])
     bite = np.divide(rub, np.hypot(rub, CREEP))
     radius = chain.bearing.ball_radius
@@ -170,11 +175,13 @@ def _result(chain: Chain, state: Any, push: Array, done: tuple[int, float], fast
         velocity=x[:, 0],
         rotation=x[:, 1:] / radius,
         sliding=slips[..., 0] * speed,
-        spin=np.divide(slips[..., 1], contacts[..., 4], out=np.zeros_like(force), where=bound > 0.0) * speed / radius,
+        spin=np.divide(slips[..., 1], contacts[..., 4], out=np.zeros_like(force), where=contacts[..., 3] > 0.0)
+        * speed
+        / radius,
         friction=-bound * force,
         groove_loss=bound * (slips[..., 0] * force + slips[..., 1] * moment) * speed,
-        ball_force=chain.scale * lam,
-        ball_loss=mu_balls * chain.scale * lam * bite * rub * speed,
+        ball_force=scale * lam,
+        ball_loss=mu_balls * scale * lam * bite * rub * speed,
         drive=float(-(bound * force * MOVING).sum()),
         speed=chain.bearing.speed,
         iterations=iterations,

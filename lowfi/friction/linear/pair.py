@@ -109,7 +109,7 @@ class PairMaps:
 
 
 def maps(
-    bearing: LinearBearing, theta: Array, rho: Array, vertical: float, loads: Loads = "balanced", k_f: float = analytic.K_F
+    bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float, loads: Loads = "balanced"
 ) -> PairMaps:
     """Both models over theta [rad] and rho (Lin Figures 3.14, 3.15)."""
     shape = len(theta), len(rho)
@@ -124,7 +124,7 @@ def maps(
 
 
 def pair_formulas(
-    bearing: LinearBearing, theta: float, rho: float, vertical: float, k_f: float = analytic.K_F, *, mated: bool = False
+    bearing: LinearBearing, theta: float, rho: float, vertical: float, k_f: float, *, mated: bool = False
 ) -> tuple[float, float, float]:
     """epsilon_1 - epsilon_2, force [N] and ratio of losses by (3.43), (3.51), (3.53) at the loads before (3.54)."""
     loads = diagonal_loads(vertical, np.array([rho, -rho]), bearing.contact_angle)

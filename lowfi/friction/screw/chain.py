@@ -89,7 +89,8 @@ class Search:
     """Arrays of one chain and the search for its balance.
 
     Motions x (N, 4) are surface speeds per ``speed`` [m/s], forces f (N,) parts of ``bound`` [N], the largest friction
-    bound of a ball.
+    bound of a ball. Motion does not depend on mu of the grooves, forces are proportional to it; without friction (mu = 0)
+    the bound is that of mu = 1, so that the motion is the limit for a mu that vanishes.
     """
 
     def __init__(self, chain: Chain, fast: bool = True) -> None:
@@ -100,7 +101,8 @@ class Search:
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
         self.kernels = kernels(SCREW, compiled=fast)
         self.units, self.speed, self.groove = units(g), nominal_speed(g), groove_arrays(g)
-        self.bound = max(g.mu * float(total.max()), 1e-30)
+        mu = g.mu or 1.0
+        self.bound = max(mu * float(total.max()), 1e-30)
         self.allowed = np.isfinite(chain.slack)
         slack = np.where(self.allowed, chain.slack, 0.0) * g.pair.closing / self.speed
         self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), g.mu if g.mu_balls is None else g.mu_balls, 0.0)
@@ -111,7 +113,7 @@ class Search:
             slack,
             self.allowed.astype(float),
             self.mu,
-            g.mu / self.bound,
+            mu / self.bound,
         )
         self.parts = parts_of(self.count)
 
@@ -188,11 +190,11 @@ def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None, fast: bo
 def _result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
     """Forces and losses at the solution, in SI."""
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
-    good = s.balanced(x, f)
-    left, pair = float(np.max(np.abs(s.parts[0]))) * s.bound, g.pair
+    good, bound = s.balanced(x, f), s.bound if g.mu > 0.0 else 0.0
+    left, pair = float(np.max(np.abs(s.parts[0]))) * bound, g.pair
     ahead = np.append(x[1:, 0], x[0, 0])
     gap = np.where(s.allowed, s.groove[7] * (ahead - x[:, 0]) + s.balls[3], 0.0)
-    ball_force = s.bound * np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
+    ball_force = bound * np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
     wrench, loss, push, ball_loss = np.zeros((n, 4, 6)), np.zeros((n, 4)), np.zeros((n, 3)), np.zeros(n)
     s.kernels.friction(s.groove, s.balls, x, eps, g.mu, wrench, loss)
     s.kernels.meeting(s.groove, s.balls, x, ball_force, eps, pair.push, pair.slide, push, ball_loss)

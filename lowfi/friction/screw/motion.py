@@ -95,7 +95,7 @@ def ball_motion(
     return BallMotion(groove, at, normals, problem, least_dissipation(problem, start, fast))
 
 
-def source_law(groove: ScrewGroove, sharpness: float = 100.0) -> Sigmoid:
+def source_law(groove: ScrewGroove, sharpness: float) -> Sigmoid:
     """The source's sigmoid for a ball screw: k_S and the relative spin of a diagonal pair (Lin 3.20, 3.70)."""
     spin = abs(groove.speed) * float(np.cos(groove.lead_angle) * np.sin(groove.contact_angle))
     return Sigmoid(sharpness, spin)

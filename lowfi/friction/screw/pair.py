@@ -1,7 +1,7 @@
 """Two balls of a ball screw that touch: the case study of Lin 3.4.3 with every assumption a parameter.
 
-What the section does not print is the load state: clearance or oversize, how the 50 N reach the balls, which contact
-angles deviate. ``plain`` takes the text at its word, ``inferred`` is the state that the printed numbers imply.
+What the section does not print is the load state: clearance or oversize, how the force reaches the balls, which contact
+angles deviate.
 """
 
 from __future__ import annotations
@@ -19,8 +19,6 @@ from lowfi.friction.screw.motion import Coupling, ball_motion
 
 #: Contact angles (SL, SR, NL, NR) that grow with theta: both of the screw; those of a groove shifted sideways.
 BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
-#: Oversize of the ball radius [m] inferred from Table 3.7 (see ``inferred``).
-INFERRED_OVERSIZE = 1.7e-6
 
 
 @dataclass(frozen=True)
@@ -37,7 +35,7 @@ class Pair:
     pattern: tuple[tuple[float, ...], tuple[float, ...]] = (BOTH, BOTH)
     oversize: float = 0.0
     free: str = "z"
-    force: tuple[float, ...] = (50.0,)
+    force: tuple[float, ...] = (0.0,)
     coupling: Coupling = "none"
 
     def cell(self) -> Cell:
@@ -107,22 +105,6 @@ def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
     cell, apart = pair.cell(), None if guess is None else replace(guess, ball_force=np.zeros(2))
     free = coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
     return PairResult(free, coupled_chain(cell, np.array([0.0, np.inf]), pair.coupling, free, guess=guess))
-
-
-def table_3_6(**changes: object) -> ScrewGroove:
-    """Screw of Table 3.6 (Young's modulus in kN/mm^2: its unit is a misprint); ``changes``: other values."""
-    screw = ScrewGroove(2.778e-3, 0.56 * 2.0 * 2.778e-3, 16.5e-3, 20e-3, 0.25 * np.pi, 210e9, 0.28, 0.1, 2.0 * np.pi)
-    return replace(screw, **changes)  # type: ignore[arg-type]
-
-
-def plain(theta: float) -> Pair:
-    """The text as it stands: no clearance, 50 N along the axis, screw held otherwise, friction coupled to the loads."""
-    return Pair(table_3_6(), (0.0, theta), coupling="ball")
-
-
-def inferred(theta: float) -> Pair:
-    """Inferred, not printed: balls 1.7 um too large in radius, so that all four contacts carry load."""
-    return replace(plain(theta), oversize=INFERRED_OVERSIZE, coupling="none")
 
 
 def sliding_speed(pair: Pair) -> float:

@@ -6,7 +6,7 @@ order and never overlap. The track is a ring: the loaded turns of the nut and a 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from lowfi.friction.screw.coupled import CoupledChain, coupled_chain
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.load import Cell, screw_rows
 from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.pair import BOTH, INFERRED_OVERSIZE, table_3_6
+from lowfi.friction.screw.pair import BOTH
 
 
 @dataclass(frozen=True)
@@ -31,14 +31,14 @@ class Run:
     """
 
     groove: ScrewGroove
-    count: int = 37
-    turns: float = 2.0
-    force: tuple[float, ...] = (1500.0,)
-    free: str = "z"
-    duration: float = 2.0
-    steps: int = 200
+    count: int
+    turns: float
+    force: tuple[float, ...]
+    free: str
+    duration: float
+    steps: int
     oversize: float = 0.0
-    amplitude: float = np.radians(3.0)
+    amplitude: float = 0.0
     cycles: float = 2.0
     phase: float = 0.0
     pattern: tuple[float, ...] = BOTH
@@ -111,8 +111,10 @@ class RunResult:
 
     @property
     def ratio(self) -> Array:
-        """Torque by ball-to-ball contact over that of the grooves, (T,)."""
-        return np.asarray((self.ball_torque + self.closing_torque) / self.groove_torque)
+        """Torque by ball-to-ball contact over that of the grooves, (T,); nan without friction."""
+        groove = self.groove_torque
+        part = self.ball_torque + self.closing_torque
+        return np.divide(part, groove, out=np.full_like(groove, np.nan), where=groove > 0.0)
 
 
 def deviation(run: Run, azimuth: Array) -> Array:
@@ -171,17 +173,12 @@ def simulate(run: Run) -> RunResult:
             groove_torque=float(m.groove_loss.sum()) / abs(g.speed),
             ball_torque=float(m.ball_loss.sum()) / abs(g.speed),
             closing_torque=float(m.closing_loss.sum()) / abs(g.speed),
-            imbalance=m.input_power / m.loss - 1.0,
+            imbalance=m.input_power / m.loss - 1.0 if m.loss > 0.0 else 0.0,
             change=near.change,
             converged=m.converged and near.load.converged and (near.converged or run.rounds == 1),
         )
         azimuth = azimuth + dt * omega
     return RunResult(run, **{key: np.array(rows) for key, rows in log.rows.items()})
-
-
-def lin_3_4_4(**changes: object) -> Run:
-    """The case study of 3.4.4 with its assumptions, or others in ``changes``."""
-    return replace(Run(table_3_6(), oversize=INFERRED_OVERSIZE), **changes)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -213,5 +210,5 @@ def summarise(result: RunResult) -> RunSummary:
         at=float(angle[top]),
         none_at=float(angle[later[0]]) if later.size else float("nan"),
         groups=int(np.max(groups(result.contact))),
-        groove_variation=float((torque.max() - torque.min()) / torque.mean()),
+        groove_variation=float(np.ptp(torque) / torque.mean()) if torque.mean() > 0.0 else float("nan"),
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from compare.cli import main
+from compare.scenes.keys import FRICTION_ONLY
 
 HEAVY = ("gmsh", "pyvista", "vtk", "vtkmodules", "skfem", "meshio", "matplotlib", "numba")
 
@@ -120,14 +121,36 @@ def test_new_writes_a_scene_that_solves_and_never_overwrites(capsys: pytest.Capt
     assert run(capsys, "new", str(tmp_path / "no" / "mine.toml"))[0] == 2
 
 
+@pytest.mark.parametrize("kind", ["bearing", *(k.replace(" ", "-") for k in FRICTION_ONLY)])
+def test_new_scene_of_a_kind_solves_as_written(kind: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    code, out, _ = run(capsys, "new", str(file), "--kind", kind)
+    assert code == 0
+    command = out.split("rollbench ")[1].split()[0]
+    assert command == ("solve" if kind == "bearing" else "friction")
+    assert run(capsys, command, str(file), "--json")[0] == 0
+
+
+def test_solve_refuses_what_only_friction_solves(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "solve", "lin-screw-run")
+    assert code == 2
+    assert "rollbench friction lin-screw-run" in err
+    assert err.count("\n") == 1
+
+
 def test_list_and_schema(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "list")
     assert code == 0
     assert "lin-case1" in out
     assert "lin-B1" in out
+    assert "scenes, linear pair\n  lin-pair-a" in out
+    code, out, _ = run(capsys, "list", "--json")
+    assert "lin-screw-run" in json.loads(out)["scenes"]["screw run"]
     code, out, _ = run(capsys, "schema")
     assert code == 0
-    assert "track" in json.loads(out)["properties"]
+    schema = json.loads(out)
+    assert len(schema["oneOf"]) == 7
+    assert "track" in schema["$defs"]["SceneKeys"]["properties"]
 
 
 @pytest.mark.parametrize("tokens", [["--help"], ["solve", "lin-case1", "--json"], ["list"]])

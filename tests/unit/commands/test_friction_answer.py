@@ -9,8 +9,8 @@ import pytest
 
 from compare import cli
 from compare.commands import friction as friction_answer
-from compare.commands.friction import Choices, describes_parts, run, solve_scene
-from compare.commands.friction_kinds import as_table
+from compare.commands.answer import as_table
+from compare.commands.friction import Choices, run, solve, solve_scene
 from compare.errors import InputError, SceneError
 from compare.reference.runs import key_of
 from compare.scenes import catalogue, scene_file
@@ -253,21 +253,20 @@ def test_bad_tables_are_refused_in_one_line(case):
 def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
     own, kind, none = tmp_path / "own.toml", tmp_path / "kind.toml", tmp_path / "none.toml"
     own.write_text(MINE)
-    kind.write_text('kind = "linear pair"\n')
+    kind.write_text(catalogue.scene_text("lin-pair-a"))
     none.write_text('title = "no kind"\n')
-    assert describes_parts("lin-case1")
-    assert not describes_parts("lin-rotary-1")
-    assert describes_parts(str(own))
-    assert not describes_parts(str(kind))
-    assert not describes_parts(str(none))
+    assert solve(str(own), Choices("lin")).data["kind"] == "ball screw"
+    assert solve(str(kind), Choices()).data["kind"] == "linear pair"
+    with pytest.raises(SceneError, match="track: got nothing"):
+        solve(str(none), Choices())
     with pytest.raises(InputError, match="did you mean lin-rotary-1"):
-        describes_parts("lin-rotary1")
+        solve("lin-rotary1", Choices())
     for choices in (Choices("lin"), Choices(mu=(0.1,)), Choices(member=1)):
         with pytest.raises(InputError, match="whole screw or bearing"):
             run("lin-rotary-1", choices, True, print, print)
     printed = []
     assert run("lin-rotary-1", Choices(), True, print, printed.append) == 0
-    assert printed[0]["kind"] == "rotary bearing"
+    assert printed[0]["kind"] == "bearing ball"
 
 
 @pytest.mark.parametrize("mu", [-0.1, 2.1, math.nan])

@@ -265,7 +265,7 @@ def test_friction_increase_of_the_pair():
 
 def test_maps_have_both_models_and_their_difference():
     theta, rho = np.radians([-2.0, 0.0, 2.0]), np.array([-0.6, 0.0, 0.6])
-    m = maps(BEARING, theta, rho, 100.0)
+    m = maps(BEARING, theta, rho, 100.0, 1.4)
     assert m.failures == 0
     np.testing.assert_allclose(m.difference[1], 0.0, atol=1e-9)
     np.testing.assert_allclose(m.difference[:, 1], 0.0, atol=1e-9)

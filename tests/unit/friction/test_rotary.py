@@ -260,7 +260,7 @@ def test_root_finding_of_the_source():
     """It has the same total loss where it succeeds, and fails from plain starts near two-point contact."""
     load = bearing_load(BEARING, 100.0, 5.2e-6, "as printed")
     p = motion_problem(BEARING, load, ball_contacts(BEARING, load, "as printed"))
-    law = source_law(BEARING, map_spacing=None)
+    law = source_law(BEARING, 100.0, None)
     m = least_dissipation(p, fast=True)
     root = balance_by_sharpening(p, law, m.q, fast=True)
     assert root.status == "exact"
@@ -273,7 +273,7 @@ def test_root_finding_of_the_source():
 
 def test_sweep():
     u = np.linspace(0.0, 8e-6, 9)
-    right, printed = sweep(BEARING, 100.0, u), sweep(BEARING, 100.0, u, "as printed")
+    right, printed = sweep(BEARING, 100.0, u), sweep(BEARING, 100.0, u, source_law(BEARING, 100.0, 0.08))
     for s in (right, printed):
         assert np.all(np.diff(s.load.sum(axis=1)) > 0.0)
         assert s.torque[-1] > 10.0 * s.torque[0]
@@ -291,6 +291,7 @@ def test_refused(change, message):
 
 def test_printed_way_without_a_start_reports_a_plain_failure():
     """With a start the search is the source's own, and its failure is data."""
-    plain = solve_ball_as_printed(BEARING, 100.0, 5.2e-6, start=np.array([30.0, -50.0, 50.0]), fast=True)
+    law = source_law(BEARING, 100.0, 0.08)
+    plain = solve_ball_as_printed(BEARING, 100.0, 5.2e-6, law, start=np.array([30.0, -50.0, 50.0]), fast=True)
     assert plain.motion.status == "failed"
-    assert solve_ball_as_printed(BEARING, 100.0, 5.2e-6, fast=True).motion.status == "exact"
+    assert solve_ball_as_printed(BEARING, 100.0, 5.2e-6, law, fast=True).motion.status == "exact"

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from compare.evidence.cases import inferred, plain, table_3_6
 from lowfi import jit
 from lowfi.friction.bearing.rotary import Bearing, solve_ball
 from lowfi.friction.contact.ellipse import dissipation
@@ -16,7 +17,6 @@ from lowfi.friction.screw.chain import Chain, solve_chain
 from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
 from lowfi.friction.screw.load import load_arrays, load_state, screw_rows, settle
 from lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, source_law
-from lowfi.friction.screw.pair import inferred, plain, table_3_6
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import SCREW_STATES as STATES
 
@@ -235,7 +235,7 @@ def test_root_of_the_sources_law() -> None:
         root = ball_motion_by_root(one, source_law(SCREW, sharpness), one.motion.q)
         assert root.status == "exact"
         assert root.loss == pytest.approx(one.motion.loss, rel=off)
-    assert source_law(SCREW).reference == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
+    assert source_law(SCREW, 100.0).reference == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
     two = ball_motion(SCREW, *STATES["two"])
     starts = [two.motion.q * (1.0 + 0.3 * RNG.normal(size=4)) for _ in range(20)]
     failed = sum(ball_motion_by_root(two, source_law(SCREW, 1e3), s).status == "failed" for s in starts)

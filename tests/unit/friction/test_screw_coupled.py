@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compare.evidence.cases import inferred, plain, table_3_6
 from lowfi.friction.screw.coupled import PATIENCE, CoupledChain, Guess, coupled_chain
 from lowfi.friction.screw.joint import solve_joint
 from lowfi.friction.screw.load import settle
 from lowfi.friction.screw.motion import feedback, hold_screw
-from lowfi.friction.screw.pair import BOTH, Pair, inferred, plain, solve_pair, table_3_6
+from lowfi.friction.screw.pair import BOTH, Pair, solve_pair
 from tests.friction_oracles import ball_cell, coupled_ball
 
 #: One of the cases below: the way with the first regularising speed ends in a fold.

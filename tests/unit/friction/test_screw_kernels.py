@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compare.evidence.cases import inferred, plain, table_3_6
 from lowfi.friction.screw.arrays import groove_arrays
 from lowfi.friction.screw.chain import Chain, Search, solve_chain
 from lowfi.friction.screw.groove import ScrewGroove
@@ -12,7 +13,6 @@ from lowfi.friction.screw.joint import solve_joint, system_of
 from lowfi.friction.screw.kernel import band, contacts, joint
 from lowfi.friction.screw.load import settle
 from lowfi.friction.screw.motion import hold_screw
-from lowfi.friction.screw.pair import inferred, plain, table_3_6
 from lowfi.jit import SCREW, kernels
 
 RNG = np.random.default_rng(8)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from compare.evidence.cases import inferred, plain, table_3_6
 from lowfi import jit
 from lowfi.friction.contact.ellipse import dissipation
 from lowfi.friction.screw.chain import Chain, Search, solve_chain
@@ -13,7 +14,7 @@ from lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from lowfi.friction.screw.kernel.balance import HALF
 from lowfi.friction.screw.load import Cell, settle
 from lowfi.friction.screw.motion import screw_contacts
-from lowfi.friction.screw.pair import BOTH, Pair, inferred, oversize_map, plain, solve_pair, table_3_6
+from lowfi.friction.screw.pair import BOTH, Pair, oversize_map, solve_pair
 from tests.helpers import SCREW_STATES as STATES
 
 SCREW = table_3_6()

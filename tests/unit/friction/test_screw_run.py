@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from compare.evidence.cases import lin_3_4_4
 from lowfi.friction.screw.motion import ball_motion
-from lowfi.friction.screw.run import RunResult, deviation, groups, lin_3_4_4, run_cell, simulate, summarise
+from lowfi.friction.screw.run import RunResult, deviation, groups, run_cell, simulate, summarise
 
 THREE = np.radians(3.0)
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compare.evidence.cases import inferred, lin_3_4_4, plain, table_3_6
 from lowfi.as_source import run as source_run
 from lowfi.as_source import screw as source_screw
 from lowfi.as_source.chain import solve_by_root
@@ -13,8 +14,8 @@ from lowfi.as_source.run import simulate_by_root
 from lowfi.as_source.screw import rolling, screw_balls, screw_pair_by_root, state_of
 from lowfi.friction.screw.load import settle
 from lowfi.friction.screw.motion import source_law
-from lowfi.friction.screw.pair import inferred, plain, solve_pair, table_3_6
-from lowfi.friction.screw.run import Run, lin_3_4_4, run_cell, simulate
+from lowfi.friction.screw.pair import solve_pair
+from lowfi.friction.screw.run import Run, run_cell, simulate
 
 TWO = np.radians(2.0)
 
@@ -116,7 +117,7 @@ def test_reach_decides_on_contact():
     pair = inferred(TWO)
     load = loads_by_root(pair.cell())
     balls = screw_balls(pair.groove, load.force, load.angle)
-    apart = solve_by_root(balls, source_law(pair.groove), np.array([False]))
+    apart = solve_by_root(balls, source_law(pair.groove, 100.0), np.array([False]))
     assert apart.ball_force[0] == 0.0
     assert apart.q[0, 0] > apart.q[1, 0]
 
@@ -172,4 +173,4 @@ def test_run_refuses_what_it_leaves_out():
             simulate_by_root(replace(few_balls(), **change), 1)
     run = few_balls()
     with pytest.raises(RuntimeError, match="no place to be cut"):
-        source_run._step(run, np.ones((6, 4)), np.ones((6, 4)), np.ones(6, dtype=bool), source_law(run.groove), None)
+        source_run._step(run, np.ones((6, 4)), np.ones((6, 4)), np.ones(6, dtype=bool), source_law(run.groove, 100.0), None)

@@ -7,13 +7,14 @@ import pytest
 
 from compare.costs import friction_bench
 from compare.costs.friction_bench import Row, against_source
+from compare.evidence.cases import inferred, plain
 from compare.extremes.friction_balls import screw_ball
 from compare.extremes.friction_chains import chain_group, linear_chain, linear_pair, patchy_chain, screw_pairs
 from compare.extremes.tally import LINEAR_BALLS, MU, SOURCE_BALLS, UNLOADED, Tally
 from lowfi.as_source.chain import SourceMotion
 from lowfi.as_source.starts import from_linear_starts, from_pair_starts, shaken
 from lowfi.friction.contact.motion import balance_by_root, least_dissipation
-from lowfi.friction.screw.pair import inferred, plain, solve_pair
+from lowfi.friction.screw.pair import solve_pair
 
 TWO = np.radians(2.0)
 

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
-from compare.scenes import friction_scene
+from compare.evidence.cases import four_point, table_3_6
 from lowfi.friction.bearing.pairs import solve_bearing
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.motion import ball_motion
-from lowfi.friction.screw.pair import table_3_6
 from lowfi.friction.whole.contacts import StaticContacts, contacts_of
 from lowfi.friction.whole.feedback import feed_back, seats
 from lowfi.friction.whole.losses import CAUSES, ball_friction, ball_path
@@ -192,7 +191,7 @@ def test_ring_under_axial_load_spins_at_one_ring_only():
 
 @pytest.mark.parametrize("angle", [0.1, 0.7, 1.4])
 def test_four_point_ring_is_that_of_the_bearing_pairs(angle):
-    case = replace(friction_scene.scene("lin-bearing-pairs").four_point, tilt=False)
+    case = four_point(tilt=False)
     expected = solve_bearing(case, angle)
     scene = ring_at(angle, case.force, case.groove, case.clearance, case.count)
     found = state(scene, motion=Motion(20.0 * np.pi))

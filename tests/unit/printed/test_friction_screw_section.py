@@ -121,7 +121,7 @@ def test_whole_runs(made):
 
 
 def test_first_step_makes_most_of_the_variation_without_oversize(found):
-    loose = screw.run(3.0, 0.0, "ball and screw")
+    loose = screw.loose_run()
     assert screw.summarise(loose).groove_variation > 0.3
     assert screw.variation(loose) < 0.08
     text = next(f.words for f in found if f.printed.key == "groove_steady")

@@ -11,12 +11,19 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from compare.errors import InputError
+from compare.errors import InputError, SceneError
 from compare.scenes import catalogue, scene_file
+from compare.scenes.catalogue import scene_text
+from compare.scenes.keys import FRICTION_ONLY, WHOLE, tidy_schema
+from compare.scenes.kinds.screw_balls import ScrewRunScene
+from compare.scenes.kinds.table import KINDS, json_schema
 from compare.scenes.schema import SceneKeys
+from compare.scenes.template import template
 from meshes.parts import FREEDOMS, SIDES, FourierTerm, Scene
 
-NAMES = catalogue.scene_names()
+NAMES = catalogue.whole_names()
+#: Keys that exclude another key, or that another choice needs.
+EITHER_OR = ("groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts")
 EXPECTED = {
     "bearing-9",
     "bearing-9-preload",
@@ -111,24 +118,86 @@ def test_bearing_load_is_3_kn_at_9_degrees():
 
 
 def test_template_loads_as_case_1():
-    scene, case = scene_file.loads(scene_file.template(), "x/my.toml"), catalogue.scene("lin-case1")
+    scene, case = scene_file.loads(template(), "x/my.toml"), catalogue.scene("lin-case1")
     assert scene.name == "my"
     for part in ("track", "screw", "nut", "balls", "supports", "loads", "errors", "ingredients"):
         assert getattr(scene, part) == getattr(case, part)
 
 
 def test_template_shows_every_key_and_loads_with_all_optional_ones():
-    text = scene_file.template()
+    text = template()
     full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", text)
     scene = scene_file.loads(full, "full.toml")
     assert scene.errors.NR.profile == (2e-6, -0.25e-6)
     assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
     words = set(re.findall(r"\w+", text))
-    assert not schema_keys(scene_file.json_schema()) - words
+    assert not schema_keys(tidy_schema(SceneKeys)) - words
+
+
+@pytest.mark.parametrize("kind", [*WHOLE, *FRICTION_ONLY])
+def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
+    text = template(kind.replace(" ", "-"))
+    scene = scene_file.read(text, "my.toml")
+    assert (scene_file.kind_of(scene), scene.name) == (kind, "my")
+    assert f'kind = "{kind}"' in text
+    keys = SceneKeys if kind in WHOLE else KINDS[kind].keys
+    words = set(re.findall(r"\w+", text))
+    assert set(tidy_schema(keys)["properties"]) <= words
+    if kind in FRICTION_ONLY:
+        assert schema_keys(tidy_schema(keys)) <= words
+    optional = [line for line in text.splitlines() if re.match(r"# \w+ = ", line)]
+    assert optional
+    for line in () if kind == "ball screw" else optional:
+        if line.split()[1] not in EITHER_OR:
+            scene_file.read(text.replace(line, line.removeprefix("# "), 1), "my.toml")
+
+
+def test_template_of_an_unknown_kind_is_refused():
+    with pytest.raises(InputError, match=r"screw-run.*a whole screw is a ball-screw"):
+        template("screw")
+
+
+def test_whole_scene_may_name_its_kind_and_must_name_the_right_one():
+    text = scene_text("lin-case1").replace("[material]", 'kind = "ball screw"\n[material]', 1)
+    assert scene_file.loads(text, "lin-case1.toml") == catalogue.scene("lin-case1")
+    with pytest.raises(SceneError, match='kind: got "bearing"; allowed: "ball screw" with this lead'):
+        scene_file.loads(text.replace('"ball screw"', '"bearing"', 1), "a.toml")
+    ring = scene_text("bearing-9").replace("[material]", 'kind = "ball screw"\n[material]', 1)
+    with pytest.raises(SceneError, match='allowed: "bearing" with this lead'):
+        scene_file.loads(ring, "a.toml")
+
+
+def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
+    names = set(catalogue.scene_names()) - set(catalogue.whole_names())
+    assert {scene_file.kind_of(catalogue.shipped(name)) for name in names} == set(FRICTION_ONLY)
+    assert catalogue.shipped("lin-pair-a") is catalogue.shipped("lin-pair-a"), "each is read once"
+    with pytest.raises(
+        SceneError, match=r'"linear pair"; allowed: "ball screw", "bearing"; .*rollbench friction lin-pair-a'
+    ):
+        catalogue.scene("lin-pair-a")
+    with pytest.raises(InputError, match='kind: got "linear pair"; allowed: "screw run"'):
+        catalogue.case("lin-pair-a", ScrewRunScene)
+    path = tmp_path / "mine.toml"
+    path.write_text(scene_text("lin-pair-a"))
+    with pytest.raises(SceneError, match="rollbench friction"):
+        scene_file.load(path)
+    assert scene_file.kind_of(catalogue.any_scene(str(path))) == "linear pair"
+
+
+def test_one_schema_for_all_kinds():
+    schema = json.loads(json.dumps(json_schema(), allow_nan=False))
+    assert schema["$schema"].startswith("https://json-schema.org/")
+    of_kind = [schema["$defs"][branch["$ref"].rsplit("/", 1)[1]] for branch in schema["oneOf"]]
+    words = [table["properties"]["kind"] for table in of_kind]
+    assert words[0]["enum"] == list(WHOLE)
+    assert [w["const"] for w in words[1:]] == list(FRICTION_ONLY)
+    assert ["kind" in table["required"] for table in of_kind] == [False] + [True] * len(FRICTION_ONLY)
+    shared = {"MaterialKeys", "GrooveKeys", "PathKeys", "HelixKeys", "BallSizeKeys", "MotionKeys", "TrackKeys"}
+    assert shared <= schema["$defs"].keys()
 
 
 def test_template_alternatives_load():
-    text = scene_file.template()
+    text = template()
     lines = text.splitlines()
     shown = [i for i, line in enumerate(lines) if line.startswith("# or: ")]
     assert len(shown) == 5
@@ -154,14 +223,13 @@ def model_keys(model: type) -> set[str]:
     found = set()
     for name, field in model.model_fields.items():
         found.add(name)
-        for inner in re.findall(r"schema\.(\w+Keys)", repr(field.annotation)):
-            found |= model_keys(getattr(sys.modules["compare.scenes.schema"], inner))
+        for module, inner in re.findall(r"(compare\.scenes\.\w+)\.(\w+Keys)", repr(field.annotation)):
+            found |= model_keys(getattr(sys.modules[module], inner))
     return found
 
 
 def test_schema_names_and_describes_every_key():
-    schema = json.loads(json.dumps(scene_file.json_schema()))
-    assert schema["$schema"].startswith("https://json-schema.org/")
+    schema = json.loads(json.dumps(tidy_schema(SceneKeys)))
     assert schema_keys(schema) == model_keys(SceneKeys)
     assert {"groove_radius", "azimuths", "listed", "harmonic", "displace", "element_length"} <= schema_keys(schema)
     assert set(schema["required"]) == {"title", "track", "screw", "nut", "balls"}
@@ -185,8 +253,8 @@ def test_schema_names_and_describes_every_key():
 
 
 def test_schema_examples_and_defaults_are_valid():
-    schema = scene_file.json_schema()
-    base = tomllib.loads(scene_file.template())
+    schema = tidy_schema(SceneKeys)
+    base = tomllib.loads(template())
     for name, node in schema["$defs"]["TrackKeys"]["properties"].items():
         for value in [*node["examples"], *([node["default"]] if "default" in node else [])]:
             SceneKeys.model_validate(base | {"track": base["track"] | {name: value}})
@@ -196,20 +264,20 @@ def test_schema_examples_and_defaults_are_valid():
 
 
 def test_conformity_is_groove_radius_over_ball_diameter():
-    text = scene_file.template().replace('groove_radius = "3.254 mm"', "conformity = 0.56")
+    text = template().replace('groove_radius = "3.254 mm"', "conformity = 0.56")
     scene = scene_file.loads(text, "a.toml")
     assert scene.screw.groove_radius == scene.nut.groove_radius == pytest.approx(0.56 * 2 * 2.778e-3)
 
 
 def test_part_material_takes_the_rest_from_the_default():
-    text = scene_file.template().replace("turns = 2", 'turns = 2\nmaterial = { youngs_modulus = "310 GPa" }')
+    text = template().replace("turns = 2", 'turns = 2\nmaterial = { youngs_modulus = "310 GPa" }')
     scene = scene_file.loads(text, "a.toml")
     assert (scene.balls.material.youngs_modulus, scene.balls.material.poissons_ratio) == (310e9, 0.28)
     assert scene.nut.material.youngs_modulus == 210e9
 
 
 def test_starts_share_the_balls():
-    text = scene_file.template().replace('lead = "20 mm"\n', 'lead = "20 mm"\nstarts = 2\nphase = "90 deg"\n', 1)
+    text = template().replace('lead = "20 mm"\n', 'lead = "20 mm"\nstarts = 2\nphase = "90 deg"\n', 1)
     scene = scene_file.loads(text, "a.toml")
     assert scene.ball_count == 32
     assert len(scene.balls.azimuths) == 16
@@ -218,7 +286,7 @@ def test_starts_share_the_balls():
 
 def test_byte_order_mark_and_windows_line_ends(tmp_path):
     path = tmp_path / "w.toml"
-    path.write_bytes(b"\xef\xbb\xbf" + scene_file.template().replace("\n", "\r\n").encode())
+    path.write_bytes(b"\xef\xbb\xbf" + template().replace("\n", "\r\n").encode())
     assert scene_file.load(path).ball_count == 32
 
 
@@ -231,7 +299,7 @@ def test_unknown_name_suggests_near_ones(tmp_path):
     with pytest.raises(InputError, match="lin-case1") as caught:
         catalogue.scene("lin-cas1")
     assert "\n" not in str(caught.value)
-    (tmp_path / "mine.toml").write_text(scene_file.template())
+    (tmp_path / "mine.toml").write_text(template())
     assert catalogue.scene(str(tmp_path / "mine.toml")).name == "mine"
 
 
@@ -327,7 +395,7 @@ def test_round_trip_in_si_units(name):
 
 
 def test_round_trip_of_every_key():
-    full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", scene_file.template())
+    full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", template())
     full = full.replace('hand = "right"', 'hand = "left"').replace('bore = "0 mm"', 'bore = "5 mm"')
     full = full.replace('azimuth = "0 deg"', 'azimuth = "30 deg"').replace('"0 N m", "0 N m"]', '"1 N m", "2 N mm"]')
     full = full.replace('sin = "5 um"', 'sin = "5 um", cos = "1 um", sigma = "2 um"').replace('["0.1 um', '["0.2 um')

@@ -1,4 +1,4 @@
-"""Solves friction scenes of a ball screw (two balls, a whole screw in time) and of bearings in pairs."""
+"""Solves friction scenes of a ball screw: two balls, and a whole screw in time."""
 
 from __future__ import annotations
 
@@ -7,12 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.friction_kinds import NOTHING, Answer, balance, balance_line, cell, head, size_warnings
+from compare.commands.answer import (
+    NOTHING,
+    Answer,
+    Column,
+    cell,
+    energy,
+    energy_line,
+    head,
+    increase,
+    load_row,
+    size_warnings,
+)
 from compare.commands.solve_output import number
-from compare.measure import error_percent
-from compare.scenes.friction_scene import FrictionScene
-from compare.scenes.friction_screw_scene import BearingPairScene, ScrewPairScene, ScrewRunScene
-from lowfi.friction.bearing.pairs import BearingCase, BearingState, solve_bearing
+from compare.scenes.kinds.common import KindScene
+from compare.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.pair import PairResult, solve_pair
@@ -21,16 +30,6 @@ from meshes.parts import SIDES
 
 #: Overlap of neighbours [rad] that is round-off.
 TOUCHING = 1e-9
-
-
-def solve(scene: FrictionScene) -> Answer:
-    """Solve a scene of a ball screw or of bearings in pairs."""
-    if isinstance(scene, ScrewRunScene):
-        return solve_run(scene)
-    if isinstance(scene, BearingPairScene):
-        return solve_bearings(scene)
-    assert isinstance(scene, ScrewPairScene)
-    return solve_screw_pair(scene)
 
 
 def sliding(groove: ScrewGroove, force: Array) -> float:
@@ -55,15 +54,11 @@ def pair_rows(r: PairResult) -> list[dict[str, Any]]:
         for k in range(2):
             q, loss = chain.motion.q[k], chain.motion.groove_loss[k]
             rows.append(
-                {
-                    "ball": k + 1,
-                    "state": state,
-                    "load_N": {s: number(f) for s, f in zip(SIDES, chain.load.force[k], strict=True)},
-                    "angle_deg": {s: number(degrees(a)) for s, a in zip(SIDES, chain.load.angle[k], strict=True)},
+                {"index": k + 1, "state": state}
+                | load_row(SIDES, chain.load.force[k], chain.load.angle[k])
+                | {
                     "orbit_rad_s": number(q[0]),
-                    "omega_x_rad_s": number(q[1]),
-                    "omega_y_rad_s": number(q[2]),
-                    "omega_z_rad_s": number(q[3]),
+                    "rotation_rad_s": [number(w) for w in q[1:]],
                     "groove_loss_mW": number(1e3 * loss.sum()),
                 }
             )
@@ -79,63 +74,68 @@ def pair_status(r: PairResult) -> str:
     return "no balance of the loads or of friction found"
 
 
-def solve_screw_pair(scene: ScrewPairScene) -> Answer:
+def solve_screw_pair(scene: KindScene) -> Answer:
     """Forces, losses and what contact adds to friction for two balls of a ball screw."""
+    assert isinstance(scene, ScrewPairScene)
     pair = scene.pair
     r = solve_pair(pair)
-    m, rows = r.touching.motion, pair_rows(r)
-    bound = sliding(pair.groove, r.touching.load.force)
-    energy = balance(m.input_power, m.loss, bound)
-    rubs = r.free.motion.loss > NOTHING * bound
-    rise = number(float(error_percent(m.loss, r.free.motion.loss))) if rubs else None
-    chains = (r.free, r.touching)
-    data = head(scene, "screw pair", pair_status(r), r.converged) | {
+    m, apart, rows, chains = r.touching.motion, r.free.motion.loss, pair_rows(r), (r.free, r.touching)
+    bound, ball_loss = sliding(pair.groove, r.touching.load.force), float(m.ball_loss.sum())
+    spent, rise = energy(m.input_power, m.loss, bound), increase(m.loss, apart, bound)
+    between = {"balls": "1-2", "gap_um": 0.0, "force_N": number(r.force), "loss_mW": number(1e3 * ball_loss)}
+    solver = {
+        "load_imbalance_N": number(max(c.load.left for c in chains)),
+        "friction_imbalance_N": number(max(c.motion.left for c in chains)),
+        "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
+        "rounds": max(c.rounds for c in chains),
+    }
+    data = head(scene, pair_status(r), r.converged) | {
         "law": "coulomb",
-        "hertz": pair.groove.hertz,
+        "hertz": hertz_word(pair.groove),
         "coupling": pair.coupling,
         "coupled": pair.coupling != "none",
         "deviation_deg": [number(degrees(t)) for t in pair.theta],
         "oversize_um": number(1e6 * pair.oversize),
         "balls": rows,
-        "ball_force_N": number(r.force),
-        "contact_load_N": [number(f) for f in r.load],
-        "closing_rad_s": number(r.closing),
-        "loss_apart_W": number(r.free.motion.loss),
+        "pairs": [between | {"closing_apart_rad_s": number(r.closing)}],
+        "load_sum_N": [number(f) for f in r.load],
+        "loss_apart_W": number(apart),
         "friction_increase_percent": rise,
-        "ball_to_ball_percent": number(100.0 * r.rubbing_ratio) if rubs else None,
-        "ball_to_ball_loss_W": number(m.ball_loss.sum()),
-        "energy": energy,
-        "solver": {
-            "load_imbalance_N": number(max(c.load.left for c in chains)),
-            "friction_imbalance_N": number(max(c.motion.left for c in chains)),
-            "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
-            "rounds": max(c.rounds for c in chains),
-        },
+        "ball_to_ball_percent": number(100.0 * ball_loss / apart) if apart > NOTHING * bound else None,
+        "ball_to_ball_loss_W": number(ball_loss),
+        "energy": spent,
+        "solver": solver,
         "assumed": list(scene.assumed),
         "warnings": screw_warnings(pair.groove, r.touching.load.force),
     }
-    solver = data["solver"]
     lines = [
-        f"ball-to-ball force {r.force:.6g} N, loss there {cell(data['ball_to_ball_loss_W'], '.6g')} W"
+        f"ball-to-ball force {r.force:.6g} N, loss there {ball_loss:.6g} W"
         + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %"),
         f"when apart the balls close in at {r.closing:.6g} rad/s of azimuth",
-        balance_line(energy),
+        energy_line(spent),
         f"solver: loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
         f"{solver['friction_imbalance_N']:.1e} N, {solver['rounds']} rounds",
-        f"law coulomb, Hertz constants {pair.groove.hertz}, coupling of friction to loads: {pair.coupling}",
+        f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {pair.coupling}",
     ]
-    flat = [row | {f"{s} N": row["load_N"][s] for s in SIDES} for row in rows]
+    flat = [row | {f"{s} N": row["load_N"][s] for s in SIDES} | _omegas(row) for row in rows]
     return Answer(data, [("per ball", PAIR_COLUMNS, flat)], lines, r.converged)
 
 
-PAIR_COLUMNS = (
-    ("ball", "ball", "s"),
+def hertz_word(groove: ScrewGroove) -> str:
+    """Hertz constants as a scene names them."""
+    return "nominal" if groove.hertz == "right" else groove.hertz
+
+
+def _omegas(row: dict[str, Any]) -> dict[str, Any]:
+    return {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
+
+
+PAIR_COLUMNS: tuple[Column, ...] = (
+    ("index", "ball", "s"),
     ("state", "state", "s"),
     *((f"{s} N", f"{s} N", ".3f") for s in SIDES),
     ("orbit_rad_s", "orbit rad/s", ".6f"),
-    ("omega_x_rad_s", "omega_x rad/s", ".4f"),
-    ("omega_y_rad_s", "omega_y rad/s", ".4f"),
-    ("omega_z_rad_s", "omega_z rad/s", ".4f"),
+    *((f"omega {n}", f"omega_{n} rad/s", ".4f") for n in "xyz"),
     ("groove_loss_mW", "groove loss mW", ".5f"),
 )
 
@@ -191,29 +191,31 @@ def run_series(r: RunResult) -> dict[str, list[Any]]:
     return out | {"converged": [bool(v) for v in r.converged]}
 
 
-def solve_run(scene: ScrewRunScene) -> Answer:
+def solve_run(scene: KindScene) -> Answer:
     """Contacts, torques and energy of a whole screw in time."""
+    assert isinstance(scene, ScrewRunScene)
     run = scene.run
     r = simulate(run)
     failed, speed = int(np.sum(~r.converged)), abs(run.groove.speed)
     status = "converged" if failed == 0 else f"{failed} of {run.steps} steps did not converge"
     loss = r.torque * speed
     bound = sliding(run.groove, r.load) / run.steps
-    energy = balance(float((loss * (1.0 + r.imbalance)).mean()), float(loss.mean()), bound)
-    energy["largest_step_balance_percent"] = number(100.0 * np.abs(r.imbalance).max())
+    spent = energy(float((loss * (1.0 + r.imbalance)).mean()), float(loss.mean()), bound)
+    known = spent["balance_percent"] is not None
+    spent["largest_step_balance_percent"] = number(100.0 * np.abs(r.imbalance).max()) if known else None
     summary = run_summary(r)
-    data = head(scene, "screw run", status, failed == 0) | {
+    data = head(scene, status, failed == 0) | {
         "law": "coulomb",
-        "hertz": run.groove.hertz,
+        "hertz": hertz_word(run.groove),
         "coupling": run.coupling,
         "coupled": run.coupling != "none",
-        "balls": run.count,
+        "ball_count": run.count,
         "steps": run.steps,
         "duration_s": number(run.duration),
         "amplitude_deg": number(degrees(run.amplitude)),
         "oversize_um": number(1e6 * run.oversize),
         "summary": summary,
-        "energy": energy,
+        "energy": spent,
         "series": run_series(r),
         "solver": {"failed_steps": failed, "feedback_change_N": number(r.change.max()) if run.coupling != "none" else 0.0},
         "assumed": list(scene.assumed),
@@ -222,9 +224,9 @@ def solve_run(scene: ScrewRunScene) -> Answer:
     lines = [
         f"{run.count} balls, {run.steps} steps over {run.duration:.6g} s, nut turns by "
         f"{degrees(speed * run.duration):.6g} deg on the screw",
-        balance_line(energy) + f", at most {cell(energy['largest_step_balance_percent'], '.1e')} % in a step",
+        energy_line(spent) + f", at most {cell(spent['largest_step_balance_percent'], '.1e')} % in a step",
         f"solver: {failed} of {run.steps} steps failed",
-        f"law coulomb, Hertz constants {run.groove.hertz}, coupling of friction to loads: {run.coupling}",
+        f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {run.coupling}",
     ]
     shown = [{"quantity": label, "value": cell(summary[name], form)} for name, label, form in RUN_LINES]
     return Answer(data, [("summary", RUN_COLUMNS, shown)], lines, failed == 0)
@@ -246,90 +248,4 @@ RUN_LINES = (
     ("order_kept", "order of balls kept", "s"),
     ("smallest_gap_um", "smallest gap um", ".3g"),
     ("occupation_percent", "loaded track filled by all balls %", ".4g"),
-)
-
-
-# --- bearings in pairs
-
-
-def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
-    """States of a bearing at load angles (n,) [rad], each the start of the next."""
-    states: list[BearingState] = []
-    for a in angle:
-        states.append(solve_bearing(case, float(a), states[-1] if states else None))
-    return states
-
-
-def over(part: float, whole: float) -> float | None:
-    """A ratio; None of nothing."""
-    return number(part / whole) if whole > 0.0 else None
-
-
-def bearing_data(states: list[BearingState]) -> dict[str, Any]:
-    """A bearing's torques [N mm] over the angles and the largest over the smallest."""
-    torque = [1e3 * s.torque for s in states]
-    return {
-        "torque_Nmm": [number(t) for t in torque],
-        "balls_beyond_two_contacts": [int(np.sum(s.points > 2)) for s in states],
-        "ratio": over(max(torque), min(torque)),
-        "converged": [s.converged for s in states],
-    }
-
-
-def solve_bearings(scene: BearingPairScene) -> Answer:
-    """Friction torque of both bearings over the angle of the load; the energy is the mean over all states."""
-    cases = scene.four_point, scene.double_row
-    both = [bearing_states(case, scene.angle) for case in cases]
-    four, double = map(bearing_data, both)
-    good = [f and d for f, d in zip(four["converged"], double["converged"], strict=True)]
-    status = "converged" if all(good) else f"{good.count(False)} of {len(good)} load angles did not converge"
-    ratios = [over(f.torque, d.torque) for f, d in zip(*both, strict=True)]
-    states = [s for one in both for s in one]
-    bounds = [sliding(c.groove, s.load.force) for c, one in zip(cases, both, strict=True) for s in one]
-    power, loss, bound = (
-        float(np.mean(v)) for v in ([s.input_power for s in states], [s.loss.sum() for s in states], bounds)
-    )
-    energy, case, angle = balance(power, loss, bound), scene.four_point, [number(a) for a in np.degrees(scene.angle)]
-    large = [
-        f"{name}: {w}"
-        for name, c, one in zip(("four-point", "double row"), cases, both, strict=True)
-        for w in screw_warnings(c.groove, np.stack([s.load.force for s in one]))
-    ]
-    data = head(scene, "bearing pair", status, all(good)) | {
-        "law": "coulomb",
-        "hertz": case.groove.hertz,
-        "coupled": False,
-        "force_N": number(case.force),
-        "tilt": case.tilt,
-        "angle_deg": angle,
-        "four_point": four,
-        "double_row": double,
-        "four_over_double": ratios,
-        "energy": energy,
-        "solver": {"load_imbalance_N": number(max(s.load.left for s in states))},
-        "assumed": list(scene.assumed),
-        "warnings": large,
-    }
-    rows = [
-        dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True))
-        for row in zip(
-            angle, four["torque_Nmm"], double["torque_Nmm"], ratios, four["balls_beyond_two_contacts"], good, strict=True
-        )
-    ]
-    lines = [
-        f"largest over smallest torque: four-point {cell(four['ratio'], '.5g')}, double row {cell(double['ratio'], '.5g')}",
-        f"mean {balance_line(energy)}",
-        f"solver: loads out of balance by {data['solver']['load_imbalance_N']:.1e} N",
-        f"law coulomb, Hertz constants {case.groove.hertz}, inner ring {'free to tilt' if case.tilt else 'held upright'}",
-    ]
-    return Answer(data, [("over the load's angle", BEARING_COLUMNS, rows)], lines, all(good))
-
-
-BEARING_COLUMNS = (
-    ("angle", "load angle deg", ".4g"),
-    ("four", "four-point N mm", ".5g"),
-    ("double", "double row N mm", ".5g"),
-    ("over", "four-point over double row", ".4g"),
-    ("beyond", "balls of the four-point beyond two contacts", "d"),
-    ("converged", "converged", "s"),
 )

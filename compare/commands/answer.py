@@ -1,0 +1,110 @@
+"""An answer of ``rollbench friction``: JSON-ready values, tables and lines, and how they look on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compare.commands.solve_output import number
+from compare.measure import error_percent
+from lowfi.friction.contact.ellipse import Array
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from compare.scenes.kinds.common import KindScene
+
+#: Semi-axis over ball radius from which Hertz's half-space is doubtful.
+LARGE = 0.3
+#: Dissipation over that of full sliding below which it is an artefact of regularisation and round-off.
+NOTHING = 1e-6
+
+Column = tuple[str, str, str]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A solved scene: JSON-ready values, headings and rows of its tables, whether everything converged."""
+
+    data: dict[str, Any]
+    tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]]
+    lines: Sequence[str]
+    converged: bool
+
+
+def head(scene: KindScene, status: str, converged: bool) -> dict[str, Any]:
+    """What every answer begins with."""
+    return {"scene": scene.name, "title": scene.title, "kind": scene.kind, "status": status, "converged": converged}
+
+
+def by_side(sides: Sequence[str], values: Array) -> dict[str, Any]:
+    """Values (n,) by the names of their contacts."""
+    return {side: number(v) for side, v in zip(sides, values, strict=True)}
+
+
+def load_row(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]:
+    """Contact loads [N] and angles [rad], (n,), of a ball; no angle without load."""
+    loaded = np.where(force > 0.0, np.degrees(angle), np.nan)
+    return {"load_N": by_side(sides, force), "contact_angle_deg": by_side(sides, loaded)}
+
+
+def energy(power: float, loss: float, bound: float) -> dict[str, Any]:
+    """Input power against dissipation [W]; no percentage where less than ``NOTHING`` of full sliding is lost."""
+    off = number(float(error_percent(power, loss))) if loss > NOTHING * bound else None
+    return {
+        "input_power_W": number(power),
+        "loss_W": number(loss),
+        "balance_W": number(power - loss),
+        "balance_percent": off,
+    }
+
+
+def increase(loss: float, apart: float, bound: float) -> float | None:
+    """Increase of losses by ball-to-ball contact [%]; None where the balls apart lose next to nothing."""
+    return number(float(error_percent(loss, apart))) if apart > NOTHING * bound else None
+
+
+def energy_line(values: dict[str, Any]) -> str:
+    """The energy balance in words."""
+    power, loss, off = (
+        cell(values[k], f) for k, f in (("input_power_W", ".6g"), ("loss_W", ".6g"), ("balance_percent", "+.1e"))
+    )
+    return f"energy: input power {power} W, dissipation {loss} W ({off} %)"
+
+
+def size_warnings(a: Array, radius: float) -> list[str]:
+    """Warn of contacts that are large against the ball."""
+    if a.size == 0 or a.max() <= LARGE * radius:
+        return []
+    return [f"a contact's semi-axis is {a.max() / radius:.2g} of the ball's radius: Hertz theory no longer holds"]
+
+
+def as_table(answer: Answer) -> list[RenderableType]:
+    """The answer for the terminal: tables, results in a few lines, warnings, assumptions."""
+    from rich.table import Table
+
+    data = answer.data
+    parts: list[Any] = [f"{data['scene']}, {data['kind']}: {data['status']}", data["title"]]
+    for title, columns, rows in answer.tables:
+        table = Table(title=title, title_justify="left")
+        for _, heading, _ in columns:
+            table.add_column(heading, justify="right")
+        for row in rows:
+            table.add_row(*(cell(row[name], form) for name, _, form in columns))
+        parts.append(table)
+    parts += answer.lines
+    for heading, key in (("warning", "warnings"), ("assumed", "assumed"), ("left out", "left_out")):
+        parts += [f"{heading}: {line}" for line in data.get(key, ())]
+    return parts
+
+
+def cell(value: Any, form: str) -> str:
+    """A value as text."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return str(value) if form == "s" else format(value, form)

@@ -1,0 +1,138 @@
+"""Solves friction scenes of linear bearings: two or more balls, apart and in reach of each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from compare.commands.answer import NOTHING, Answer, Column, energy, energy_line, head, increase, load_row, size_warnings
+from compare.commands.solve_output import number
+from compare.scenes.kinds.common import KindScene
+from compare.scenes.kinds.linear import LinearScene
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.linear.bearing import CONTACTS, directions
+from lowfi.friction.linear.chain import ChainResult, prepare, solve
+from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+
+#: Force out of balance over the largest up to which loads count as solved.
+BALANCED = 1e-8
+#: Balls from which loading the compiled kernels pays.
+LONG = 60
+
+
+def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
+    """Contact angles (N, 4) [rad] and loads (N, 4) [N], and the largest force out of balance over the vertical one.
+
+    Loads equal on each diagonal are an approximation of the source: their imbalance is reported, not judged.
+    """
+    if scene.distribution == "elastic":
+        force, angles = elastic_loads(scene.bearing, scene.angles, scene.vertical, scene.side)
+    elif scene.distribution == "balanced":
+        angles, force = scene.angles, balanced_loads(scene.angles, scene.vertical, scene.side)
+    else:
+        rows = diagonal_loads(scene.vertical, scene.side, scene.bearing.contact_angle)
+        angles, force = scene.angles, rows
+    pushes = force[..., None] * directions(angles)
+    carriage = scene.vertical * np.stack([scene.side, -np.ones_like(scene.side)], axis=-1)
+    left = np.stack([pushes.sum(axis=1), pushes[:, 2:].sum(axis=1) + carriage])
+    return angles, force, float(np.abs(left).max()) / scene.vertical
+
+
+def ball_rows(
+    scene: LinearScene, angles: Array, force: Array, apart: ChainResult, near: ChainResult
+) -> list[dict[str, Any]]:
+    """One row per ball; the motion is that of balls in reach of each other, but for what is called apart."""
+    rows = []
+    for k in range(force.shape[0]):
+        row: dict[str, Any] = {"index": k + 1, "side_force_ratio": number(scene.side[k])}
+        row |= load_row(CONTACTS, force[k], angles[k])
+        for name, r in (("apart", apart), ("touching", near)):
+            row[f"velocity_{name}_mm_s"] = number(1e3 * r.velocity[k])
+            moving = scene.bearing.speed != 0.0
+            row[f"deviation_{name}_percent"] = number(100.0 * r.deviation[k]) if moving else None
+        row["rotation_rad_s"] = [*(number(w) for w in near.rotation[k]), 0.0]
+        row["groove_loss_mW"] = number(1e3 * near.groove_loss[k].sum())
+        rows.append(row)
+    return rows
+
+
+def pair_rows(scene: LinearScene, near: ChainResult) -> list[dict[str, Any]]:
+    """One row per pair of neighbours."""
+    return [
+        {
+            "balls": f"{k + 1}-{k + 2}",
+            "gap_um": number(1e6 * gap),
+            "force_N": number(near.ball_force[k]),
+            "loss_mW": number(1e3 * near.ball_loss[k]),
+        }
+        for k, gap in enumerate(scene.gap)
+    ]
+
+
+def solve_linear(scene: KindScene) -> Answer:
+    """Motion and forces of two or more balls, apart and in reach of each other."""
+    assert isinstance(scene, LinearScene)
+    angles, force, left = linear_loads(scene)
+    chains = (prepare(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0))
+    apart, near = (solve(chain, fast=force.shape[0] > LONG) for chain in chains)
+    loads_good = scene.distribution == "diagonal" or left <= BALANCED
+    converged = loads_good and all(r.status == "converged" for r in (apart, near))
+    balls, pairs = ball_rows(scene, angles, force, apart, near), pair_rows(scene, near)
+    bound = scene.bearing.mu * float(force.sum()) * abs(scene.bearing.speed)
+    spent, rise = energy(near.power, near.loss, bound), increase(near.loss, apart.loss, bound)
+    ball_loss = float(near.ball_loss.sum())
+    semi = np.asarray(scene.bearing.hertz().C_a * np.cbrt(force))
+    data = head(scene, near.status if loads_good else "no balance of the loads found", converged) | {
+        "law": "coulomb",
+        "distribution": scene.distribution,
+        "coupled": False,
+        "balls": balls,
+        "pairs": pairs,
+        "drive_N": number(near.drive),
+        "drive_apart_N": number(apart.drive),
+        "loss_apart_W": number(apart.loss),
+        "friction_increase_percent": rise,
+        "ball_to_ball_percent": number(100.0 * ball_loss / apart.loss) if apart.loss > NOTHING * bound else None,
+        "ball_to_ball_loss_W": number(ball_loss),
+        "energy": spent,
+        "solver": {
+            "load_imbalance": number(left),
+            "residual": number(near.residual),
+            "lag": number(near.lag),
+            "iterations": near.iterations,
+        },
+        "assumed": list(scene.assumed),
+        "warnings": size_warnings(semi, scene.bearing.ball_radius),
+    }
+    lines = [
+        f"force on the carriage {near.drive:.6g} N, {apart.drive:.6g} N with the balls apart"
+        + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
+        energy_line(spent),
+        f"solver: loads out of balance by {left:.1e} of the vertical force, friction by {near.residual:.1e} of its bound",
+        f"law coulomb, loads {scene.distribution}; loads do not depend on friction",
+    ]
+    flat = [row | {f"{c} N": row["load_N"][c] for c in CONTACTS} | _omegas(row) for row in balls]
+    tables = [("per ball", BALL_COLUMNS, flat), ("between balls", PAIR_COLUMNS, pairs)]
+    return Answer(data, [t for t in tables if t[2]], lines, converged)
+
+
+def _omegas(row: dict[str, Any]) -> dict[str, Any]:
+    return {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
+
+
+BALL_COLUMNS: tuple[Column, ...] = (
+    ("index", "ball", "s"),
+    *((f"{c} N", f"{c} N", ".3f") for c in CONTACTS),
+    ("velocity_apart_mm_s", "v apart mm/s", ".5f"),
+    ("deviation_apart_percent", "epsilon apart %", ".4f"),
+    ("velocity_touching_mm_s", "v mm/s", ".5f"),
+    *((f"omega {n}", f"omega_{n} rad/s", ".4f") for n in "xy"),
+    ("groove_loss_mW", "groove loss mW", ".5f"),
+)
+PAIR_COLUMNS: tuple[Column, ...] = (
+    ("balls", "balls", "s"),
+    ("gap_um", "gap um", ".3f"),
+    ("force_N", "force N", ".4f"),
+    ("loss_mW", "loss mW", ".5f"),
+)

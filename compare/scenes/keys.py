@@ -1,0 +1,146 @@
+"""What keys of several kinds of scenes share: quantities with ranges, tables of material, grooves, path, motion."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from compare.scenes.quantity import Quantity, Rate, key
+
+MAX_BALLS = 100_000
+
+
+Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
+Radius = Annotated[float, Quantity("length", "0.01 mm", "1 m", "2.778 mm")]
+Bore = Annotated[float, Quantity("length", "0 mm", "100 m", "10 mm")]
+Station = Annotated[float, Quantity("length", "0 mm", "100 m", "400 mm")]
+Lead = Annotated[float, Quantity("length", "0 mm", "1 m", "20 mm")]
+Deviation = Annotated[float, Quantity("length", "-10 mm", "10 mm", "1 um")]
+Spread = Annotated[float, Quantity("length", "0 mm", "10 mm", "1 um")]
+Shift = Annotated[float, Quantity("length", "-1 m", "1 m", "300 um")]
+Turn = Annotated[float, Quantity("angle", "-200 mrad", "200 mrad", "1 mrad")]
+Azimuth = Annotated[float, Quantity("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
+ContactAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "45 deg", above=True, below=True)]
+Modulus = Annotated[float, Quantity("pressure", "1 MPa", "1000000 GPa", "210 GPa")]
+Poisson = Annotated[float, Quantity("number", 0, 0.5, 0.28, below=True)]
+Conformity = Annotated[float, Quantity("number", 0.5, 50, 0.52, above=True)]
+Turns = Annotated[float, Quantity("number", 0, 10_000, 2, above=True)]
+Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
+Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
+Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
+Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
+Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
+Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
+Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
+Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
+Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
+#: Kinds of scenes: whole screws and bearings, which every command solves, and those that only friction solves.
+WHOLE = ("ball screw", "bearing")
+FRICTION_ONLY = ("bearing ball", "bearing pair", "linear pair", "linear chain", "screw pair", "screw run")
+
+
+class Table(BaseModel):
+    """A table of a scene file: no other keys, no silent conversions."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, validate_default=True)
+
+
+class MaterialKeys(Table):
+    """Isotropic elastic material. A part that gives only one of the two takes the other from [material]."""
+
+    youngs_modulus: Modulus | None = key("Young's modulus", None)
+    poissons_ratio: Poisson | None = key("Poisson's ratio", None)
+
+
+MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
+
+
+class HeadKeys(Table):
+    """What a scene of every kind begins with."""
+
+    title: Sentence = key("one line saying what the scene is", example="Screw under 5 kN")
+    source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, 2.4.1.1")
+    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
+        "sentences on what the source leaves open", [], ["The nut is rigid."]
+    )
+
+
+class PathKeys(Table):
+    """Nominal path of the ball centres of a screw or a ring."""
+
+    pitch_radius: Size = key("radius of the helix of the ball centres", example="16.5 mm")
+    lead: Lead = key('advance of the helix per turn; "0 mm" is a ball bearing')
+    contact_angle: ContactAngle = key("nominal angle of the contact normal against the radius")
+
+
+class HelixKeys(PathKeys):
+    """Nominal path of the ball centres, of either hand."""
+
+    hand: Literal["right", "left"] = key("hand of the helix", "right", "right")
+
+
+class GrooveKeys(Table):
+    """Section of a groove: its radius, or that over the ball's diameter."""
+
+    groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
+    conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
+
+
+class BallSizeKeys(Table):
+    """Size of the balls."""
+
+    radius: Radius = key("nominal radius")
+
+
+class OversizeKeys(Table):
+    """Error that all ball radii share."""
+
+    oversize: Deviation = key("added to every ball's radius (preload if positive)", "0 um", "7 um")
+
+
+class CoulombKeys(Table):
+    """Coulomb friction of the balls on the grooves."""
+
+    coefficient: Coefficient = key("coefficient of friction of ball on groove; zero is allowed")
+
+
+class SpeedKeys(Table):
+    """Motion of a ring."""
+
+    speed: Turning = key("angular speed of the part that turns, about +z; negative: the other way")
+
+
+class MotionKeys(SpeedKeys):
+    """Which part turns and how fast, for: rollbench friction."""
+
+    turns: Literal["screw", "nut"] = key(
+        "the part that turns; the other one does not, and they move apart along the axis by the lead", "screw", "nut"
+    )
+
+
+def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key."""
+    found: dict[str, Any] = without_null(keys.model_json_schema())
+    return found
+
+
+def without_null(node: Any) -> Any:
+    """Drop ``null`` (TOML has none) and pydantic's titles, and defaults that are whole tables."""
+    if isinstance(node, list):
+        return [without_null(v) for v in node]
+    if not isinstance(node, dict):
+        return node
+    out: dict[str, Any] = {}
+    for name, value in node.items():
+        if name == "anyOf":
+            (kept,) = (v for v in value if v != {"type": "null"})
+            out |= {k: v for k, v in without_null(kept).items() if k not in node}
+        elif name == "properties" or name == "$defs":
+            out[name] = {k: without_null(v) for k, v in value.items()}
+        elif name == "default":
+            if value is not None and not isinstance(value, dict):
+                out[name] = value
+        elif not (name == "title" and isinstance(value, str)):
+            out[name] = value if name == "examples" else without_null(value)
+    return out

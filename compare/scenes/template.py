@@ -1,0 +1,107 @@
+"""Commented scenes to begin with, one of every kind: the values of a shipped scene, every other key as a comment."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from importlib import resources
+from typing import Any
+
+from compare.errors import InputError
+from compare.scenes.catalogue import scene_text
+from compare.scenes.keys import FRICTION_ONLY, WHOLE, tidy_schema
+from compare.scenes.schema import SceneKeys
+from compare.scenes.units import show
+
+#: Shipped scenes whose values the templates take; that of a ball screw is written by hand.
+EXAMPLES = {
+    "bearing": "bearing-9",
+    "bearing ball": "lin-rotary-1",
+    "bearing pair": "lin-bearing-pairs",
+    "linear pair": "lin-pair-a",
+    "linear chain": "lin-chain-10",
+    "screw pair": "lin-screw-pair-a",
+    "screw run": "lin-screw-run",
+}
+INTRODUCTION = """\
+# A scene of the kind "{kind}". {about}
+# Lengths, forces, angles and speeds are texts with a unit: "20 mm", "7 um", "5 kN", "210 GPa", "45 deg", "10 rps".
+# Lines that begin with "# key = " show optional keys; take away "# ". All keys: rollbench schema
+"""
+
+Node = Mapping[str, Any]
+
+
+def template(kind: str = "ball screw") -> str:
+    """A commented scene of a kind that solves as it stands; words of the kind may be joined by hyphens.
+
+    Raises InputError for an unknown kind.
+    """
+    name = kind.replace("-", " ")
+    if name not in (*WHOLE, *FRICTION_ONLY):
+        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *FRICTION_ONLY))
+        raise InputError("command line", "--kind", kind, allowed, "a whole screw is a ball-screw")
+    if name == "ball screw":
+        return resources.files("compare").joinpath("template.toml").read_text(encoding="utf-8")
+    values = tomllib.loads(scene_text(EXAMPLES[name])) | {"title": f"My {name}", "kind": name}
+    for said in ("source", "assumed"):
+        values.pop(said, None)
+    schema = _schema(name)
+    lines = list(_table(schema, schema["$defs"], values, ""))
+    return INTRODUCTION.format(kind=name, about=schema["description"]) + "\n" + "\n".join(lines).strip() + "\n"
+
+
+def _schema(kind: str) -> dict[str, Any]:
+    if kind in WHOLE:
+        return tidy_schema(SceneKeys)
+    from compare.scenes.kinds.table import KINDS
+
+    return tidy_schema(KINDS[kind].keys)
+
+
+def _table(node: Node, defs: Node, values: Node, path: str) -> Iterator[str]:
+    """Keys of a table, those with a plain value first; then the tables in it."""
+    inner = {}
+    for name, entry in node["properties"].items():
+        found = values.get(name)
+        if isinstance(found, dict) or (isinstance(found, list) and found and isinstance(found[0], dict)):
+            inner[name] = entry
+        else:
+            yield from _line(name, entry, found)
+    for name, entry in inner.items():
+        yield ""
+        yield f"# {_sentence(entry)}"
+        where = f"{path}{name}"
+        found = values[name]
+        if isinstance(found, dict):
+            yield f"[{where}]"
+            yield from _table(_resolve(entry, defs), defs, found, f"{where}.")
+        else:
+            yield f"[[{where}]]"
+            yield from _table(_resolve(entry["items"], defs), defs, found[0], f"{where}.")
+        for row in () if isinstance(found, dict) else found[1:]:
+            yield from ("", f"[[{where}]]", *(f"{key} = {show(value)}" for key, value in row.items()))
+
+
+def _line(name: str, entry: Node, found: Any) -> Iterator[str]:
+    """A key with its value, or as a comment with its default or an example."""
+    text = _sentence(entry)
+    if "x-allowed" in entry:
+        text += f" ({entry['x-allowed']})"
+    elif "enum" in entry:
+        text += f" ({', '.join(map(show, entry['enum']))})"
+    if found is not None:
+        yield f"{name} = {show(found)}  # {text}"
+        return
+    shown = entry["examples"][0] if entry.get("examples") else entry.get("default")
+    yield f"# {name} = {show(entry['default'] if entry.get('default') not in (None, [], '') else shown)}  # {text}"
+
+
+def _sentence(entry: Node) -> str:
+    return str(entry["description"])
+
+
+def _resolve(entry: Node, defs: Node) -> Node:
+    """The table that an entry of the schema refers to."""
+    found: Node = defs[entry["$ref"].rsplit("/", 1)[1]]
+    return found
