@@ -89,7 +89,8 @@ def sheet(
     def cells(angle: float) -> Sheet:
         path = dm / np.cos(angle)
         four = (
-            (-1.0 / grooves[0], 2.0 / (path - d), 2.0 / d, 2.0 / d), (2.0 / d, 2.0 / d, -1.0 / grooves[1], -2.0 / (path + d)),
+            (-1.0 / grooves[0], 2.0 / (path - d), 2.0 / d, 2.0 / d),
+            (2.0 / d, 2.0 / d, -1.0 / grooves[1], -2.0 / (path + d)),
         )  # fmt: skip
         sums = (float(sum(four[0])), float(sum(four[1])))
         outer = curvature_difference(four[1]) if outer_difference is None else outer_difference
@@ -102,7 +103,7 @@ def sheet(
 
     def imbalance(angle: float) -> float:
         now = cells(angle)
-        return now.ball_load - now.stiffness * (b * (np.cos(rest) / np.cos(angle) - 1.0)) ** 1.5
+        return now.ball_load - now.stiffness * float((b * (np.cos(rest) / np.cos(angle) - 1.0)) ** 1.5)
 
     return cells(float(brentq(imbalance, rest + 1e-9, 0.5 * np.pi - 1e-3, xtol=1e-14)))
 
@@ -129,7 +130,7 @@ def ball_deflection(axial: float, balls: int, diameter: float, angle: float) -> 
 
 
 def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_angle: float) -> float:
-    """Normal deflection [in] of a roller between its races (3.19), the logarithm being to base 10; line load [lb/in], D [in].
+    """Normal deflection [in] of a roller between its races (3.19, logarithm to base 10); line load [lb/in], D [in].
 
     8.89e-8 is 4 (1 - nu^2)/(pi E) ln 10 for steel: the law of two line contacts. Its argument is one over length times line
     load, so the formula is not similar: twice the size at the same pressure does not give twice the deflection.

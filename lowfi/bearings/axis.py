@@ -83,10 +83,7 @@ def support_loads(axis: Axis, position: float, force: float, tension: float = 0.
     k_l/(k_l + k_r) of the force and is pulled inwards more, the right one less by the rest: left - right = force.
     """
     left, right = (float(k) for k in branches(axis, position))
-    if np.isinf(left) or np.isinf(right):  # the nut beside a rigid support
-        part = 0.5 if left == right else float(np.isinf(left))
-    else:
-        part = left / (left + right)
+    part = float(np.isinf(left)) if np.isinf(left) or np.isinf(right) else left / (left + right)
     return tension + part * force, tension - (1.0 - part) * force
 
 

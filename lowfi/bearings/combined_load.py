@@ -1,8 +1,8 @@
 """Tapered roller bearing under thrust and radial load together: every roller by its own line contact.
 
-The ring's displacement (axial, radial) compresses the roller at azimuth psi by delta_a sin(alpha) + delta_r cos(alpha) cos(psi);
-equilibrium is the minimum of a convex energy in the two displacements. Smith's route (1994, 3.1-3.21) by the load-zone
-integrals and a power law stands beside it as ``by_load_zone``.
+The ring's displacement (axial, radial) compresses the roller at azimuth psi by
+delta_a sin(alpha) + delta_r cos(alpha) cos(psi); equilibrium is the minimum of a convex energy in the two displacements.
+Smith's route (1994, 3.1-3.21) by the load-zone integrals and a power law stands beside it as ``by_load_zone``.
 """
 
 from __future__ import annotations

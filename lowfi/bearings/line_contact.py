@@ -42,7 +42,7 @@ def pressure(line_load: Array | float, width: Array | float) -> Array:
 
 @dataclass(frozen=True)
 class LineLaw:
-    """delta = q (g - S ln q), q in N/m: g [m^2/N], a number or one per slice; S [m^2/N].
+    """delta = q (g - S ln q), q in N/m: g [m^2/N]; S [m^2/N].
 
     Increases up to q = exp(g/S - 1), where b would exceed the bodies; a roller of steel is far below.
     """

@@ -1,7 +1,7 @@
 """Load zone of one row under thrust and radial load: Sjovall's integrals and their inverse.
 
 A roller (or ball) at azimuth psi is compressed by delta_n [1 - (1 - cos psi)/(2 eps)], with the load zone parameter
-eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3), and carries that bracket to the power n of the greatest load.
+eps = (1 + (delta_a/delta_r) tan alpha)/2 (Smith 1994, 3.1-3.3), and carries the greatest load times that bracket to the n.
 The integrals run over the loaded part of the circumference. Written with w = 1/(2 eps), pure thrust is w = 0.
 """
 

@@ -1,9 +1,12 @@
-"""Roller between two raceways cut into slices: crown, tilt and the cone's growing radius.
+"""Roller between two raceways cut into slices: crown and tilt.
 
 Slice k of width L/n at x_k sees the approach delta + theta x_k less the profile's drop, and carries the plane-strain line
 load of that approach by itself; load and moment are the sums. theta is the tilt of one raceway against the other: a roller
 free to follow takes half of it at each contact, which the law of both contacts in series counts already. Slices do not feel
 one another (no edge stress): with a profile that ends in no step that is within a few per cent; a sharp edge needs 3D.
+
+All slices have the law of the middle: on one apex the radii of roller and races grow together along the roller, and b^2
+with them, so that 2 ln(4 R_1/b) + 2 ln(2 d/b) stays as it is. A tapered roller without crown or tilt is loaded evenly.
 """
 
 from __future__ import annotations
@@ -23,8 +26,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SlicedRoller:
-    """law: of the slices, g of shape () or (n,); places: x_k (n,) [m], outwards; length [m]; drop: lost approach (n,) [m],
-    both contacts together."""
+    """law: of every slice; places: x_k (n,) [m], outwards; length [m]; drop: lost approach (n,) [m], both contacts
+    together."""
 
     law: LineLaw
     places: Array
@@ -34,7 +37,7 @@ class SlicedRoller:
 
 @dataclass(frozen=True)
 class SliceState:
-    """Force [N] and moment about the middle [N m]; stiffness (2, 2) against (delta [m], theta [rad]); line loads (n,) [N/m]."""
+    """Force [N], moment about the middle [N m], stiffness (2, 2) against (delta, theta), line loads (n,) [N/m]."""
 
     force: float
     moment: float
@@ -52,16 +55,11 @@ def circular_crown(radius: float) -> Callable[[Array], Array]:
     return lambda x: x**2 / radius
 
 
-def sliced(
-    bearing: TaperedBearing, slices: int, profile: Callable[[Array], Array] | None = None, *, conical: bool = True,
-) -> SlicedRoller:  # fmt: skip
-    """Roller of a bearing in n equal slices; profile: drop of both contacts together [m] at places [m], none if not given.
-
-    conical: every slice by its own radii, which grow outwards; else all by those of the middle.
-    """
+def sliced(bearing: TaperedBearing, slices: int, profile: Callable[[Array], Array] | None = None) -> SlicedRoller:
+    """Roller of a bearing in n equal slices; profile: drop of both contacts together [m] at places [m], or none."""
     x = middles(bearing.length, slices)
     drop = np.zeros_like(x) if profile is None else np.asarray(profile(x))
-    return SlicedRoller(bearing.law(x if conical else 0.0), x, bearing.length, drop)
+    return SlicedRoller(bearing.law(), x, bearing.length, drop)
 
 
 def slice_state(roller: SlicedRoller, approach: float, tilt: float = 0.0) -> SliceState:
@@ -114,4 +112,4 @@ class SlicedRow:
     def deflection(self, load: float) -> float:
         """Axial deflection [m] under a thrust [N]. Raises ValueError unless it is positive."""
         sin = np.sin(self.bearing.cup_angle)
-        return approach_of(self.roller, load / (self.bearing.rollers * sin)) / sin
+        return float(approach_of(self.roller, load / (self.bearing.rollers * sin)) / sin)

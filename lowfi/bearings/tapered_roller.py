@@ -76,7 +76,7 @@ class TaperedBearing:
 
 @dataclass(frozen=True)
 class RollerContacts:
-    """Contacts of one roller at its load: (inner, outer) half-widths b [m], pressures [Pa], areas 2 b L [m^2]; rib load [N]."""
+    """Contacts (inner, outer) of one roller: half-widths b [m], pressures [Pa], areas 2 b L [m^2]; rib load [N]."""
 
     half_widths: Array
     pressures: Array

@@ -31,8 +31,7 @@ def viscous_torque(factor: float, pitch_diameter: float, viscosity: float, speed
 
 @dataclass(frozen=True)
 class LoadTorque:
-    """Load-dependent torque of a ball bearing and what it is made of: torque M_1 [N m], factor f_1, equivalent load P_0 [N],
-    static rating C_0 [N]."""
+    """Load-dependent torque M_1 [N m] of a ball bearing, factor f_1, equivalent load P_0 [N], static rating C_0 [N]."""
 
     torque: float
     factor: float
@@ -40,13 +39,11 @@ class LoadTorque:
     rating: float
 
 
-def static_rating(
-    rows: int, balls: int, ball_diameter: float, angle: float, across: float, along: float
-) -> float:
+def static_rating(rows: int, balls: int, ball_diameter: float, angle: float, across: float, along: float) -> float:
     """Static load rating C_0 [N] = k_0 i Z sin(alpha) D^2, k_0 = 2.8 kg/mm^2 / (D sqrt(across along)) (Smith 2.36, 2.37).
 
-    ball_diameter [m]; angle [rad]; across, along: relative curvatures [1/m] of the inner contact across the groove and along
-    the track, (rho_11 + rho_21) and (rho_12 + rho_22): as printed, (rho_11 + rho_12)(rho_21 + rho_22) is negative.
+    ball_diameter [m]; angle [rad]; across, along: relative curvatures [1/m] of the inner contact across the groove and
+    along the track, (rho_11 + rho_21) and (rho_12 + rho_22): as printed, (rho_11 + rho_12)(rho_21 + rho_22) is negative.
     """
     k = 2.8 * KILOGRAM_FORCE * 1e6 / (ball_diameter * np.sqrt(across * along))
     return float(k * rows * balls * np.sin(angle) * ball_diameter**2)
@@ -66,7 +63,7 @@ def load_torque(
 
 
 def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) -> float:
-    """Running torque [N m] of a tapered roller bearing under thrust: 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in lb, in (Smith 3.29).
+    """Running torque [N m] of a tapered roller bearing under thrust: 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in-lb (Smith 3.29).
 
     geometry: the maker's factor G_1, an input; viscosity: dynamic [Pa s]; speed [rad/s]; axial [N].
     Too low below `least_speed`. Run-in bearings in circulating oil.
