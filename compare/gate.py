@@ -69,13 +69,13 @@ def finding_row(finding: Finding, max_error: float) -> GateRow:
 
 
 def printed_rows(study: Study, max_error: float) -> list[GateRow]:
-    """Every hard or as-printed entry and every input of chapter 2, Table B.1, 4.3.2 and the friction tables."""
-    from compare.sections import cases, friction_screw_values, friction_values, hertz, manufacturing
+    """Hard and as-printed entries and inputs of Lin's chapter 2, Table B.1, 4.3.2 and friction tables, and of Smith."""
+    from compare.sections import cases, friction_screw_values, friction_values, hertz, manufacturing, smith
     from compare.sections.errors import single_findings
 
     found = [
         *hertz.findings(study), *cases.findings_241(study), *single_findings(study), *manufacturing.findings(study),
-        *friction_values.findings(study), *friction_screw_values.findings(study),
+        *friction_values.findings(study), *friction_screw_values.findings(study), *smith.findings(study),
     ]  # fmt: skip
     gated = [f for f in found if f.printed.cls in ("hard", "as-printed", "input") and f.agrees is not None]
     return [finding_row(f, max_error) for f in gated]

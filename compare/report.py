@@ -27,7 +27,7 @@ LONG = ("pictures", "stability", "timing")
 #: Sections by name, in order.
 SECTIONS = (
     "overview", "ladder", "reference", "reference-mesh", "crosscheck", "pictures", "hertz", "cases", "errors",
-    "manufacturing", "friction", "friction-screw", "formulations", "verification", "stability", "timing", "notes",
+    "manufacturing", "friction", "friction-screw", "smith", "formulations", "verification", "stability", "timing", "notes",
 )  # fmt: skip
 #: Sections that show runs of the 3D reference.
 WITH_RUNS = ("overview", "ladder", "reference", "reference-mesh", "crosscheck", "notes")
@@ -48,7 +48,7 @@ def provenance() -> dict[str, str]:
         "machine": f"{cpu}, {os.cpu_count()} cores, {platform.system()}",
         "Python": platform.python_version(),
         "libraries": ", ".join(f"{name} {metadata.version(name)}" for name in packages),
-        "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3",
+        "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis",
     }
 
 
@@ -117,13 +117,22 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
 
 def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], Section, Section]:
     """Findings of all tables, and the two sections that share the ensembles."""
-    from compare.sections import cases, errors, friction_screw_values, friction_values, hertz, manufacturing, reference
+    from compare.sections import (
+        cases,
+        errors,
+        friction_screw_values,
+        friction_values,
+        hertz,
+        manufacturing,
+        reference,
+        smith,
+    )
 
     section, found = errors.section_with_findings(study, step)
     against = {f.printed.key: f for f in reference.findings(study, source.stores)}
     own = [against.get(f.printed.key, f) for f in cases.findings_241(study)]
     everything = [*hertz.findings(study), *own, *found, *manufacturing.findings(study), *friction_values.findings(study)]
-    everything += friction_screw_values.findings(study)
+    everything += [*friction_screw_values.findings(study), *smith.findings(study)]
     return everything, section, manufacturing.section(study, step)
 
 
@@ -142,6 +151,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
         pictures,
         reference,
         reference_mesh,
+        smith,
         stability,
         timing,
         verification,
@@ -167,7 +177,7 @@ def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list
         "reference-mesh": partial(reference_mesh.section, stores=source.stores),
         "crosscheck": partial(crosscheck.section, stores=source.stores),
         "pictures": partial(pictures.section, cache=source.engine.cache), "friction": friction.section,
-        "friction-screw": friction_screw.section,
+        "friction-screw": friction_screw.section, "smith": smith.section,
     }  # fmt: skip
     for name in wanted:
         if name in simple:

@@ -12,9 +12,18 @@ from lowfi.summary import MODEL_ASSUMPTIONS
 from reports.records import Cell, Column, Section, Table, Text
 
 
-def misprints() -> list[dict[str, Cell]]:
-    """Shipped list of misprints and faults of the source with the evidence for each."""
-    text = resources.files("compare").joinpath("printed", "misprints", "lin.toml").read_text(encoding="utf-8")
+#: Columns of a table of misprints.
+MISPRINT_COLUMNS = (
+    Column("place", "place", "", "s"),
+    Column("wrong", "as printed", "", "s"),
+    Column("right", "right", "", "s"),
+    Column("evidence", "evidence here", "", "s"),
+)
+
+
+def misprints(source: str = "lin") -> list[dict[str, Cell]]:
+    """Shipped list of misprints and faults of a source, "lin" or "smith", with the evidence for each."""
+    text = resources.files("compare").joinpath("printed", "misprints", f"{source}.toml").read_text(encoding="utf-8")
     return [dict(row) for row in tomllib.loads(text)["row"]]
 
 
@@ -69,13 +78,7 @@ def section(study: Study, found: Sequence[Finding], step: Callable[[str], None])
             Text(MODEL_ASSUMPTIONS, bullets=True),
             Table(
                 "misprints", "Misprints and faults of the source that this chapter meets",
-                (
-                    Column("place", "place", "", "s"),
-                    Column("wrong", "as printed", "", "s"),
-                    Column("right", "right", "", "s"),
-                    Column("evidence", "evidence here", "", "s"),
-                ),
-                misprints(),
+                MISPRINT_COLUMNS, misprints(),
             ),
         ),
     )  # fmt: skip

@@ -69,7 +69,7 @@ def section(found: Sequence[Finding]) -> Section:
         (
             Text(HOW_TO_READ),
             Table(
-                "verdicts", "Printed entries of chapters 2 and 3, Table B.1, appendix G and 4.3 by class and verdict",
+                "verdicts", "Printed entries of Lin (2019), chapters 2 to 4, and of Smith (1994) by class and verdict",
                 (
                     Column("class", "class", "", "s"),
                     Column("verdict", "verdict", "", "s"),

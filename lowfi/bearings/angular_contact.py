@@ -166,6 +166,22 @@ def _compliance_by_angle(bearing: BallBearing, angle: Array, inner: HertzConstan
     return np.asarray(total)
 
 
+def contact_parameters(difference: float) -> tuple[float, float, float]:
+    """Dimensionless approach and semi-axes delta*, a*, b* of a curvature difference F in [0, 1), exact (Smith, table 2-1).
+
+    a = a* (3 Q/(2 E* S))^(1/3), delta = delta* (3 Q/(2 E* S))^(2/3) S/2 with S the sum of curvatures; his 2.19-2.21, with
+    the limit of the elliptic integrals (2.14, 2.15) put right to pi/2. Raises ValueError outside [0, 1): F = 1 is a line.
+
+    >>> [round(v, 4) for v in contact_parameters(0.90999)]
+    [0.6636, 3.2327, 0.4499]
+    """
+    if not 0.0 <= difference < 1.0:
+        raise ValueError("the curvature difference must lie in [0, 1)")
+    h = hertz_constants(np.array(1.0 - difference), np.array(1.0 + difference), 1.0)
+    unit = float(np.cbrt(4.0 / 3.0))
+    return float(h.C) * unit**2, float(h.C_a) * unit, float(h.C_b) * unit
+
+
 @dataclass(frozen=True)
 class BallRow:
     """A bearing as a row of a set: thrust and tangent stiffness at an axial deflection."""
