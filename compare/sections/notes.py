@@ -11,7 +11,6 @@ from compare.study import Study
 from lowfi.summary import MODEL_ASSUMPTIONS
 from reports.records import Cell, Column, Section, Table, Text
 
-
 #: Columns of a table of misprints.
 MISPRINT_COLUMNS = (
     Column("place", "place", "", "s"),

@@ -111,6 +111,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     step("support bearings and axis")
     found = findings(study)
     tables = [printed_table(name, title, [f for f in found if f.printed.table == name]) for name, title in TITLES.items()]
-    faults = Table("smith-misprints", "Misprints and faults of Smith (1994)", notes.MISPRINT_COLUMNS, notes.misprints("smith"))
-    items = (Text(ABOUT, bullets=True), figure(), *tables, faults)
-    return Section("smith", "Support bearings and the axis (Smith 1994)", items)
+    title = "Misprints and faults of Smith (1994)"
+    tables.append(Table("smith-misprints", title, notes.MISPRINT_COLUMNS, notes.misprints("smith")))
+    return Section("smith", "Support bearings and the axis (Smith 1994)", (Text(ABOUT, bullets=True), figure(), *tables))

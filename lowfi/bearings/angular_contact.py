@@ -48,7 +48,7 @@ class BallBearing:
             raise ValueError("balls, ball diameter and Young's modulus must be positive, Poisson's ratio in [0, 0.5)")
         if min(self.inner_groove, self.outer_groove) <= 0.5 * self.ball_diameter:
             raise ValueError("groove radii must exceed the ball's radius")
-        if not 0.0 <= self.clearance <= 2.0 * self.centre_distance:
+        if not -1e-12 * self.ball_diameter <= self.clearance <= 2.0 * self.centre_distance:
             raise ValueError("diametral clearance must lie between 0 and twice the distance of the groove centres")
 
     @property
@@ -69,7 +69,7 @@ class BallBearing:
     @property
     def free_angle(self) -> float:
         """Contact angle alpha_0 [rad] without load (Smith 2.2)."""
-        return float(np.arccos(1.0 - 0.5 * self.clearance / self.centre_distance))
+        return float(np.arccos(min(1.0 - 0.5 * self.clearance / self.centre_distance, 1.0)))
 
 
 def of_angle(
