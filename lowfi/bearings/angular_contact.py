@@ -134,7 +134,7 @@ def thrust_state(bearing: BallBearing, displacement: Array | float) -> ThrustSta
 
     >>> b = of_angle(16, 22.23e-3, 125.26e-3, (0.5232, 0.5232), np.radians(40.0), 206e9, 0.3)
     >>> round(float(thrust_state(b, 36e-6).load))
-    17756
+    17727
     """
     u = np.asarray(displacement, dtype=float)
     a, rest = bearing.centre_distance, bearing.free_angle

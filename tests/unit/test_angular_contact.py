@@ -71,7 +71,7 @@ def test_stiffness_is_the_derivative(angle, u):
 
 
 def test_displacement_and_deflection_identities():
-    """2.6 and 2.23 of Smith: approach A (cos a0/cos a - 1), displacement A sin(a - a0)/cos(a), as the load is solved for."""
+    """2.6 and 2.23 of Smith: approach A (cos a0/cos a - 1), displacement A sin(a - a0)/cos(a)."""
     b = bearing()
     for load in (1e-3, 10.0, 5e3, 2e4):
         s = thrust_state(b, displacement(b, load))

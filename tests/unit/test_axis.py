@@ -76,7 +76,7 @@ def test_ends_of_the_travel():
 
 
 def test_stretch_and_warming():
-    """Between rigid ends F = E A (dL/L - alpha dT); with springs the stretch is shared, and is used up by the same warming."""
+    """Between rigid ends F = E A (dL/L - alpha dT); springs share the stretch, and the same warming uses it up."""
     ea, a = SHAFT["young"] * SHAFT["area"], 11e-6
     assert tension(Axis(**SHAFT), 4e-5) == pytest.approx(ea * 4e-5 / 1.3, rel=1e-13)
     assert tension(Axis(**SHAFT), 4e-5, a, 2.0) == pytest.approx(ea * (4e-5 / 1.3 - a * 2.0), rel=1e-12)

@@ -56,7 +56,7 @@ def test_opposed_rows_double_the_stiffness_at_preload():
 
 
 def test_displacement_under_load_is_second_order_straight():
-    """Preloaded pair: u(F) = F/2k to third order, because the curvatures of both rows cancel; so halving F cuts by eight."""
+    """Preloaded pair: u = F/k to third order, because the curvatures of both rows cancel: half of F, an eighth off."""
     pair = preloaded(ROW, (1, -1), 2e3)
     k = equilibrium(pair).stiffness
     off = [abs(equilibrium(pair, f).displacement - f / k) for f in (800.0, 400.0, 200.0)]

@@ -293,8 +293,13 @@ def test_middles():
 
 @pytest.mark.parametrize(
     ("change", "words"),
-    [({"rollers": 0}, "positive"), ({"depth": 0.0}, "positive"), ({"roller_angle": 0.3}, "angles"), ({"poisson": 0.5}, "Poisson")],
-)  # fmt: skip
+    [
+        ({"rollers": 0}, "positive"),
+        ({"depth": 0.0}, "positive"),
+        ({"roller_angle": 0.3}, "angles"),
+        ({"poisson": 0.5}, "Poisson"),
+    ],
+)
 def test_faulty_bearings_are_refused(change, words):
     with pytest.raises(ValueError, match=words):
         replace(B, **change)
