@@ -127,7 +127,7 @@ def curvatures(bearing: BallBearing, angle: Array) -> tuple[tuple[Array, Array],
 def thrust_state(bearing: BallBearing, displacement: Array | float) -> ThrustState:
     """State at axial displacements u [m] of any shape; zero load where the balls are loose (u <= 0).
 
-    Valid for u > -2 A sin alpha_0 (beyond it the balls would touch the other shoulder) and for contacts inside their
+    No other shoulder is there for balls that are pushed back beyond their clearance, and contacts lie inside their
     raceway. The stiffness counts the turning contact angle and the change of the Hertz constants with it; for those,
     dC/d(curvature along a semi-axis) = (semi-axis constant)^2 / 6 exactly, because the approach is the derivative of the
     least energy of the contact by its force.
@@ -142,7 +142,7 @@ def thrust_state(bearing: BallBearing, displacement: Array | float) -> ThrustSta
     s = np.hypot(axial, radial)
     angle = np.arctan2(axial, radial)
     # s - A without cancellation
-    approach = np.maximum(np.where(u > 0.0, u * (2.0 * a * np.sin(rest) + u) / (s + a), 0.0), 0.0)
+    approach = np.where(u > 0.0, u * (2.0 * a * np.sin(rest) + u) / (s + a), 0.0)
     modulus = contact_modulus(bearing.young, bearing.poisson, bearing.young, bearing.poisson)
     inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures(bearing, angle))
     c = inner.C + outer.C

@@ -122,10 +122,11 @@ def test_source_s_sharing_balances_too_much() -> None:
             pre = preload if kind == "ball" else (1500.0, 1500.0)
             after, loaded = (s @ np.array(screw.printed_loads(kind, end, state, pre)) for state in ("stretch", "applied"))
             assert after == pytest.approx(1290.0)
-            assert abs(loaded - after) == pytest.approx(1000.0)
+            sign = -1.0 if end == "left" else 1.0  # a load towards the left relieves the left end of tension
+            assert loaded - after == pytest.approx(sign * 1000.0)
             ours = [float(s @ screw.end_state(kind, end, state).loads) / case.POUND for state in ("stretch", "applied")]
             assert ours[0] == pytest.approx(screw.pull() / case.POUND, rel=1e-10)
-            assert abs(ours[1] - ours[0]) == pytest.approx(500.0, rel=1e-9)
+            assert ours[1] - ours[0] == pytest.approx(sign * 500.0, rel=1e-9)
 
 
 def test_right_stiffness_of_the_axis() -> None:

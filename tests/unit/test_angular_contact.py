@@ -92,7 +92,8 @@ def test_contact_at_both_races_adds_up_to_the_approach():
 
 
 def test_loose_balls_carry_nothing():
-    s = thrust_state(bearing(), np.array([-1e-5, 0.0]))
+    back = -3.0 * bearing().centre_distance  # where the other shoulder of a deep groove would be
+    s = thrust_state(bearing(), np.array([back, -1e-5, 0.0]))
     assert np.all(s.load == 0.0)
     assert np.all(s.stiffness == 0.0)
     assert np.all(s.ball_load == 0.0)

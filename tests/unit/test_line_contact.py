@@ -90,8 +90,10 @@ def test_lambert_inverse_to_round_off():
     q = np.concatenate([[0.0], np.geomspace(1e-6, 1e6, 25)])
     np.testing.assert_allclose(LAW.line_load(LAW.approach(q)), q, rtol=1e-12)
     assert float(LAW.line_load(-1e-6)) == 0.0
+    top = LAW.s * np.exp(float(LAW.g) / LAW.s - 1.0)
+    assert float(LAW.approach(LAW.line_load(0.999 * top))) == pytest.approx(0.999 * top, rel=1e-9)
     with pytest.raises(ValueError, match="line contact"):
-        LAW.line_load(1.0)
+        LAW.line_load(1.001 * top)
 
 
 @pytest.mark.parametrize("q", [1e2, 1e5])
