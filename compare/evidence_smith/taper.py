@@ -30,6 +30,7 @@ from compare.measure import error_percent
 from lowfi.bearings import as_printed
 from lowfi.bearings.combined_load import CombinedState, combined
 from lowfi.bearings.load_zone import load_zone, zone_of_load
+from lowfi.bearings.roller_slices import SlicedRow, circular_crown
 from lowfi.bearings.tapered_roller import RollerContacts, RollerRow, roller_contacts
 from lowfi.bearings.torque import taper_geometry, taper_torque
 
@@ -39,6 +40,8 @@ RADIAL, EXPONENT = POUND, 1.1
 ENDS = (500.0, 2500.0)
 #: Depths [m] that show what the assumed thickness of the rings is worth.
 DEPTHS = (2.5e-3, 10e-3)
+#: Radius [m] of a crown that would make the stiffness about the measured one, and slices of the roller.
+CROWN, SLICES = 2.0, 101
 
 
 @cache
@@ -57,6 +60,12 @@ def contacts() -> RollerContacts:
 def tangent(pounds: float, depth: float = RING_DEPTH) -> float:
     """Right axial stiffness [lbf/in] at a thrust [lbf], with the rings' deformation counted to a depth [m]."""
     row = RollerRow(replace(taper_bearing(), depth=depth))
+    return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
+
+
+def crowned(pounds: float) -> float:
+    """Stiffness [lbf/in] at a thrust [lbf] with crowned rollers, in slices: what a crown could explain."""
+    row = SlicedRow(taper_bearing(), SLICES, circular_crown(CROWN))
     return row.stiffness(row.deflection(pounds * POUND)) / POUND_PER_INCH
 
 
@@ -156,13 +165,16 @@ def _contacts(e: Entries) -> None:
 
 def _torque(e: Entries) -> None:
     middle = tangent(TAPER_TORQUE_LOAD / POUND)
+    drop = 1e6 * float(circular_crown(CROWN)(np.array(0.5 * taper_bearing().length)))
     by_depth = [tangent(TAPER_TORQUE_LOAD / POUND, depth) for depth in DEPTHS]
     model, test = sheet_tangent(TAPER_TORQUE_LOAD / POUND), e.printed("S_test")
     e.number(
         "S_test", middle, evidence=f"model as printed {model:.3g}, line contacts {middle:.3g} lbf/in at 1500 lbf: "
         f"{float(error_percent(model, test)):+.0f} and {float(error_percent(middle, test)):+.0f} %; rings "
         f"{1e3 * DEPTHS[0]:g} to {1e3 * DEPTHS[1]:g} mm deep instead of {1e3 * RING_DEPTH:g}: {by_depth[0]:.3g} to "
-        f"{by_depth[1]:.3g} lbf/in",
+        f"{by_depth[1]:.3g} lbf/in; a crown of {CROWN:g} m radius, {drop:.0f} um at the ends of both contacts together, "
+        f"{crowned(TAPER_TORQUE_LOAD / POUND):.3g}, but then {crowned(ENDS[0]):.3g} to {crowned(ENDS[1]):.3g} from "
+        f"{ENDS[0]:.0f} to {ENDS[1]:.0f} lbf, no straight line as measured",
     )  # fmt: skip
     e.number("F_torque", TAPER_TORQUE_LOAD / POUND)
     viscosity = VISCOSITY * DENSITY
