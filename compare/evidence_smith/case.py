@@ -28,6 +28,12 @@ ASSUMED = (
     "deformation is counted.",
     "Density of the grease's base oil 900 kg/m3.",
 )
+#: What was identified from printed results of the source, and so is confirmed by none of them.
+IDENTIFIED = (
+    "the exponents 2/3 and 0.66666 of the sheet (from delta* and K_n), its constant 2.15e5 (from K_i, K_o), F(p)_o as an "
+    "input (from all cells after it); 1/D in 3.24, the exponent 1/2 in 3.26 and areas without pi (from b, A and the areas "
+    "compared)"
+)
 YOUNG, POISSON = parse("30e6 psi", "pressure"), 0.3
 RING_DEPTH, DENSITY = parse("5 mm", "length"), 900.0
 #: Load of the sheets, preload of a single bearing, thrust of the torque calculations [N].

@@ -34,6 +34,7 @@ ABOUT = (
     "The formulas of the axis are closed and linear; they are the baseline for scenes with beams and rolling sets, no "
     "substitute for them.",
     *(f"Assumed: {text}" for text in case.ASSUMED),
+    f"As printed, identified from printed results, which confirm none of it: {case.IDENTIFIED}.",
 )
 
 

@@ -29,7 +29,7 @@ def fitted(difference: float, which: str) -> float:
     """delta*, a* or b* of a curvature difference F by the fits; which: "approach", "major", "minor".
 
     In print 2.25 squares its first power and 2.18 raises its first brace to -148.46: powers 1 to 5 are meant. 2 % of the
-    exact delta* only between F = 0.68 and 0.962; the minor axis comes out 39 to 44 % too large.
+    exact delta* only between F = 0.68 and 0.962; the minor axis comes out 39 to 42 % too large there.
     """
     x = (-np.log10(difference)) ** (2.0 / 3.0)
     value = float(np.polyval(FITS[which][::-1], x))

@@ -133,9 +133,9 @@ def lift_off_force(bearings: BearingSet, direction: int = 1) -> float:
 def equal_shares(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
     """Baseline: loads [N] of the rows if the rows of either direction take half the external thrust, evenly.
 
-    The first-order answer for two opposed groups of equal stiffness; it unloads no row for good (a negative load stays
-    negative). Smith's shortcut (section 2.1.2, table of 4.2) puts the whole force on *each* group, so that his loads
-    balance twice the force: `lowfi.bearings.as_printed.shared_loads`.
+    The first-order answer for two opposed groups of equal stiffness. It knows no unloading: a load may come out negative.
+    Smith's shortcut (section 2.1.2, table of 4.2) puts the whole force on *each* group, so that his loads balance twice the
+    force: `lowfi.bearings.as_printed.shared_loads`.
     """
     s = np.array(directions)
     count = np.array([np.sum(s == d) for d in s])
