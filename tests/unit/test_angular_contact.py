@@ -39,6 +39,17 @@ def test_rigid_limit_keeps_the_angle():
     assert s.displacement * np.sin(np.radians(40.0)) == pytest.approx(float(s.approach), rel=1e-5)
 
 
+def test_soft_limit_turns_to_a_right_angle():
+    """A displacement far beyond A leaves nothing of the geometry: approach u - A, angle 90 deg, any free angle."""
+    b = bearing(25.0)
+    for times in (1e3, 1e4):
+        u = times * b.centre_distance
+        s = thrust_state(b, u)
+        assert s.angle == pytest.approx(np.pi / 2.0, abs=1.0 / times)
+        rest = b.centre_distance * (1.0 - np.sin(b.free_angle))
+        assert float(s.approach) == pytest.approx(u - rest, rel=1.0 / times**2)
+
+
 def test_right_angle_is_a_thrust_bearing():
     """Flat discs: the angle stays, F = Z (u/(C_i + C_o))^1.5 with both along-track curvatures those of the ball."""
     b = bearing(90.0)
