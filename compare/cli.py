@@ -39,8 +39,9 @@ def _show(*parts: Any) -> None:
 @app.command(name="list")
 def list_(*, as_json: Json = False) -> None:
     """List the scenes, the models and the printed tables that are shipped."""
-    from compare import catalogue, friction_scene, printed_data
-    from compare.models import MODELS
+    from compare.models.registry import MODELS
+    from compare.printed import printed_data
+    from compare.scenes import catalogue, friction_scene
 
     friction = {name: friction_scene.scene(name).title for name in friction_scene.scene_names()}
     scenes = {name: catalogue.scene(name).title for name in catalogue.scene_names()}
@@ -59,7 +60,7 @@ def list_(*, as_json: Json = False) -> None:
 @app.command
 def schema() -> None:
     """Print the JSON Schema of a scene file."""
-    from compare.scene_file import json_schema
+    from compare.scenes.scene_file import json_schema
 
     _print_json(json_schema())
 
@@ -73,7 +74,7 @@ def new(file: Path) -> None:
     file
         Where to write it; an existing file is never overwritten.
     """
-    from compare.scene_file import template
+    from compare.scenes.scene_file import template
     from compare.writing import write_new
 
     write_new(file, template())
@@ -105,10 +106,10 @@ def solve(
     condensed
         File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
     """
-    from compare import catalogue
-    from compare.models import DEFAULT, Options, run_model
-    from compare.output import as_json as to_json
-    from compare.output import as_table
+    from compare.commands.solve_output import as_json as to_json
+    from compare.commands.solve_output import as_table
+    from compare.models.registry import DEFAULT, Options, run_model
+    from compare.scenes import catalogue
 
     model = model or (DEFAULT if condensed is None else "condensed")
     if condensed is not None and model != "condensed":
@@ -161,8 +162,8 @@ def report(
     workers
         Runs of the 3D reference at the same time, each of up to 4 GB; 2 here, or what the cluster has, unless given.
     """
-    from compare.jobs import Engine
-    from compare.report import make_report
+    from compare.commands.report import make_report
+    from compare.reference.jobs import Engine
 
     engine = Engine(backend, scheduler, workers or (2 if scheduler is None else None), _cache())
     return make_report(only or (), out, quick=quick, stored=stored, store=store, engine=engine, fresh=fresh)
@@ -183,7 +184,7 @@ def check(*, max_error: float = 7.0, as_json: Json = False) -> int:
     max_error
         Largest error allowed, in per cent, for rows that have no tighter tolerance of their own.
     """
-    from compare.gate import run_gate
+    from compare.gate.gate import run_gate
 
     if not 0.0 < max_error <= 100.0:
         raise InputError("command line", "--max-error", str(max_error), "above 0 to 100 per cent", "the gate uses 7")
@@ -192,7 +193,7 @@ def check(*, max_error: float = 7.0, as_json: Json = False) -> int:
     if as_json:
         _print_json({"max_error_percent": max_error, "passed": not bad, "rows": [row.as_json() for row in rows]})
     else:
-        from compare.gate import as_table
+        from compare.gate.gate import as_table
 
         _show(as_table(rows), f"{len(rows) - len(bad)} passed, {len(bad)} failed")
     return 1 if bad else 0
@@ -235,13 +236,21 @@ def mesh_study(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.jobs import Engine
-    from compare.study_command import run_mesh_study
+    from compare.commands.study import run_mesh_study
+    from compare.reference.jobs import Engine
 
     return run_mesh_study(
-        scenes, levels, store, Engine(backend, scheduler, workers, _cache()), spread=spread, source=source_mesh,
-        json_out=as_json, show=_show, print_json=_print_json, fresh=fresh,
-    )  # fmt: skip
+        scenes,
+        levels,
+        store,
+        Engine(backend, scheduler, workers, _cache()),
+        spread=spread,
+        source=source_mesh,
+        json_out=as_json,
+        show=_show,
+        print_json=_print_json,
+        fresh=fresh,
+    )
 
 
 @app.command
@@ -278,13 +287,20 @@ def compare(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.jobs import Engine
-    from compare.study_command import parse_levels, run_compare
+    from compare.commands.study import parse_levels, run_compare
+    from compare.reference.jobs import Engine
 
     return run_compare(
-        scenes, model or (), None if levels is None else parse_levels(levels), store,
-        Engine(backend, scheduler, workers, _cache()), json_out=as_json, show=_show, print_json=_print_json, fresh=fresh,
-    )  # fmt: skip
+        scenes,
+        model or (),
+        None if levels is None else parse_levels(levels),
+        store,
+        Engine(backend, scheduler, workers, _cache()),
+        json_out=as_json,
+        show=_show,
+        print_json=_print_json,
+        fresh=fresh,
+    )
 
 
 @app.command
@@ -333,11 +349,11 @@ def export(
     stiffness
         Contact pressure per overclosure of the deck, in N/mm3.
     """
-    from compare import catalogue
-    from compare.export_command import run_export
+    from compare.commands.export import run_export
+    from compare.scenes import catalogue
 
     if deck:
-        from compare.deck_command import DeckChoices, run_deck
+        from compare.commands.deck import DeckChoices, run_deck
 
         if part or format or level != 1 or ball is not None:
             raise InputError(
@@ -377,13 +393,20 @@ def crosscheck(
     store
         Folder of the reference's runs, besides those shipped; computed where none is stored.
     """
-    from compare.crosscheck_command import run_crosscheck
-    from compare.jobs import Engine
+    from compare.commands.crosscheck import run_crosscheck
+    from compare.reference.jobs import Engine
 
     return run_crosscheck(
-        scene, run=run, data=data, work=work, store=store, engine=Engine(cache=_cache()),
-        json_out=as_json, show=_show, print_json=_print_json,
-    )  # fmt: skip
+        scene,
+        run=run,
+        data=data,
+        work=work,
+        store=store,
+        engine=Engine(cache=_cache()),
+        json_out=as_json,
+        show=_show,
+        print_json=_print_json,
+    )
 
 
 @app.command
@@ -399,8 +422,8 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     level
         Mesh level, 1 (coarse) to 3.
     """
-    from compare import catalogue
-    from compare.condense_command import run_condense
+    from compare.commands.condense import run_condense
+    from compare.scenes import catalogue
 
     return run_condense(catalogue.scene(scene), out, level, cache=_cache(), show=_show)
 
@@ -433,7 +456,7 @@ def friction(
     condensed
         File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
     """
-    from compare.friction_answer import Choices, run
+    from compare.commands.friction import Choices, run
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
     return run(scene, choices, as_json, _show, _print_json)
@@ -442,7 +465,7 @@ def friction(
 @app.command
 def stability(*, as_json: Json = False) -> int:
     """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any."""
-    from compare.stability_command import run_stability
+    from compare.commands.stability import run_stability
 
     return run_stability(as_json=as_json, show=_show, print_json=_print_json)
 
@@ -450,7 +473,7 @@ def stability(*, as_json: Json = False) -> int:
 @app.command
 def bench(*, as_json: Json = False) -> int:
     """Measure run times as ratios to the source's formulation in the same process."""
-    from compare.bench_command import run_bench_command
+    from compare.commands.bench import run_bench_command
 
     return run_bench_command(as_json=as_json, show=_show, print_json=_print_json)
 

@@ -14,6 +14,9 @@ def need_gmsh() -> None:
         import gmsh  # noqa: F401
     except (ImportError, OSError) as error:
         raise InputError(
-            "this machine", "gmsh", str(error), "gmsh with its shared libraries",
+            "this machine",
+            "gmsh",
+            str(error),
+            "gmsh with its shared libraries",
             f"install them (Debian: apt-get install {PACKAGES}), or leave the 3D reference out",
-        ) from None  # fmt: skip
+        ) from None

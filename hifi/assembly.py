@@ -12,17 +12,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from skfem import (
-    Basis,
-    ElementHex1,
-    ElementHex2,
-    ElementQuad1,
-    ElementTetP1,
-    ElementTetP2,
-    ElementTriP1,
-    FacetBasis,
-    Mesh,
-)
+from skfem import Basis, ElementHex1, ElementHex2, ElementQuad1, ElementTetP1, ElementTetP2, ElementTriP1, FacetBasis, Mesh
 from skfem.element import DiscreteField
 from skfem.mapping import MappingIsoparametric
 from skfem.quadrature import get_quadrature

@@ -123,9 +123,15 @@ class _System:
 
 
 def solve_balls(
-    C: Compliance, gap: Array, N: sp.csr_matrix, f: Array, *, start: tuple[Array, Array] | None = None,
-    tolerance: float = 1e-10, most: int = 60,
-) -> tuple[ContactResult, Array]:  # fmt: skip
+    C: Compliance,
+    gap: Array,
+    N: sp.csr_matrix,
+    f: Array,
+    *,
+    start: tuple[Array, Array] | None = None,
+    tolerance: float = 1e-10,
+    most: int = 60,
+) -> tuple[ContactResult, Array]:
     """Forces, gaps and rigid motions, and the amplitudes w; ``start``: (w, y) of a neighbouring solution.
 
     The residual is the unbalanced force (and the mismatch of w) over the largest force on a ball. A problem that cannot
@@ -165,9 +171,11 @@ def solve_balls(
     z = C.coupling @ w
     slack = np.concatenate(
         [
-            g + C.blocks[i].apply(system.balls[i].forces) + C.modes[i] @ z[C.columns[i]]
+            g
+            + C.blocks[i].apply(system.balls[i].forces)
+            + C.modes[i] @ z[C.columns[i]]
             - system.rows[i][1] @ y[system.rows[i][0]]
             for i, g in enumerate(system.gaps)
         ]
-    )  # fmt: skip
+    )
     return ContactResult(forces, slack, y, it, status, float(-slack.min(initial=0.0)), residual), w

@@ -108,9 +108,7 @@ def assemble(
         columns.append(np.tile(dof, 3 * k))
         values.append(turned.ravel())
     if values:
-        added = sp.coo_matrix(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=K.shape
-        )
+        added = sp.coo_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=K.shape)
         K = (K + added.tocsc()).tocsc()
     return K
 

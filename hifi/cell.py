@@ -51,9 +51,10 @@ def homogenise(m: GrooveMap, outer: float, hole: float, material: Material, size
     GJ = 1.0 / per_length[5, 5]
     shear = young / (2.0 * (1.0 + poisson))
     radii = (
-        float(np.sqrt(EA / (young * np.pi))), float((4.0 * EI / (young * np.pi)) ** 0.25),
+        float(np.sqrt(EA / (young * np.pi))),
+        float((4.0 * EI / (young * np.pi)) ** 0.25),
         float((2.0 * GJ / (shear * np.pi)) ** 0.25),
-    )  # fmt: skip
+    )
     kGA = round_section(radii[1], young, poisson).kGA
     coupling = float(per_length[2, 5] / np.sqrt(per_length[2, 2] * per_length[5, 5]))
     return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling)

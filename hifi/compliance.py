@@ -162,9 +162,7 @@ class Compliance:
         """C (n, n) [m/N]; for tests and small scenes."""
         full = np.zeros((self.size, len(self.coupling)))
         out = np.zeros((self.size, self.size))
-        for (i, j), block, modes, columns in zip(
-            pairwise(self.starts), self.blocks, self.modes, self.columns, strict=True
-        ):
+        for (i, j), block, modes, columns in zip(pairwise(self.starts), self.blocks, self.modes, self.columns, strict=True):
             out[i:j, i:j] = block.dense()
             full[i:j, columns] = modes
         return np.asarray(out + full @ self.coupling @ full.T)

@@ -126,6 +126,14 @@ def condensed_bodies(setup: Setup, level: int) -> CondensedBodies:
     if setup.nut is not None:
         nut = body_matrix(setup, setup.nut.G, setup.nut.modes, spreads)
     return CondensedBodies(
-        geometry_digest(setup.scene), level, np.array(setup.sides, dtype=float), setup.screw.stretch.base, screw, nut,
-        ball_matrix(setup, spreads), local, forces, np.array([_unit(setup, s) for s in setup.sides]),
-    )  # fmt: skip
+        geometry_digest(setup.scene),
+        level,
+        np.array(setup.sides, dtype=float),
+        setup.screw.stretch.base,
+        screw,
+        nut,
+        ball_matrix(setup, spreads),
+        local,
+        forces,
+        np.array([_unit(setup, s) for s in setup.sides]),
+    )

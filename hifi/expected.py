@@ -70,7 +70,6 @@ class ExpectedContacts:
         own = list(sides)
         return float((self.across + np.abs(self.shift))[:, own].max()), float(self.along[:, own].max())
 
-
     def sides(self) -> tuple[int, ...]:
         """Sides (0 to 3) that touch, or nearly: with a gap of less than a fifth of the largest approach."""
         return tuple(int(s) for s in np.flatnonzero(self.gap.min(axis=0) < -NEAR * self.gap.min()))

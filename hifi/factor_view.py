@@ -22,14 +22,15 @@ class _Factor(ctypes.Structure):
     """cholmod_factor_struct."""
 
     _fields_ = (
-        ("n", ctypes.c_size_t), ("minor", ctypes.c_size_t),
+        ("n", ctypes.c_size_t),
+        ("minor", ctypes.c_size_t),
         *((name, ctypes.c_void_p) for name in ("Perm", "ColCount", "IPerm")),
         ("nzmax", ctypes.c_size_t),
         *((name, ctypes.c_void_p) for name in ("p", "i", "x", "z", "nz", "next", "prev")),
         *((name, ctypes.c_size_t) for name in _SIZES),
         *((name, ctypes.c_void_p) for name in ("super", "pi", "px", "s")),
         *((name, ctypes.c_int) for name in _FLAGS),
-    )  # fmt: skip
+    )
 
 
 def trailing(factor: Any, size: int, count: int) -> Array | None:

@@ -135,9 +135,8 @@ def _answer(setup: Setup, mesh: GroovedBody, forces: dict[int, Array], T: sp.csc
     Q = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0])
     none = np.zeros(setup.layout.z.size)
     amplitude = [
-        kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(own[s].A)))
-        for i in range(none.size) for s in own
-    ]  # fmt: skip
+        kept[s][0].T @ (forces[s][i] if s in forces else np.zeros(len(own[s].A))) for i in range(none.size) for s in own
+    ]
     q = factor((T.T @ K @ T).tocsc()).solve(T.T @ (Q.T @ np.concatenate(amplitude)))
     return np.asarray(T @ q).reshape(-1, 3)
 
@@ -156,7 +155,7 @@ def ball_patch(setup: Setup, meshes: Meshes, side: int) -> PatchMesh:
 
 def groove_patch_field(
     setup: Setup, meshes: Meshes, u: Array, ball: int, side: int, forces: dict[int, Array]
-) -> SolidField:  # fmt: skip
+) -> SolidField:
     """Field of one groove patch in the ball's frame: azimuth 0, origin on the axis; u: its coarse body's displacements."""
     mesh = groove_patch(setup, meshes, side)
     body, part = (meshes.screw, setup.scene.screw) if side < 2 else (meshes.nut, setup.scene.nut)

@@ -80,9 +80,7 @@ def _rounded(lengths: tuple[float, float]) -> tuple[float, float]:
     return a, b
 
 
-def patch_lines(
-    settings: Settings, width: tuple[float, float], deep: float
-) -> tuple[Lines, tuple[float, float]]:
+def patch_lines(settings: Settings, width: tuple[float, float], deep: float) -> tuple[Lines, tuple[float, float]]:
     """Element boundaries of a patch and its contact zone in local units; half widths and depth of the socket [m]."""
     a, b = settings.semi
     wide, long = settings.reach  # the long axis lies across the groove, where ball and groove conform
@@ -107,9 +105,16 @@ def socket_size(
     low, high = dims.ends(scene)
     ends = (max(position - nut.length / 2.0, low), min(position + nut.length / 2.0, high))
     size = fitted_socket(
-        m, layout, sides, scene.screw.outer_diameter / 2.0, dims.hole, dims.land, nut.outer_diameter / 2.0, ends,
+        m,
+        layout,
+        sides,
+        scene.screw.outer_diameter / 2.0,
+        dims.hole,
+        dims.land,
+        nut.outer_diameter / 2.0,
+        ends,
         settings.reach,
-    )  # fmt: skip
+    )
     return replace(size, cuts=settings.cuts)
 
 

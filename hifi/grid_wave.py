@@ -155,7 +155,8 @@ class PeriodicApproach:
             for x, y in ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))
         )
         trend = [
-            term for before, after in (around[:2], around[2:])
+            term
+            for before, after in (around[:2], around[2:])
             for term in (0.5 * (after - before), 0.5 * (after + before) - middle)
         ]
         return cls(m, side, patch, C, loads, np.array(trend))

@@ -151,9 +151,7 @@ def unheld(scene: Scene, origin: float) -> Array:
     """Rigid motions of the screw about ``origin`` that no support holds, ``(6, k)``."""
     arm = scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
-    rows = [
-        transport(x.at - origin)[FREEDOMS.index(name)] * scale for x in scene.supports for name, _ in x.fixed
-    ]
+    rows = [transport(x.at - origin)[FREEDOMS.index(name)] * scale for x in scene.supports for name, _ in x.fixed]
     if not rows:
         return np.diag(scale)
     _, s, vt = np.linalg.svd(np.array(rows))

@@ -44,9 +44,14 @@ class Meshes:
 
 
 def mesh_parts(
-    scene: Scene, m: GrooveMap, layout: BallLayout, dims: Dimensions, sides: tuple[int, ...], settings: Settings,
+    scene: Scene,
+    m: GrooveMap,
+    layout: BallLayout,
+    dims: Dimensions,
+    sides: tuple[int, ...],
+    settings: Settings,
     cache: Cache | None = None,
-) -> Meshes:  # fmt: skip
+) -> Meshes:
     """Mesh screw, nut and one ball of a scene."""
     cache = cache or Cache(None)
     size = socket_size(scene, m, layout, sides, dims, settings)
@@ -55,13 +60,27 @@ def mesh_parts(
     low, high = dims.ends(scene)
     nut, position = scene.nut, scene.nut.position
     screw_spec = BodySpec(
-        dims.hole, scene.screw.outer_diameter / 2.0, low, high, True, sockets_of(layout, sides, True), size,
-        settings.fine, settings.coarse,
-    )  # fmt: skip
+        dims.hole,
+        scene.screw.outer_diameter / 2.0,
+        low,
+        high,
+        True,
+        sockets_of(layout, sides, True),
+        size,
+        settings.fine,
+        settings.coarse,
+    )
     nut_spec = BodySpec(
-        dims.land, nut.outer_diameter / 2.0, position - nut.length / 2.0, position + nut.length / 2.0, False,
-        sockets_of(layout, sides, False), size, settings.fine, settings.coarse,
-    )  # fmt: skip
+        dims.land,
+        nut.outer_diameter / 2.0,
+        position - nut.length / 2.0,
+        position + nut.length / 2.0,
+        False,
+        sockets_of(layout, sides, False),
+        size,
+        settings.fine,
+        settings.coarse,
+    )
     sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
     recipe = (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts)
     ball = cache.get("ball", recipe, lambda: build_ball(*recipe), BallBody)
@@ -100,9 +119,7 @@ def carrier_mesh(
     return patch_mesh(meshes, socket, place, coarse) if settings.element == "Q2" else None
 
 
-def patch_mesh(
-    meshes: Meshes, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings
-) -> PatchMesh:
+def patch_mesh(meshes: Meshes, socket: SocketMesh, place: Callable[[Array], Array], settings: Settings) -> PatchMesh:
     """Mesh of a patch in a socket: graded hexahedra, or the source's tetrahedra."""
     lines, zone = patch_lines(settings, meshes.widths, meshes.size.depth)
     if settings.element == "Q2":

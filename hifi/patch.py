@@ -107,8 +107,13 @@ def graded(inner: float, step: float, growth: float) -> Array:
     """Boundaries on [-1, 1]: equal steps over [-inner, inner], growing by about ``growth`` towards the ends."""
     cells = max(1, round(2.0 * inner / step))
     core = np.linspace(-inner, inner, cells + 1)
-    return np.concatenate([-growing(inner, 1.0, 2.0 * inner / cells, growth)[:0:-1], core,
-                           growing(inner, 1.0, 2.0 * inner / cells, growth)[1:]])  # fmt: skip
+    return np.concatenate(
+        [
+            -growing(inner, 1.0, 2.0 * inner / cells, growth)[:0:-1],
+            core,
+            growing(inner, 1.0, 2.0 * inner / cells, growth)[1:],
+        ]
+    )
 
 
 def growing(start: float, end: float, first: float, ratio: float) -> Array:
@@ -121,9 +126,8 @@ def growing(start: float, end: float, first: float, ratio: float) -> Array:
 
 
 def build_patch(
-    lines: Lines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh, *,
-    linear: bool = False,
-) -> PatchMesh:  # fmt: skip
+    lines: Lines, zone: tuple[float, float], place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool = False
+) -> PatchMesh:
     """Patch mesh: ``place`` maps local coordinates ``(n, 3)`` to points; ``zone``: half widths of the contact zone.
 
     The interface nodes are put onto the socket's triangles, so that rigid motions of the socket strain nothing; linear:
@@ -148,9 +152,7 @@ def build_patch(
     return _patch(mesh, xi, top, contact, counts, rim, interface, tie)
 
 
-def build_tet_patch(
-    local: LocalTets, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool
-) -> PatchMesh:
+def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool) -> PatchMesh:
     """Patch of first-order tetrahedra from a box meshed in local coordinates, put into its socket as by `build_patch`.
 
     Tributary areas are thirds of the triangles around a node. Raises ValueError where the map turns cells inside out.
@@ -171,9 +173,15 @@ def build_tet_patch(
 
 
 def _patch(
-    mesh: Mesh, xi: Array, top: Flags, contact: Index, shape: tuple[int, int] | None, rim: Flags, interface: Index,
+    mesh: Mesh,
+    xi: Array,
+    top: Flags,
+    contact: Index,
+    shape: tuple[int, int] | None,
+    rim: Flags,
+    interface: Index,
     tie: sp.csr_matrix,
-) -> PatchMesh:  # fmt: skip
+) -> PatchMesh:
     """The record, boundaries named: faces all of whose corners are of the surface, the contact or the interface.
 
     xi: the nodes in local coordinates ``(n, 3)``.
@@ -275,9 +283,15 @@ def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr
 def _quadratic_shape(w: Array) -> Array:
     """Shape functions ``(n, 6)`` of a second-order triangle at barycentric coordinates ``(n, 3)``."""
     return np.column_stack(
-        [w[:, 0] * (2 * w[:, 0] - 1), w[:, 1] * (2 * w[:, 1] - 1), w[:, 2] * (2 * w[:, 2] - 1),
-         4 * w[:, 0] * w[:, 1], 4 * w[:, 1] * w[:, 2], 4 * w[:, 2] * w[:, 0]]
-    )  # fmt: skip
+        [
+            w[:, 0] * (2 * w[:, 0] - 1),
+            w[:, 1] * (2 * w[:, 1] - 1),
+            w[:, 2] * (2 * w[:, 2] - 1),
+            4 * w[:, 0] * w[:, 1],
+            4 * w[:, 1] * w[:, 2],
+            4 * w[:, 2] * w[:, 0],
+        ]
+    )
 
 
 def _linear_shape(w: Array) -> Array:
@@ -329,10 +343,18 @@ def condense_patch(
     F = compliance(part.inner_stiffness, sp.hstack([part.forces, part.coupling]).T)
     A, H, S = F[:c, :c], -F[:c, c:], boundary - F[c:, c:]
     return CondensedPatch(
-        A=0.5 * (A + A.T), H=H, S=0.5 * (S + S.T), points=mesh.points[mesh.contact], normals=normals,
-        areas=mesh.areas, rim=mesh.rim, shape=mesh.contact_shape, weights=mesh.weights,
-        unknowns=3 * (mesh.mesh.doflocs.shape[1] - mesh.interface.size), seconds=perf_counter() - begin,
-    )  # fmt: skip
+        A=0.5 * (A + A.T),
+        H=H,
+        S=0.5 * (S + S.T),
+        points=mesh.points[mesh.contact],
+        normals=normals,
+        areas=mesh.areas,
+        rim=mesh.rim,
+        shape=mesh.contact_shape,
+        weights=mesh.weights,
+        unknowns=3 * (mesh.mesh.doflocs.shape[1] - mesh.interface.size),
+        seconds=perf_counter() - begin,
+    )
 
 
 def field(mesh: PatchMesh, normals: Array, young: float, poisson: float, forces: Array, trace: Array) -> Array:

@@ -136,8 +136,10 @@ def _modal_rows(setup: Setup, sides: tuple[int, ...]) -> Index:
     """Rows of the screw's modes of the given sides, ball after ball, in the screw's own coupling."""
     rows = [
         _first(setup, s, i) + np.arange(setup.screw.modes[s].shape[1])
-        for i in range(setup.layout.z.size) for s in sides if s < 2
-    ]  # fmt: skip
+        for i in range(setup.layout.z.size)
+        for s in sides
+        if s < 2
+    ]
     return np.concatenate(rows) if rows else np.zeros(0, dtype=np.int64)
 
 
@@ -181,9 +183,14 @@ def mounted_screw(setup: Setup, scene: Scene, leave_out: frozenset[str] = frozen
 
 
 def solve_reference(
-    setup: Setup, scene: Scene, *, updates: int = 6, member: int = 0, sides: tuple[int, ...] | None = None,
+    setup: Setup,
+    scene: Scene,
+    *,
+    updates: int = 6,
+    member: int = 0,
+    sides: tuple[int, ...] | None = None,
     leave_out: frozenset[str] = frozenset(),
-) -> ReferenceResult:  # fmt: skip
+) -> ReferenceResult:
     """Loads of a load case or error pattern of a prepared geometry.
 
     updates: how often directions and gaps follow the motion at most (0: frozen at the nominal state); sides: those that
@@ -251,10 +258,22 @@ def _solve(
     stations, line = _centreline(mounted, own_rows, _screw_modal(setup, C, result, sides), result.motions[3 * count :])
     free = np.abs(N[:, 3 * count :].T @ result.forces - mounted.work).max(initial=0.0)
     return ReferenceResult(
-        status, load, angle, result.motions[: 3 * count].reshape(count, 3), stations, line, sides, directions, result,
-        float(np.abs(net).max()) / largest, float(np.abs(net @ y3).max()) / largest, float(free) / largest,
-        setup.unknowns, {**setup.seconds, "contact": perf_counter() - begin}, done,
-    )  # fmt: skip
+        status,
+        load,
+        angle,
+        result.motions[: 3 * count].reshape(count, 3),
+        stations,
+        line,
+        sides,
+        directions,
+        result,
+        float(np.abs(net).max()) / largest,
+        float(np.abs(net @ y3).max()) / largest,
+        float(free) / largest,
+        setup.unknowns,
+        {**setup.seconds, "contact": perf_counter() - begin},
+        done,
+    )
 
 
 def _over_hats(setup: Setup, zones: _Zones, values: Array) -> Array:

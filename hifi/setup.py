@@ -52,9 +52,11 @@ Index = NDArray[np.int64]
 Step = Callable[[str], None]
 #: Boundaries of the nut's mesh by where it is held.
 NUT_HELD = {
-    "outer surface": ("outside",), "left face": ("low end",), "right face": ("high end",),
+    "outer surface": ("outside",),
+    "left face": ("low end",),
+    "right face": ("high end",),
     "both faces": ("low end", "high end"),
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True)
@@ -117,9 +119,14 @@ class Setup:
 
 
 def prepare(
-    scene: Scene, sides: tuple[int, ...], settings: Settings, step: Step = lambda _: None,
-    scenes: Sequence[Scene] = (), *, cache: Cache | None = None,
-) -> Setup:  # fmt: skip
+    scene: Scene,
+    sides: tuple[int, ...],
+    settings: Settings,
+    step: Step = lambda _: None,
+    scenes: Sequence[Scene] = (),
+    *,
+    cache: Cache | None = None,
+) -> Setup:
     """Meshes, patches and bodies of one geometry; ``sides``: which of SL, SR, NL, NR (0 to 3) may carry load.
 
     scenes: further scenes of the same parts that will be solved with this set-up; they may differ in loads, supports and
@@ -144,33 +151,50 @@ def prepare(
             patches[s] = turned(patches[s - 1])
             continue
         body, part = (meshes.screw, scene.screw) if s < 2 else (meshes.nut, scene.nut)
-        recipe = (m, dims, meshes.size, s, settings, body.sockets[s].xi, body.sockets[s].triangles,
-                  meshes.ball.sockets[s].xi, meshes.ball.sockets[s].triangles, part, scene.balls.material)  # fmt: skip
+        recipe = (
+            m,
+            dims,
+            meshes.size,
+            s,
+            settings,
+            body.sockets[s].xi,
+            body.sockets[s].triangles,
+            meshes.ball.sockets[s].xi,
+            meshes.ball.sockets[s].triangles,
+            part,
+            scene.balls.material,
+        )
         patches[s] = cache.get("patch", recipe, partial(condense_side, scene, m, dims, meshes, s, settings), SidePatches)
         step(f"contact of side {SIDES[s]}")
     timed("patches", start)
     start = perf_counter()
     ball = cache.get(
-        "ball-response", (meshes.ball.points, meshes.ball.cells, scene.balls.material, patches, settings),
-        lambda: ball_compliance(scene, meshes.ball, patches, settings), BallResponse,
-    )  # fmt: skip
+        "ball-response",
+        (meshes.ball.points, meshes.ball.cells, scene.balls.material, patches, settings),
+        lambda: ball_compliance(scene, meshes.ball, patches, settings),
+        BallResponse,
+    )
     timed("ball", start)
     start = perf_counter()
     low, high = dims.ends(scene)
     stations = tuple(sorted({z for c in (scene, *scenes) for z in (*(x.at for x in c.supports), *(x.at for x in c.loads))}))
     shaft = cache.get(
-        "shaft", (m, dims, scene.screw, low, high, stations, settings.cell),
-        lambda: shaft_section(scene, m, dims, settings.cell, stations), Shaft,
-    )  # fmt: skip
+        "shaft",
+        (m, dims, scene.screw, low, high, stations, settings.cell),
+        lambda: shaft_section(scene, m, dims, settings.cell, stations),
+        Shaft,
+    )
     timed("shaft section", start)
     start = perf_counter()
     own = {s: p.groove for s, p in patches.items() if s < 2}
     inside = tuple(z for z in stations if low < z < high)
     made_of = (meshes.screw.points, meshes.screw.cells, own, layout, sides, settings, dims, scene.screw, scene.nut, inside)
     screw = cache.get(
-        "screw-response", made_of,
-        lambda: screw_response(scene, inside, meshes.screw, layout, sides, own, settings, dims), ScrewResponse,
-    )  # fmt: skip
+        "screw-response",
+        made_of,
+        lambda: screw_response(scene, inside, meshes.screw, layout, sides, own, settings, dims),
+        ScrewResponse,
+    )
     timed("screw", start)
     start = perf_counter()
     nut = None
@@ -178,22 +202,40 @@ def prepare(
         facing = {s: p.groove for s, p in patches.items() if s >= 2}
         nut_of = (meshes.nut.points, meshes.nut.cells, facing, layout, sides, settings, dims, scene.nut)
         nut = cache.get(
-            "nut-response", nut_of,
-            lambda: nut_response(scene, meshes.nut, layout, sides, facing, settings, dims), NutResponse,
-        )  # fmt: skip
+            "nut-response",
+            nut_of,
+            lambda: nut_response(scene, meshes.nut, layout, sides, facing, settings, dims),
+            NutResponse,
+        )
         timed("nut", start)
     count = layout.z.size
     unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * count
     unknowns += sum(p.groove.unknowns + p.ball.unknowns for p in patches.values()) * count
     across = 2.0 * settings.b_over_h if settings.element == "Q2" else 2.0 * settings.semi[1] / settings.tet
     quality = {
-        "elements across 2b": across, "screw": meshes.screw.quality.smallest, "nut": meshes.nut.quality.smallest,
-        "ball": meshes.ball.quality.smallest, "deviation": max(meshes.screw.deviation, meshes.nut.deviation),
-    }  # fmt: skip
+        "elements across 2b": across,
+        "screw": meshes.screw.quality.smallest,
+        "nut": meshes.nut.quality.smallest,
+        "ball": meshes.ball.quality.smallest,
+        "deviation": max(meshes.screw.deviation, meshes.nut.deviation),
+    }
     return Setup(
-        scene, m, layout, dims, settings, sides, patches, screw, nut, ball, shaft.section, shaft.homogenised, unknowns,
-        quality, seconds,
-    )  # fmt: skip
+        scene,
+        m,
+        layout,
+        dims,
+        settings,
+        sides,
+        patches,
+        screw,
+        nut,
+        ball,
+        shaft.section,
+        shaft.homogenised,
+        unknowns,
+        quality,
+        seconds,
+    )
 
 
 def _same_boxes(meshes: Meshes, side: int) -> bool:
@@ -206,9 +248,7 @@ def _same_boxes(meshes: Meshes, side: int) -> bool:
     )
 
 
-def ball_compliance(
-    scene: Scene, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings
-) -> BallResponse:
+def ball_compliance(scene: Scene, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings) -> BallResponse:
     """How one ball couples the contacts of all its sides, rigid motions held isostatically (its loads balance)."""
     e = scene.balls.material
     own = {s: p.ball for s, p in patches.items()}
@@ -222,9 +262,7 @@ def ball_compliance(
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
 
 
-def shaft_section(
-    scene: Scene, m: GrooveMap, dims: Dimensions, size: float, stations: Sequence[float]
-) -> Shaft:
+def shaft_section(scene: Scene, m: GrooveMap, dims: Dimensions, size: float, stations: Sequence[float]) -> Shaft:
     """Section of the shaft beyond the 3D stretch; where no station lies there, any will do."""
     e, outer = scene.screw.material, scene.screw.outer_diameter / 2.0
     low, high = dims.ends(scene)
@@ -244,9 +282,15 @@ def shaft_section(
 
 
 def screw_response(
-    scene: Scene, inside: Sequence[float], mesh: GroovedBody, layout: BallLayout, sides: tuple[int, ...],
-    own: dict[int, CondensedPatch], settings: Settings, dims: Dimensions,
-) -> ScrewResponse:  # fmt: skip
+    scene: Scene,
+    inside: Sequence[float],
+    mesh: GroovedBody,
+    layout: BallLayout,
+    sides: tuple[int, ...],
+    own: dict[int, CondensedPatch],
+    settings: Settings,
+    dims: Dimensions,
+) -> ScrewResponse:
     """The 3D stretch of the screw, held at its base; ``inside``: stations of supports and loads within it."""
     e = scene.screw.material
     places = sockets_of(layout, sides, True)
@@ -277,9 +321,9 @@ def screw_response(
     stretch = Stretch(F, B, base, ports, observers, (low, high), modes.shape[0], rigid=bore)
     starts = np.concatenate([[0], np.cumsum([kept[p[2]][1].shape[0] for p in places])])
     least = min(k[1].shape[0] for k in kept.values()) if kept else 0
-    about = np.array(
-        [rigid[starts[i] : starts[i] + least] @ transport(base - p[1]) for i, p in enumerate(places)]
-    ).reshape(len(places), least, 6)
+    about = np.array([rigid[starts[i] : starts[i] + least] @ transport(base - p[1]) for i, p in enumerate(places)]).reshape(
+        len(places), least, 6
+    )
     return ScrewResponse(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
 
 
@@ -289,9 +333,7 @@ def section_motion(points: Array, hole: Index, z: float, size: int, least: int =
     reach = np.abs(points[hole, 2] - z)[order[min(least, order.size) - 1]]
     near = hole[np.abs(points[hole, 2] - z) <= 1.0001 * reach + 1e-12]
     motion = np.linalg.pinv(rigid_modes(points[near], np.array([0.0, 0.0, z])))
-    return sp.csr_matrix(
-        (motion.ravel(), (np.repeat(np.arange(6), 3 * near.size), np.tile(freedoms(near), 6))), (6, size)
-    )
+    return sp.csr_matrix((motion.ravel(), (np.repeat(np.arange(6), 3 * near.size), np.tile(freedoms(near), 6))), (6, size))
 
 
 def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_matrix:
@@ -309,9 +351,14 @@ def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
 
 
 def nut_response(
-    scene: Scene, mesh: GroovedBody, layout: BallLayout, sides: tuple[int, ...], own: dict[int, CondensedPatch],
-    settings: Settings, dims: Dimensions,
-) -> NutResponse:  # fmt: skip
+    scene: Scene,
+    mesh: GroovedBody,
+    layout: BallLayout,
+    sides: tuple[int, ...],
+    own: dict[int, CondensedPatch],
+    settings: Settings,
+    dims: Dimensions,
+) -> NutResponse:
     """Response of the nut held where the scene says."""
     e = scene.nut.material
     sockets = placed(mesh, sockets_of(layout, sides, False))

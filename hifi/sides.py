@@ -60,9 +60,7 @@ def condense_side(
     if spread > 1e-9:
         raise ValueError(f"contact nodes of ball and groove do not match ({spread:.1e})")
     e, b = (scene.screw if side < 2 else scene.nut).material, scene.balls.material
-    groove = condense_patch(
-        mesh, normals, *_constants(e), carrier_mesh(meshes, body.sockets[side], groove_place, settings)
-    )
+    groove = condense_patch(mesh, normals, *_constants(e), carrier_mesh(meshes, body.sockets[side], groove_place, settings))
     ball = condense_patch(
         ball_mesh, -normals, *_constants(b), carrier_mesh(meshes, meshes.ball.sockets[side], place, settings)
     )
@@ -121,10 +119,16 @@ def turned(patches: SidePatches) -> SidePatches:
     def one(patch: CondensedPatch) -> CondensedPatch:
         signs = np.tile(TURN, patch.H.shape[1] // 3)
         return replace(
-            patch, A=patch.A[np.ix_(order, order)], H=patch.H[order] * signs, S=patch.S * np.outer(signs, signs),
-            points=patch.points[order] * TURN, normals=patch.normals[order] * TURN, areas=patch.areas[order],
-            rim=patch.rim[order], weights=patch.weights[order][:, order],
-        )  # fmt: skip
+            patch,
+            A=patch.A[np.ix_(order, order)],
+            H=patch.H[order] * signs,
+            S=patch.S * np.outer(signs, signs),
+            points=patch.points[order] * TURN,
+            normals=patch.normals[order] * TURN,
+            areas=patch.areas[order],
+            rim=patch.rim[order],
+            weights=patch.weights[order][:, order],
+        )
 
     wave = patches.wave
     if wave is not None:

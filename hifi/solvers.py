@@ -222,4 +222,3 @@ def _splu(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
         return solution
 
     return apply
-

@@ -83,9 +83,7 @@ def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float
     return _relieved(F, hats.shape[0], hat_rows(patch, normals) @ _turned_rigid(patch, piece), loads, piece)
 
 
-def coarse_compliance(
-    piece: Piece, patch: CondensedPatch, rows: Array, young: float, poisson: float
-) -> Array:
+def coarse_compliance(piece: Piece, patch: CondensedPatch, rows: Array, young: float, poisson: float) -> Array:
     """G_coarse ``(k, k)``: response of the modes with ``rows`` Q ``(k, 3 nodes)`` in a piece with the condensed patch."""
     socket = Socket(piece.socket, piece.rotation, 0)
     K = assemble(piece.mesh, [socket], {0: patch}, young, poisson)

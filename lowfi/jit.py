@@ -1,7 +1,9 @@
 """One source, two engines: the kernels run interpreted (no start-up cost) or compiled by numba (many solves).
 
-``lowfi.kernel`` is the interpreted package. ``compiled()`` loads the same files a second time as
-``lowfi.kernel_compiled``, where the decorator ``kernel`` compiles; numba caches the machine code beside the sources.
+A kernel package (a folder named ``kernel``) is written in the subset of Python that numba compiles. ``kernels(package,
+compiled=False)`` is the package itself; ``compiled=True`` loads the same files a second time under another name, where the
+decorator ``kernel`` compiles. Machine code is kept in the user's cache folder, under a digest of the sources of all
+kernels, so that none outlives the sources it was made from: numba alone looks at the file of a function only.
 """
 
 from __future__ import annotations
@@ -9,86 +11,147 @@ from __future__ import annotations
 import hashlib
 import importlib
 import importlib.util
+import os
+import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from time import perf_counter
 from types import ModuleType
 from typing import Any, TypeVar
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-COMPILED = "lowfi.kernel_compiled"
-#: Seconds spent loading and compiling in this process, by stage.
-timing: dict[str, float] = {}
+#: Kernel packages, each with those whose kernels it calls.
+PACKAGES: dict[str, tuple[str, ...]] = {
+    "lowfi.statics.kernel": (),
+    "lowfi.friction.contact.kernel": (),
+    "lowfi.friction.linear.kernel": (),
+    "lowfi.friction.screw.kernel": ("lowfi.friction.contact.kernel",),
+}
+STATICS, CONTACT, LINEAR, SCREW = PACKAGES
+#: Part of the name under which a package is loaded a second time.
+_MARK = "_compiled_"
+#: Folders of machine code kept in the user's cache: those of the sources used last.
+_KEPT = 4
 
 
 def is_compiled(module_name: str) -> bool:
-    """Whether a module of that name belongs to the compiled copy."""
-    return module_name.startswith(COMPILED)
+    """Whether a module of that name belongs to a compiled copy."""
+    return _MARK in module_name
 
 
 def kernel(function: F) -> F:
-    """Compile ``function`` where its module belongs to the compiled copy; otherwise return it as it is."""
+    """Compile ``function`` where its module belongs to a compiled copy; otherwise return it as it is."""
     if not is_compiled(function.__module__):
         return function
     import numba
 
-    compiled_function: F = numba.njit(cache=True, error_model="numpy", fastmath=False)(function)
+    keep = code_folder() is not None
+    compiled_function: F = numba.njit(cache=keep, error_model="numpy", fastmath=False)(function)
     return compiled_function
 
 
-def interpreted() -> ModuleType:
-    """The kernels as plain Python."""
-    return importlib.import_module("lowfi.kernel")
+def kernels(package: str, *, compiled: bool) -> ModuleType:
+    """A kernel package as plain Python or compiled (loaded once in a process, compiled on the first call of each kernel).
 
-
-def drop_stale(folder: Path, *used: Path) -> bool:
-    """Remove cached machine code made from other sources; returns whether any source had changed.
-
-    numba keys its cache by the file of a function, not by the functions it calls in other files: after a change in one
-    kernel its callers would keep the old machine code. used: other folders whose kernels those of this one call.
+    Raises KeyError for a package that ``PACKAGES`` does not name.
     """
-    digest = hashlib.sha256()
-    for place in (folder, *used):
-        for source in sorted(place.glob("*.py")):
-            digest.update(source.read_bytes())
-    stamp, text = folder / "__pycache__" / "kernels.sha256", digest.hexdigest()
+    used = PACKAGES[package]
+    if not compiled:
+        return importlib.import_module(package)
+    for other in used:
+        _load(other)
+    return _load(package)
+
+
+def loaded(package: str) -> bool:
+    """Whether this process holds the compiled copy of a kernel package."""
+    return _copy_name(package) in sys.modules
+
+
+def cached() -> bool:
+    """Whether machine code of these sources lies on disk, so that compiled kernels need not be compiled anew."""
+    folder = code_folder()
+    return folder is not None and any(folder.rglob("*.nbi"))
+
+
+@cache
+def code_folder() -> Path | None:
+    """Folder of the machine code of these sources: in NUMBA_CACHE_DIR, else in the user's cache of rollbench; None where
+    the cache is switched off (ROLLBENCH_CACHE=off) or nothing can be written there: then kernels are compiled in every
+    process, and standard error says so."""
+    from meshes.cache import default_root
+
+    named = os.environ.get("NUMBA_CACHE_DIR", "").strip()
+    root = Path(named) if named else default_root()
+    if root is None:
+        return None
+    folder = root / "kernels" / digest()
     try:
-        if stamp.exists() and stamp.read_text(encoding="ascii") == text:
-            return False
-        stamp.parent.mkdir(exist_ok=True)
-        for pattern in ("*.nbi", "*.nbc"):
-            for file in stamp.parent.glob(pattern):
-                file.unlink(missing_ok=True)
-        stamp.write_text(text, encoding="ascii")
-    except OSError:  # a read-only installation: its sources do not change one by one
-        return False
-    return True
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(13, os.strerror(13), str(folder))
+    except OSError as error:
+        sys.stderr.write(
+            f"rollbench: compiled kernels are not kept: {folder}: {error.strerror}; name a folder that can be written to "
+            "by ROLLBENCH_CACHE\n"
+        )
+        return None
+    _drop_old(folder.parent)
+    return folder
 
 
-def load_compiled(name: str, folder: Path, *used: Path) -> ModuleType:
-    """The kernels of a folder loaded as a package of that ``name``, which must begin like ``COMPILED``.
+@cache
+def digest() -> str:
+    """Digest of the sources of all kernel packages and of this module."""
+    digest = hashlib.sha256(Path(__file__).read_bytes())
+    for package in PACKAGES:
+        for source in sorted(_folder(package).glob("*.py")):
+            digest.update(source.read_bytes())
+    return digest.hexdigest()[:20]
 
-    used: folders of other kernels that they call. Raises ImportError where the folder holds no package.
-    """
-    drop_stale(folder, *used)
-    spec = importlib.util.spec_from_file_location(
-        name, folder / "__init__.py", submodule_search_locations=[str(folder)]
-    )
+
+def _drop_old(parent: Path) -> None:
+    """Remove machine code of other sources but that used last."""
+    with suppress(OSError):
+        for old in sorted(parent.iterdir(), key=lambda f: -f.stat().st_mtime)[_KEPT:]:
+            shutil.rmtree(old, ignore_errors=True)
+
+
+def _folder(package: str) -> Path:
+    return Path(__file__).parents[1].joinpath(*package.split("."))
+
+
+def _copy_name(package: str) -> str:
+    return f"lowfi.{_MARK}{package.removeprefix('lowfi.').replace('.', '_')}"
+
+
+@cache
+def _load(package: str) -> ModuleType:
+    """The files of a package loaded as another package. Raises ImportError where the folder holds no package."""
+    folder, name = _folder(package), _copy_name(package)
+    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
     if spec is None or spec.loader is None:
         raise ImportError(f"cannot load the kernels from {folder}")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    spec.loader.exec_module(module)
+    with _numba_writes_to(code_folder()):
+        spec.loader.exec_module(module)
     return module
 
 
-@cache
-def compiled() -> ModuleType:
-    """The kernels compiled by numba (loaded once; compiled on their first call, cached on disk)."""
-    start = perf_counter()
-    module = load_compiled(COMPILED, Path(__file__).parent / "kernel")
-    timing["load"] = perf_counter() - start
-    return module
+@contextmanager
+def _numba_writes_to(folder: Path | None) -> Iterator[None]:
+    """numba's cache folder while kernels are declared: each keeps the folder that it finds then."""
+    import numba
+
+    before = numba.config.CACHE_DIR
+    if folder is not None:
+        numba.config.CACHE_DIR = str(folder)
+    try:
+        yield
+    finally:
+        numba.config.CACHE_DIR = before

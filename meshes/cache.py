@@ -130,9 +130,12 @@ def key_of(kind: str, recipe: object, type_: type) -> str:
     """
     made_by = sorted({"meshes", type_.__module__.partition(".")[0]})
     head = (
-        kind, f"{type_.__module__}:{type_.__qualname__}", *map(_version, ("gmsh", "scikit-fem", "rollbench")),
-        *map(sources, made_by), recipe,
-    )  # fmt: skip
+        kind,
+        f"{type_.__module__}:{type_.__qualname__}",
+        *map(_version, ("gmsh", "scikit-fem", "rollbench")),
+        *map(sources, made_by),
+        recipe,
+    )
     hasher = NumpyHasher(hash_name="sha1")
     hasher.fast = True  # equal parts count the same whether or not they are one object
     return str(hasher.hash(head))

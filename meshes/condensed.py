@@ -94,9 +94,12 @@ def load_condensed(path: Path) -> CondensedBodies:
     except (zipfile.BadZipFile, KeyError, EOFError) as error:
         raise ValueError("no file of condensed bodies, or a damaged one") from error
     found = CondensedBodies(
-        str(values["geometry"]), int(values["level"]), np.asarray(values["sides"], dtype=float), float(values["base"]),
+        str(values["geometry"]),
+        int(values["level"]),
+        np.asarray(values["sides"], dtype=float),
+        float(values["base"]),
         *(np.asarray(values[name], dtype=float) for name in ("screw", "nut", "ball", "local", "force", "hertz")),
-    )  # fmt: skip
+    )
     k = found.sides.size
     square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (found.screw, found.nut, found.ball))
     fits = found.ball.shape[0] == k == len(found.local) and found.hertz.shape == (k,)

@@ -42,10 +42,18 @@ class GrooveMap:
         """Map of a scene (nominal geometry)."""
         track = scene.track
         return GrooveMap(
-            track.pitch_radius, reduced_lead(track), lead_angle(track), track.contact_angle, scene.balls.radius,
-            np.array(SIDE_SIGNS), nominal_groove_centres(scene), groove_radii(scene), scene.nut.position, track.phase,
+            track.pitch_radius,
+            reduced_lead(track),
+            lead_angle(track),
+            track.contact_angle,
+            scene.balls.radius,
+            np.array(SIDE_SIGNS),
+            nominal_groove_centres(scene),
+            groove_radii(scene),
+            scene.nut.position,
+            track.phase,
             track.starts,
-        )  # fmt: skip
+        )
 
     def section(self, side: int, gamma: Array, rho: Array) -> tuple[Array, Array]:
         """Section coordinates (x3, z3) [m] at angle gamma and distance rho from the centre of a side's arc."""

@@ -365,13 +365,16 @@ class Thread:
         self.cuts = [
             [
                 shell.curve(
-                    self._space(place, end), groove.apex, groove.edge, limit,
+                    self._space(place, end),
+                    groove.apex,
+                    groove.edge,
+                    limit,
                     (int(self.rails[1].nodes[-end]), int(self.rails[2 * place].nodes[-end])),
                 )
                 for end in (0, 1)
             ]
             for place in (0, 1)
-        ]  # fmt: skip
+        ]
 
     def _azimuth(self, place: int, end: int, gamma: Array) -> tuple[Array, Array]:
         r, zeta = self.groove.profile(self.groove.sides[place], gamma)

@@ -20,9 +20,15 @@ FREEDOMS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
 #: Where a nut may be held: the inner and outer halves of a face are rings on both sides of the middle of its width.
 NutHeld = Literal[
-    "left face", "right face", "both faces", "outer surface", "left face, inner half", "left face, outer half",
-    "right face, inner half", "right face, outer half",
-]  # fmt: skip
+    "left face",
+    "right face",
+    "both faces",
+    "outer surface",
+    "left face, inner half",
+    "left face, outer half",
+    "right face, inner half",
+    "right face, outer half",
+]
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ POOR = 0.1
 #: Cells measured at once.
 CHUNK = 8192
 
+
 @dataclass(frozen=True)
 class Quality:
     """Cells and nodes of a mesh, smallest and median scaled Jacobian, share of cells below 0.1, the worst cell and where
@@ -77,9 +78,14 @@ def measure(mesh: Mesh) -> Quality:
     worst = int(found.argmin())
     x, y, z = mesh.doflocs[:, mesh.dofs.element_dofs[:, worst]].mean(axis=1)
     return Quality(
-        mesh.nelements, mesh.doflocs.shape[1], float(found[worst]), float(np.median(found)), float((found < POOR).mean()),
-        worst, (float(x), float(y), float(z)),
-    )  # fmt: skip
+        mesh.nelements,
+        mesh.doflocs.shape[1],
+        float(found[worst]),
+        float(np.median(found)),
+        float((found < POOR).mean()),
+        worst,
+        (float(x), float(y), float(z)),
+    )
 
 
 def refuse_bad(quality: Quality, name: str, least: float = 0.0) -> None:
@@ -155,4 +161,3 @@ def straighten(mesh: Mesh, keep: Index, threshold: float = 0.1) -> tuple[Mesh, i
 def arc_deviation(x3: Array, z3: Array, centre: Array, radius: float) -> float:
     """Largest distance [m] of section points (x3, z3) [m] from the circle of a groove: centre ``(2,)``, radius [m]."""
     return float(np.abs(np.hypot(x3 - centre[0], z3 - centre[1]) - radius).max(initial=0.0))
-

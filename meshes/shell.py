@@ -36,11 +36,20 @@ WALL = 1.6
 INWARD = 0.5
 #: gmsh's options: no output, one thread and no other chance than its own fixed seed, sizes from faces inwards.
 OPTIONS = {
-    "General.Terminal": 0, "General.NumThreads": 1, "Mesh.MaxNumThreads1D": 1, "Mesh.MaxNumThreads2D": 1,
-    "Mesh.MaxNumThreads3D": 1, "Mesh.RandomSeed": 1, "Mesh.RandomFactor": 1e-9, "Mesh.RandomFactor3D": 1e-12,
-    "Mesh.MeshSizeExtendFromBoundary": 1, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0,
-    "Mesh.Optimize": 1, "Mesh.OptimizeThreshold": 0.5,
-}  # fmt: skip
+    "General.Terminal": 0,
+    "General.NumThreads": 1,
+    "Mesh.MaxNumThreads1D": 1,
+    "Mesh.MaxNumThreads2D": 1,
+    "Mesh.MaxNumThreads3D": 1,
+    "Mesh.RandomSeed": 1,
+    "Mesh.RandomFactor": 1e-9,
+    "Mesh.RandomFactor3D": 1e-12,
+    "Mesh.MeshSizeExtendFromBoundary": 1,
+    "Mesh.MeshSizeFromPoints": 0,
+    "Mesh.MeshSizeFromCurvature": 0,
+    "Mesh.Optimize": 1,
+    "Mesh.OptimizeThreshold": 0.5,
+}
 #: Sine of an angle from which a triangle is sound.
 SLENDER = 0.3
 #: Cells below this scaled Jacobian have their edges straightened, though the surface suffers.
@@ -130,9 +139,7 @@ class Shell:
         self.points = np.concatenate([self.points, points])
         return np.arange(first, len(self.points))
 
-    def curve(
-        self, space: Placing, start: float, end: float, limit: float, ends: tuple[int, int] | None = None
-    ) -> Curve:
+    def curve(self, space: Placing, start: float, end: float, limit: float, ends: tuple[int, int] | None = None) -> Curve:
         """Divide a curve ``space(t)``; ends: nodes there (None: a closed curve, at least five edges)."""
         t = np.linspace(start, end, 65)
         length = float(np.linalg.norm(np.diff(space(t), axis=0), axis=1).sum())
@@ -246,9 +253,7 @@ def triangulate(
     return tris, inner
 
 
-def tetrahedra(
-    gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float], algorithm: int
-) -> tuple[Index, Array]:
+def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float], algorithm: int) -> tuple[Index, Array]:
     """Tetrahedra inside a closed triangulated surface, which they keep, and the inner nodes ``(k, 3)`` [m].
 
     Raises ValueError where the surface is not closed.

@@ -301,9 +301,16 @@ def turn_left(m: GrooveMap, size: SocketSize, sides: tuple[int, ...]) -> float:
 
 
 def fitted_socket(
-    m: GrooveMap, layout: BallLayout, sides: tuple[int, ...], land_screw: float, bore_screw: float, land_nut: float,
-    outer_nut: float, ends: tuple[float, float], need: tuple[float, float] = (0.0, 0.0),
-) -> SocketSize:  # fmt: skip
+    m: GrooveMap,
+    layout: BallLayout,
+    sides: tuple[int, ...],
+    land_screw: float,
+    bore_screw: float,
+    land_nut: float,
+    outer_nut: float,
+    ends: tuple[float, float],
+    need: tuple[float, float] = (0.0, 0.0),
+) -> SocketSize:
     """Largest socket, up to the usual one, that fits every ball on all of ``sides`` (0 to 3: SL, SR, NL, NR).
 
     land_screw, bore_screw, land_nut, outer_nut: radii [m]; ends: z [m] of the flat ends nearest the balls (the nut's);
@@ -362,15 +369,16 @@ def fitted_socket(
     for fits, why in (
         (inside, f"the outermost balls are {mm(low)} and {mm(high)} from the flat ends; lengthen the nut or move balls"),
         (clear, f"the next turn of the groove is {mm(2.0 * np.pi * abs(m.rg) / m.starts)} on; raise the lead"),
-    ):  # fmt: skip
+    ):
         share = _largest(fits)
         if share < 1.0:
             size = scaled(share) if share else replace(size, gamma=0.0, depth=0.0, phi=0.0)
             cause = dict.fromkeys(cause, why)
     for name, word, floor in (
-        ("gamma", "narrow", least or LEAST * GAMMA), ("depth", "shallow", LEAST * usual.depth),
+        ("gamma", "narrow", least or LEAST * GAMMA),
+        ("depth", "shallow", LEAST * usual.depth),
         ("phi", "short", max(LEAST * usual.phi, need[1] / (ZONE * m.R))),
-    ):  # fmt: skip
+    ):
         if getattr(size, name) < floor * (1.0 - 1e-9):
             found, wanted = getattr(size, name) / getattr(usual, name), floor / getattr(usual, name)
             raise ValueError(
@@ -414,9 +422,13 @@ def _narrowed(
 
 
 def refuse_misfit(
-    m: GrooveMap, size: SocketSize, sockets: tuple[tuple[float, float, int], ...], land: float, behind: float,
+    m: GrooveMap,
+    size: SocketSize,
+    sockets: tuple[tuple[float, float, int], ...],
+    land: float,
+    behind: float,
     ends: tuple[float, float],
-) -> None:  # fmt: skip
+) -> None:
     """Raise ValueError where sockets (azimuth, z, side) of one body leave it or one another; radii and ends [m]."""
     remedy = "make the sockets smaller (meshes.sockets.fitted_socket finds a size that fits)"
     sides = tuple(sorted({s for _, _, s in sockets}))

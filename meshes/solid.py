@@ -41,9 +41,7 @@ def dimensions(scene: Scene) -> Dimensions:
     R, outer = scene.track.pitch_radius, scene.screw.outer_diameter / 2.0
     if solid.nut_inner_diameter is None:
         land = 2.0 * R - outer
-        assumed.append(
-            f"Nut lands of {2e3 * land:.4g} mm diameter: the screw's lands mirrored about the pitch cylinder."
-        )
+        assumed.append(f"Nut lands of {2e3 * land:.4g} mm diameter: the screw's lands mirrored about the pitch cylinder.")
     else:
         land = solid.nut_inner_diameter / 2.0
     if solid.hole_diameter is not None:
@@ -88,6 +86,12 @@ def dimensions(scene: Scene) -> Dimensions:
             f"below {2e3 * (R - reach):.4g} mm: set solid.hole_diameter"
         )
     return Dimensions(
-        land, hole, shaft, None if solid.shaft_diameter is None else solid.shaft_diameter / 2.0, held, screw_held,
-        held_radii, tuple(assumed),
-    )  # fmt: skip
+        land,
+        hole,
+        shaft,
+        None if solid.shaft_diameter is None else solid.shaft_diameter / 2.0,
+        held,
+        screw_held,
+        held_radii,
+        tuple(assumed),
+    )

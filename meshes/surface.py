@@ -20,9 +20,7 @@ def groove_profile(gamma: Array, radius: float | Array, profile: Array) -> Array
     ``profile``: polynomial coefficients of the inward offset [m], ascending powers of gamma [rad] (Lin 2.27).
     """
     poly = np.polynomial.Polynomial(profile if profile.size else np.zeros(1))
-    return np.stack(
-        [radius - poly(gamma), -poly.deriv()(gamma), -poly.deriv(2)(gamma) + 0.0 * gamma],
-    )
+    return np.stack([radius - poly(gamma), -poly.deriv()(gamma), -poly.deriv(2)(gamma) + 0.0 * gamma])
 
 
 def surface_derivatives(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> dict[str, Array]:
@@ -55,14 +53,7 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int, gamma: Array) 
     x_p = local(a_p) + rise
     sp = turn(x, x_p)
     spp = turn(sp, turn(x_p, local(a_pp)))
-    return {
-        "S": x,
-        "Sp": sp,
-        "Sg": local(a_g),
-        "Spp": spp,
-        "Spg": turn(local(a_g), np.zeros_like(x)),
-        "Sgg": local(a_gg),
-    }
+    return {"S": x, "Sp": sp, "Sg": local(a_g), "Spp": spp, "Spg": turn(local(a_g), np.zeros_like(x)), "Sgg": local(a_gg)}
 
 
 def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
@@ -89,9 +80,7 @@ def principal_curvatures(scene: Scene, drawn: Specimen, side: int, gamma: Array)
     first, second, normal = fundamental_forms(d)
     sx, sz = SIDE_SIGNS[side]
     alpha = lead_angle(scene.track)
-    to_ball = -np.stack(
-        [sx * np.cos(gamma), -sz * np.sin(gamma) * sin(alpha), sz * np.sin(gamma) * cos(alpha)], axis=-1
-    )
+    to_ball = -np.stack([sx * np.cos(gamma), -sz * np.sin(gamma) * sin(alpha), sz * np.sin(gamma) * cos(alpha)], axis=-1)
     outward = np.sign(np.einsum("ni,ni->n", normal, to_ball))
     shape = np.linalg.solve(first, second)
     return np.sort(-outward[:, None] * np.linalg.eigvals(shape).real, axis=1)

@@ -79,9 +79,12 @@ def build_tets(box: TetBox, socket: SocketMesh | None = None) -> LocalTets:
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         for name, value in (
-            ("General.Terminal", 0), ("General.NumThreads", 1), ("Mesh.MeshSizeExtendFromBoundary", 0),
-            ("Mesh.MeshSizeFromPoints", 0), ("Mesh.MeshSizeFromCurvature", 0),
-        ):  # fmt: skip
+            ("General.Terminal", 0),
+            ("General.NumThreads", 1),
+            ("Mesh.MeshSizeExtendFromBoundary", 0),
+            ("Mesh.MeshSizeFromPoints", 0),
+            ("Mesh.MeshSizeFromCurvature", 0),
+        ):
             gmsh.option.setNumber(name, value)
         gmsh.model.add("patch")
         inner, ring = _geometry(gmsh, box, socket)

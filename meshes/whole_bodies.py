@@ -59,9 +59,9 @@ def grid(half: tuple[float, float], step: float) -> Array:
     x, y = np.meshgrid(*(np.linspace(-1.0, 1.0, 2 * n + 1) for n in counts), indexing="ij")
     inside = x**2 + y**2 <= 1.0
     turn = np.linspace(0.0, 2.0 * np.pi, 8 * max(counts), endpoint=False)
-    return np.stack([
-        half[0] * np.concatenate([x[inside], np.cos(turn)]), half[1] * np.concatenate([y[inside], np.sin(turn)])
-    ], axis=1)  # fmt: skip
+    return np.stack(
+        [half[0] * np.concatenate([x[inside], np.cos(turn)]), half[1] * np.concatenate([y[inside], np.sin(turn)])], axis=1
+    )
 
 
 def groove_points(m: GrooveMap, place: tuple[float, float, int], flat: Array) -> Array:

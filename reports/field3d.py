@@ -26,13 +26,18 @@ Index = NDArray[np.int64]
 _TET_FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
 _TET_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3))  # midpoints 4 to 9, gmsh's order
 _HEX_FACES = ((0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7))  # centres 20 to 25
-_HEX_EDGES = (
-    (0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7),
-)  # fmt: skip
+_HEX_EDGES = ((0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7))
 _HEX_CORNERS = ((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2))
 _TEN_SPLIT = (
-    (0, 4, 6, 7), (4, 1, 5, 9), (6, 5, 2, 8), (7, 9, 8, 3), (4, 8, 5, 6), (4, 8, 6, 7), (4, 8, 7, 9), (4, 8, 9, 5),
-)  # fmt: skip
+    (0, 4, 6, 7),
+    (4, 1, 5, 9),
+    (6, 5, 2, 8),
+    (7, 9, 8, 3),
+    (4, 8, 5, 6),
+    (4, 8, 6, 7),
+    (4, 8, 7, 9),
+    (4, 8, 9, 5),
+)
 STEPS = 18  # of the colour scale: their borders are lines of equal value
 COLOURS = "turbo"
 PALETTE = 224  # colours of the file
@@ -131,9 +136,10 @@ def _lattice() -> tuple[Array, Index, Index]:
     walk = [(k, 0) for k in range(n)] + [(n - k, k) for k in range(n)] + [(0, n - k) for k in range(n)]
     ring = [place[w] for w in walk]
     return (
-        _shape(bary, ((0, 1), (1, 2), (2, 0))), np.array(up + down, dtype=np.int64),
+        _shape(bary, ((0, 1), (1, 2), (2, 0))),
+        np.array(up + down, dtype=np.int64),
         np.stack([ring, np.roll(ring, -1)], axis=1).astype(np.int64),
-    )  # fmt: skip
+    )
 
 
 def drawn_faces(points: Array, face: Index, kind: str) -> tuple[Array, Array, Index, Index]:
@@ -235,8 +241,9 @@ def _add_section(plotter: Any, part: MeshPart, picture: FieldPicture, look: dict
     plotter.add_mesh(cut, lighting=False, **look)
     ahead = 2e-3 * MM * picture.height * np.asarray(picture.sight, float) / np.linalg.norm(picture.sight)
     for wanted, face, colour, width in (
-        (part.edges, faces(cells, part.kind), _LINE, 1.3), (part.outline, skin(every, part.kind), "#101418", 2.4),
-    ):  # fmt: skip
+        (part.edges, faces(cells, part.kind), _LINE, 1.3),
+        (part.outline, skin(every, part.kind), "#101418", 2.4),
+    ):
         if wanted:
             _, where, triangles, _ = drawn_faces(MM * plain, _crossing(plain, face, picture), part.kind)
             lines = _poly(where, triangles).slice(**plane)
@@ -273,9 +280,13 @@ def _render(picture: FieldPicture, path: str) -> None:
         look: dict[str, Any] = {"color": part.colour}
         if part.values is not None:
             look = {
-                "scalars": "values", "cmap": COLOURS, "clim": limits, "show_scalar_bar": False, "n_colors": STEPS,
+                "scalars": "values",
+                "cmap": COLOURS,
+                "clim": limits,
+                "show_scalar_bar": False,
+                "n_colors": STEPS,
                 "log_scale": picture.log,
-            }  # fmt: skip
+            }
         (_add_section if picture.section else _add_skin)(plotter, part, picture, look)
     right, up, sight = _axes(picture)
     focus, height = MM * np.asarray(picture.focus, float), MM * picture.height
@@ -320,9 +331,14 @@ def _compose(picture: FieldPicture, image: Any, limits: tuple[float, float] | No
     if picture.scale_bar:
         length, low, left = scale * picture.scale_bar, 34.0, 44.0
         box = matplotlib.patches.FancyBboxPatch(
-            (left - 10.0, low - 12.0), max(length, 80.0) + 20.0, 58.0, boxstyle="round,pad=6", facecolor="white",
-            edgecolor="none", alpha=0.85,
-        )  # fmt: skip
+            (left - 10.0, low - 12.0),
+            max(length, 80.0) + 20.0,
+            58.0,
+            boxstyle="round,pad=6",
+            facecolor="white",
+            edgecolor="none",
+            alpha=0.85,
+        )
         axes.add_patch(box)
         start = left + 0.5 * (max(length, 80.0) - length)
         axes.plot([start, start + length], [low, low], color="black", linewidth=4.0, solid_capstyle="butt")

@@ -143,9 +143,7 @@ def check_target(out: Path) -> None:
         folder = len(top) == 1 and (entry.is_dir() if top[0] != "index.html" else entry.is_file())
         file = len(top) == 2 and entry.is_file() and entry.suffix in _KNOWN.get(top[0], ())
         if top[0] not in _KNOWN or not (folder or file):
-            raise ValueError(
-                f"{entry} was not written by a report and would be lost; move it elsewhere first"
-            )
+            raise ValueError(f"{entry} was not written by a report and would be lost; move it elsewhere first")
 
 
 def _check_names(report: Report) -> None:
@@ -175,9 +173,7 @@ def _swap(fresh: Path, out: Path) -> None:
         if old.exists() and not out.exists():
             old.rename(out)
         if isinstance(error, OSError):
-            raise ValueError(
-                f"{out} cannot be replaced ({error.strerror}); give a directory below it"
-            ) from error
+            raise ValueError(f"{out} cannot be replaced ({error.strerror}); give a directory below it") from error
         raise
     shutil.rmtree(old, ignore_errors=True)
 
@@ -193,11 +189,7 @@ class _Counter:
 def _page(report: Report, folder: Path, say: Progress) -> str:
     """Draw everything, write the files of tables and figures into ``folder``, and return the page."""
     environment = Environment(
-        loader=PackageLoader("reports"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+        loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     counter = _Counter()
     sections = []

@@ -20,9 +20,13 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
     search = os.pathsep.join([str(Path(__file__).resolve().parents[1]), *filter(None, sys.path)])
     try:
         child = subprocess.run(
-            [sys.executable, "-m", module], input=pickle.dumps((picture, str(Path(path).resolve()))),
-            capture_output=True, timeout=TIMEOUT, env={**os.environ, "PYTHONPATH": search}, check=False,
-        )  # fmt: skip
+            [sys.executable, "-m", module],
+            input=pickle.dumps((picture, str(Path(path).resolve()))),
+            capture_output=True,
+            timeout=TIMEOUT,
+            env={**os.environ, "PYTHONPATH": search},
+            check=False,
+        )
     except subprocess.TimeoutExpired:
         raise RuntimeError(f"3D picture: not finished after {TIMEOUT:.0f} s; {ADVICE}") from None
     if child.returncode == 0:

@@ -311,9 +311,7 @@ def _set_view(plotter: Any, picture: LoadedScrew) -> None:
         light.positional = False
         plotter.add_light(light)
     plotter.reset_camera_clipping_range()
-    plotter.add_axes(
-        xlabel="x", ylabel="y", zlabel="z", line_width=4, color="black", viewport=(0.0, 0.72, 0.16, 1.0)
-    )
+    plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=4, color="black", viewport=(0.0, 0.72, 0.16, 1.0))
     plotter.enable_anti_aliasing("ssaa")
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from lowfi import jit
-from lowfi.problem import build
-from lowfi.static import prepare, solve_static
+from lowfi.statics.problem import build
+from lowfi.statics.static import prepare, solve_static
 from meshes.errors import specimen
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec
@@ -44,14 +44,26 @@ NO_PROFILES = {name: replace(FLANK_ERRORS.side(name), profile=()) for name in SI
 
 
 def small_screw(
-    count=6, turns=1.0, *, lead=20e-3, beta=np.pi / 4, hand="right", phase=0.0, oversize=0.0, fixed=ALL_BUT_AXIAL,
-    force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0), load_at=0.1, **ingredients,
-):  # fmt: skip
+    count=6,
+    turns=1.0,
+    *,
+    lead=20e-3,
+    beta=np.pi / 4,
+    hand="right",
+    phase=0.0,
+    oversize=0.0,
+    fixed=ALL_BUT_AXIAL,
+    force=(0.0, 0.0, 0.0),
+    moment=(0.0, 0.0, 0.0),
+    load_at=0.1,
+    **ingredients,
+):
     """Screw of 200 mm with ``count`` balls spread evenly over ``turns`` about its middle, held at its left end."""
     sign = 1.0 if hand == "right" else -1.0
     places = phase + sign * 2.0 * np.pi * turns * ((np.arange(count) + 0.5) / count - 0.5)
     return Scene(
-        name="small", title="small screw",
+        name="small",
+        title="small screw",
         track=Track(16.5e-3, lead, beta, hand=hand, phase=phase),
         screw=Screw(0.2, 32e-3, 3.254e-3, STEEL),
         nut=Nut(0.1, 54e-3, 48e-3, 3.3e-3, STEEL),
@@ -60,7 +72,7 @@ def small_screw(
         supports=(Support(0.0, fixed),) if fixed else (),
         loads=(Load(load_at, force, moment),),
         ingredients=Ingredients(**ingredients),
-    )  # fmt: skip
+    )
 
 
 def with_ingredients(scene, **changes):
@@ -71,7 +83,7 @@ def prepared(scene, engine="interpreted", *, everything=False):
     """The scene as the kernels take it, with all four flanks built."""
     layout = ball_layout(scene)
     problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool), everything=everything)
-    return prepare(problem, jit.compiled() if engine == "compiled" else jit.interpreted())
+    return prepare(problem, jit.kernels(jit.STATICS, compiled=engine == "compiled"))
 
 
 def solved(scene, **options):
@@ -119,6 +131,7 @@ def body_specs(scene, sides, *, fine=1.6e-3, coarse=8e-3, beyond=20e-3, size=Non
         return BodySpec(*radii, *z, screw, sockets, size, scale * fine, scale * coarse)
 
     return {"screw": spec((bore, outer), reach, True), "nut": spec((land, outside), ends, False)}
+
 
 #: Contact forces [N] and angles [rad] of a ball of a ball screw in two-, three- and four-point contact.
 SCREW_STATES = {

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from compare.measure import load_error
-from compare.models import DEFAULT
-from compare.reference import reference
-from compare.study import Study
+from compare.models.registry import DEFAULT
+from compare.models.study import Study
+from compare.reference.runs import reference
 from reports.records import Cell, Column, Table
 
 
@@ -41,28 +41,34 @@ def readings_table(study: Study) -> Table:
     for reading in READINGS:
         for name, first in ((reading.plain, READINGS[0].plain), (reading.offset, READINGS[0].offset)):
             row: dict[str, Cell] = {
-                "scene": name, "held": reading.label, "text": "yes" if reading.of_text else "no",
+                "scene": name,
+                "held": reading.label,
+                "text": "yes" if reading.of_text else "no",
                 "reference": reference_words(study, name),
-            }  # fmt: skip
+            }
             for model, key in (("lin", "lin"), (DEFAULT, "refined")):
                 result = study.solve(name, model)
                 e = load_error(result.load, study.solve(first, model).load)
                 row |= {
-                    f"{key}_max": float(result.load.max()), f"{key}_min": float(result.load.min()),
+                    f"{key}_max": float(result.load.max()),
+                    f"{key}_min": float(result.load.min()),
                     f"{key}_change": e.max_percent,
                     f"{key}_where": f"{e.ball} {e.side}" if e.max_percent > 0.0 else "–",
-                }  # fmt: skip
+                }
             rows.append(row)
     columns = [
-        Column("scene", "scene", "", "s"), Column("held", "right end", "", "s"), Column("text", "text's reading", "", "s"),
+        Column("scene", "scene", "", "s"),
+        Column("held", "right end", "", "s"),
+        Column("text", "text's reading", "", "s"),
         Column("reference", "3D reference", "", "s"),
-    ]  # fmt: skip
+    ]
     for key, words in (("lin", "source's model"), ("refined", "refined model")):
         columns += [
-            Column(f"{key}_max", f"max, {words}", "N", ".1f"), Column(f"{key}_min", f"min, {words}", "N", ".1f"),
+            Column(f"{key}_max", f"max, {words}", "N", ".1f"),
+            Column(f"{key}_min", f"min, {words}", "N", ".1f"),
             Column(f"{key}_change", f"largest change, {words}", "% of mean", ".2f"),
             Column(f"{key}_where", "ball, side", "", "s"),
-        ]  # fmt: skip
+        ]
     note = (
         "The text sets only the x-displacement of the last node (2.4.1.3). A bearing there holds the y-displacement too, "
         "which is what the 3D reference was computed for; whether it holds rotations is open. Changes are against the "

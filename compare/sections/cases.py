@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.findings import Finding, collect, entry, share
 from compare.measure import error_percent, load_error
+from compare.models.study import Study, with_groove
+from compare.printed.findings import Finding, collect, entry, share
 from compare.sections.case3 import READINGS, readings_table
 from compare.sections.hertz import TABLE_CONFORMITY
-from compare.study import Study, with_groove
-from lowfi.result import Array, StaticResult
+from lowfi.statics.result import Array, StaticResult
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.partition import fixed_partition
@@ -62,11 +62,11 @@ def findings_241(study: Study) -> list[Finding]:
     times = {k: entry("lin-2.2", k).value or np.nan for k in ("time_ansys_1", "time_proposed_1")}
     found = {
         "case1_ratio": Finding(
-            entry(table, "case1_ratio"), value=ratio(case1.load[:, 0]),
-            evidence=spread_of_choices(study),
+            entry(table, "case1_ratio"), value=ratio(case1.load[:, 0]), evidence=spread_of_choices(study)
         ),
         "case1_mei": Finding(
-            entry(table, "case1_mei"), holds=bool(np.all(np.diff(mei.load[:, 0]) < 0.0)),
+            entry(table, "case1_mei"),
+            holds=bool(np.all(np.diff(mei.load[:, 0]) < 0.0)),
             evidence=f"{mei.load[0, 0]:.1f} N at ball 1 falling at every ball to {mei.load[-1, 0]:.1f} N at ball 32",
         ),
         "case1_two_point": Finding(
@@ -75,21 +75,23 @@ def findings_241(study: Study) -> list[Finding]:
             evidence=f"SL {share(case1.load[:, 0] > 0)} loaded, SR {share(case1.load[:, 1] > 0)}",
         ),
         "case1_lateral": Finding(
-            entry(table, "case1_lateral"), holds=lateral > 0.1,
+            entry(table, "case1_lateral"),
+            holds=lateral > 0.1,
             evidence=f"largest lateral displacement of the centreline {lateral:.2f} um; 0 in the axial-only model",
         ),
         "case2_ball17": Finding(
-            entry(table, "case2_ball17"), holds=bool(change[16] > 5.0 * np.abs(others).max()),
-            evidence=f"ball 17 {change[16]:+.1f} % of the mean load, every other ball within "
-            f"{np.abs(others).max():.2f} %",
+            entry(table, "case2_ball17"),
+            holds=bool(change[16] > 5.0 * np.abs(others).max()),
+            evidence=f"ball 17 {change[16]:+.1f} % of the mean load, every other ball within {np.abs(others).max():.2f} %",
         ),
         "case3_four_point": Finding(
-            entry(table, "case3_four_point"), holds=all(bool(np.all(r.load > 0.0)) for r in cases3),
-            evidence="smallest load of any contact in all readings "
-            f"{min(float(r.load.min()) for r in cases3):.1f} N",
+            entry(table, "case3_four_point"),
+            holds=all(bool(np.all(r.load > 0.0)) for r in cases3),
+            evidence=f"smallest load of any contact in all readings {min(float(r.load.min()) for r in cases3):.1f} N",
         ),
         "case3_last_balls": Finding(
-            entry(table, "case3_last_balls"), holds=all(x >= 30 for x in last),
+            entry(table, "case3_last_balls"),
+            holds=all(x >= 30 for x in last),
             evidence="the three largest rises of SR + NL are at balls "
             + ", ".join(f"{ball} and up ({x.label})" for ball, x in zip(last, READINGS, strict=True)),
         ),
@@ -99,10 +101,11 @@ def findings_241(study: Study) -> list[Finding]:
             evidence="12 outside + 3 of 15 mm inside + 12 outside",
         ),
         "speed_ratio": Finding(
-            entry(table, "speed_ratio"), value=times["time_ansys_1"] * 3600.0 / times["time_proposed_1"],
+            entry(table, "speed_ratio"),
+            value=times["time_ansys_1"] * 3600.0 / times["time_proposed_1"],
             evidence="arithmetic of Table 2.2, case 1; our own times are in section timing",
         ),
-    }  # fmt: skip
+    }
     return collect(table, found)
 
 
@@ -116,30 +119,41 @@ def choices(study: Study) -> list[dict[str, Cell]]:
         ("partition of the source (15 mm in the nut)", study.changed("lin-case1", partition="source"), "lin"),
         ("C.8 read without the root", study.changed("lin-case1", section="groove squared"), "lin"),
         ("groove ignored in the beam's section", study.changed("lin-case1", section="full"), "lin"),
-        ("source's partition and C.8 without the root",
-         study.changed("lin-case1", partition="source", section="groove squared"), "lin"),
+        (
+            "source's partition and C.8 without the root",
+            study.changed("lin-case1", partition="source", section="groove squared"),
+            "lin",
+        ),
         ("Hertz constants as printed (faults of Table B.1)", study.changed("lin-case1", hertz="as printed"), "lin"),
         ("groove radius 0.56 x diameter, right Hertz constants", small, "lin"),
-        ("groove radius 0.56 x diameter, as printed (Table B.1 itself)",
-         replace(small, ingredients=replace(small.ingredients, hertz="as printed")), "lin"),
+        (
+            "groove radius 0.56 x diameter, as printed (Table B.1 itself)",
+            replace(small, ingredients=replace(small.ingredients, hertz="as printed")),
+            "lin",
+        ),
         ("Hertz constants at each contact's actual geometry", study.changed("lin-case1", hertz="actual"), "lin"),
         ("lever arm frozen at the nominal contact point", study.changed("lin-case1", arm="nominal"), "lin"),
         ("force enters the beam at the ball's station", study.changed("lin-case1", arm="ball"), "lin"),
         ("source's own equations (lever arm and station follow the contact angle)", own, "source"),
         ("axial bars only, rigid nut (Mei)", own, "mei"),
         ("axial bars only, nut an elastic bar (Mei)", own, "mei-nut"),
-    )  # fmt: skip
+    )
     rows: list[dict[str, Cell]] = []
     for label, scene, model in variants:
         r = study.solve(scene, model)
         e = load_error(r.load, base.load)
         rows.append(
             {
-                "choice": label, "max": float(r.load.max()), "min": float(r.load[:, 0].min()),
-                "ratio": ratio(r.load[:, 0]), "error": e.max_percent, "rms": e.rms_percent,
-                "uz": 1e6 * float(r.centreline[0, 2]), "status": r.status,
+                "choice": label,
+                "max": float(r.load.max()),
+                "min": float(r.load[:, 0].min()),
+                "ratio": ratio(r.load[:, 0]),
+                "error": e.max_percent,
+                "rms": e.rms_percent,
+                "uz": 1e6 * float(r.centreline[0, 2]),
+                "status": r.status,
             }
-        )  # fmt: skip
+        )
     return rows
 
 
@@ -171,13 +185,18 @@ def finding_rows(found: Sequence[Finding]) -> list[dict[str, Cell]]:
     """Rows of a findings table."""
     return [
         {
-            "label": f.printed.claim or f.printed.label, "place": f.printed.place.removeprefix("Lin (2019), "),
-            "printed": f.printed.printed or "–", "unit": f.printed.unit, "value": f.compared,
-            "error": f.error_percent, "class": f.printed.cls,
-            "verdict": f.verdict, "evidence": f.evidence or f.printed.remark,
+            "label": f.printed.claim or f.printed.label,
+            "place": f.printed.place.removeprefix("Lin (2019), "),
+            "printed": f.printed.printed or "–",
+            "unit": f.printed.unit,
+            "value": f.compared,
+            "error": f.error_percent,
+            "class": f.printed.cls,
+            "verdict": f.verdict,
+            "evidence": f.evidence or f.printed.remark,
         }
         for f in found
-    ]  # fmt: skip
+    ]
 
 
 def load_table(study: Study) -> Table:
@@ -208,12 +227,18 @@ def summary_table(study: Study) -> Table:
             if (load > 0.0).any():
                 rows.append(
                     {
-                        "case": name, "side": side, "max": float(load.max()), "min": float(load.min()),
-                        "ratio": ratio(load), "ball": int(load.argmax()) + 1, "residual": r.solver.residual,
-                        "force": r.equilibrium.force_residual, "moment": r.equilibrium.moment_residual,
+                        "case": name,
+                        "side": side,
+                        "max": float(load.max()),
+                        "min": float(load.min()),
+                        "ratio": ratio(load),
+                        "ball": int(load.argmax()) + 1,
+                        "residual": r.solver.residual,
+                        "force": r.equilibrium.force_residual,
+                        "moment": r.equilibrium.moment_residual,
                         "status": r.status,
                     }
-                )  # fmt: skip
+                )
     columns = (
         Column("case", "scene", "", "s"),
         Column("side", "side", "", "s"),
@@ -242,7 +267,9 @@ def figures(study: Study) -> tuple[Figure, ...]:
     case2 = study.solve("lin-case2")
     x, y = "ball", "contact load / N"
     first = Panel(
-        "case 1, SL = NR", x, y,
+        "case 1, SL = NR",
+        x,
+        y,
         (
             loads("low-order model", case1, 0, emphasis=True),
             loads("source's partition, C.8 without root", coarse, 0),
@@ -250,51 +277,72 @@ def figures(study: Study) -> tuple[Figure, ...]:
             loads("Mei, nut as a bar", nut, 0),
         ),
         integer_x=True,
-    )  # fmt: skip
+    )
     second = Panel(
-        "case 2, SL = NR: ball 17 oversized by 1 µm", x, y,
-        (loads("case 2", case2, 0, emphasis=True), loads("case 1", case1, 0)), integer_x=True,
-    )  # fmt: skip
+        "case 2, SL = NR: ball 17 oversized by 1 µm",
+        x,
+        y,
+        (loads("case 2", case2, 0, emphasis=True), loads("case 1", case1, 0)),
+        integer_x=True,
+    )
     panels = []
     for reading in READINGS:
         plain, offset = study.solve(reading.plain), study.solve(reading.offset)
         panels.append(
             Panel(
-                f"case 3, {reading.label} at the right end" + (" (as the text says)" if reading.of_text else ""), x, y,
+                f"case 3, {reading.label} at the right end" + (" (as the text says)" if reading.of_text else ""),
+                x,
+                y,
                 (
-                    loads("SL, offset 300 µm", offset, 0, emphasis=True), loads("SL, no offset", plain, 0),
-                    loads("SR, offset 300 µm", offset, 1, emphasis=True), loads("SR, no offset", plain, 1),
+                    loads("SL, offset 300 µm", offset, 0, emphasis=True),
+                    loads("SL, no offset", plain, 0),
+                    loads("SR, offset 300 µm", offset, 1, emphasis=True),
+                    loads("SR, no offset", plain, 1),
                 ),
                 integer_x=True,
             )
-        )  # fmt: skip
+        )
     z = [1e3 * float(v) for v in case1.centreline_z]
     line = Panel(
-        "case 1: lateral displacement of the centreline", "z / mm", "displacement / µm",
+        "case 1: lateral displacement of the centreline",
+        "z / mm",
+        "displacement / µm",
         (
             Series("u_x", z, [1e6 * float(v) for v in case1.centreline[:, 0]], "line"),
             Series("u_y", z, [1e6 * float(v) for v in case1.centreline[:, 1]], "line"),
             Series("Mei (both)", [0.0, z[-1]], [0.0, 0.0], "line"),
         ),
-    )  # fmt: skip
+    )
     three = study.solve("lin-case3-offset")
     bend = Panel(
-        "case 3 with offset", "z / mm", "displacement / µm",
+        "case 3 with offset",
+        "z / mm",
+        "displacement / µm",
         (
-            Series("u_x", [1e3 * float(v) for v in three.centreline_z],
-                   [1e6 * float(v) for v in three.centreline[:, 0]], "line"),
-            Series("u_y", [1e3 * float(v) for v in three.centreline_z],
-                   [1e6 * float(v) for v in three.centreline[:, 1]], "line"),
+            Series(
+                "u_x",
+                [1e3 * float(v) for v in three.centreline_z],
+                [1e6 * float(v) for v in three.centreline[:, 0]],
+                "line",
+            ),
+            Series(
+                "u_y",
+                [1e3 * float(v) for v in three.centreline_z],
+                [1e6 * float(v) for v in three.centreline[:, 1]],
+                "line",
+            ),
         ),
-    )  # fmt: skip
+    )
     return (
         Figure("cases-12", "Load distribution, case studies 1 and 2", (first, second)),
         Figure(
-            "cases-3", "Load distribution, case study 3, all readings of the right end", tuple(panels),
+            "cases-3",
+            "Load distribution, case study 3, all readings of the right end",
+            tuple(panels),
             f"NR follows SL and NL follows SR to within {pairs_apart(study):.2f} N.",
         ),
         Figure("cases-centreline", "Centreline of the screw", (line, bend)),
-    )  # fmt: skip
+    )
 
 
 def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
@@ -306,15 +354,24 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
     helix = np.stack([radius * np.cos(phi), radius * np.sin(phi), rise], axis=1)
     loaded = result.load > 0.0
     return LoadedScrew(
-        name="loaded-screw", title="Case 3 with offset: contact forces on the balls",
-        screw_length=scene.screw.length, screw_radius=scene.screw.outer_diameter / 2.0,
-        nut_position=scene.nut.position, nut_length=scene.nut.length, nut_radius=scene.nut.outer_diameter / 2.0,
-        track_radius=radius, ball_radius=float(specimen(scene, layout).ball_radius.max()),
-        ball_radii_centres=layout.centre.tolist(), ball_loads=[float(x) for x in result.load.max(axis=1)],
-        helix=helix.tolist(), contact_points=result.contact_point[loaded].tolist(),
+        name="loaded-screw",
+        title="Case 3 with offset: contact forces on the balls",
+        screw_length=scene.screw.length,
+        screw_radius=scene.screw.outer_diameter / 2.0,
+        nut_position=scene.nut.position,
+        nut_length=scene.nut.length,
+        nut_radius=scene.nut.outer_diameter / 2.0,
+        track_radius=radius,
+        ball_radius=float(specimen(scene, layout).ball_radius.max()),
+        ball_radii_centres=layout.centre.tolist(),
+        ball_loads=[float(x) for x in result.load.max(axis=1)],
+        helix=helix.tolist(),
+        contact_points=result.contact_point[loaded].tolist(),
         contact_forces=(result.force_direction * result.load[..., None])[loaded].tolist(),
-        groove_radius=scene.screw.groove_radius, lead=scene.track.lead, caption=caption,
-    )  # fmt: skip
+        groove_radius=scene.screw.groove_radius,
+        lead=scene.track.lead,
+        caption=caption,
+    )
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
@@ -331,13 +388,17 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             Table("cases-claims", "What 2.4.1 prints, and what we find", FINDING_COLUMNS, finding_rows(found)),
             *figures(study),
             picture(
-                study.scene("lin-case3-offset"), offset,
+                study.scene("lin-case3-offset"),
+                offset,
                 "Arrows are the contact forces of all four sides, balls are coloured by their largest contact load.",
             ),
             summary_table(study),
             readings_table(study),
             Table(
-                "cases-choices", "Case 1: what each open choice and each fault changes", CHOICE_COLUMNS, rows,
+                "cases-choices",
+                "Case 1: what each open choice and each fault changes",
+                CHOICE_COLUMNS,
+                rows,
                 "Changes are against the first row, in per cent of its mean contact load.",
             ),
             load_table(study),
@@ -350,4 +411,4 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 )
             ),
         ),
-    )  # fmt: skip
+    )

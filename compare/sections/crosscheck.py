@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from compare.crosscheck_data import CrossData, load, shipped
-from compare.crosscheck_fit import Extrapolation, extrapolate
-from compare.crosscheck_rows import agreement, columns, contact_rows
-from compare.crosscheck_study import STUDIES, scene_key
+from compare.crosscheck.data import CrossData, load, shipped
+from compare.crosscheck.fit import Extrapolation, extrapolate
+from compare.crosscheck.rows import agreement, columns, contact_rows
+from compare.crosscheck.study import STUDIES, scene_key
 from compare.measure import error_percent, load_error
-from compare.reference import Reference, reference
-from compare.study import Study
+from compare.models.study import Study
+from compare.reference.runs import Reference, reference
 from reports.records import Cell, Column, Section, Table, Text
 
 ABOUT = (
@@ -40,26 +40,38 @@ def run_table(data: CrossData) -> Table:
         twin = base.get((run.b_over_h, run.growth, run.stiffness))
         rows.append(
             {
-                "across": run.b_over_h, "fine": 1e3 * run.fine, "growth": run.growth, "stiffness": 1e-9 * run.stiffness,
-                "large": "large" if run.nlgeom else "small", "nodes": run.nodes,
-                "cells": sum(m.cells for m in run.meshes), "jacobian": min(m.smallest for m in run.meshes),
-                "iterations": run.iterations, "seconds": run.seconds, "sum": float(run.load.sum()),
+                "across": run.b_over_h,
+                "fine": 1e3 * run.fine,
+                "growth": run.growth,
+                "stiffness": 1e-9 * run.stiffness,
+                "large": "large" if run.nlgeom else "small",
+                "nodes": run.nodes,
+                "cells": sum(m.cells for m in run.meshes),
+                "jacobian": min(m.smallest for m in run.meshes),
+                "iterations": run.iterations,
+                "seconds": run.seconds,
+                "sum": float(run.load.sum()),
                 "weak": float(error_percent(run.weak, 0.0, mean)),
                 "loose": float(error_percent(run.unbalanced, 0.0, mean)),
                 "large_change": load_error(run.load, twin.load).max_percent if run.nlgeom and twin else None,
             }
-        )  # fmt: skip
+        )
     heads = (
-        Column("across", "b/h at mean load", "", ".1f"), Column("fine", "h", "mm", ".3f"),
-        Column("growth", "growth", "", ".2f"), Column("stiffness", "contact stiffness", "N/mm3", "g2"),
+        Column("across", "b/h at mean load", "", ".1f"),
+        Column("fine", "h", "mm", ".3f"),
+        Column("growth", "growth", "", ".2f"),
+        Column("stiffness", "contact stiffness", "N/mm3", "g2"),
         Column("large", "displacements", "", "s"),
-        Column("nodes", "nodes", "", "s"), Column("cells", "tetrahedra", "", "s"),
-        Column("jacobian", "smallest scaled Jacobian", "", ".2f"), Column("iterations", "iterations", "", "s"),
-        Column("seconds", "processor time", "s", ".0f"), Column("sum", "sum of loads", "N", ".1f"),
+        Column("nodes", "nodes", "", "s"),
+        Column("cells", "tetrahedra", "", "s"),
+        Column("jacobian", "smallest scaled Jacobian", "", ".2f"),
+        Column("iterations", "iterations", "", "s"),
+        Column("seconds", "processor time", "s", ".0f"),
+        Column("sum", "sum of loads", "N", ".1f"),
         Column("weak", "weak spring of a ball", "% of mean", "g2"),
         Column("loose", "unbalanced force of a ball", "% of mean", "g2"),
         Column("large_change", "change by large displacements", "% of mean", ".3f"),
-    )  # fmt: skip
+    )
     first = data.runs[0]
     note = (
         f"{first.program}, {first.date}; meshes by gmsh {data.gmsh} and rollbench {data.rollbench}. Processor time of one "

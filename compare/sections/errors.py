@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from compare.ensemble import EnsembleResult, run_ensemble
-from compare.findings import Finding, collect, entry, share
 from compare.measure import load_error
+from compare.models.ensemble import EnsembleResult, run_ensemble
+from compare.models.study import Study
+from compare.printed.findings import Finding, collect, entry, share
 from compare.sections.cases import FINDING_COLUMNS, finding_rows, loads, ratio
-from compare.study import Study
 from meshes.parts import SIDES
 from meshes.section import groove_section
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table
@@ -36,20 +36,23 @@ def single_findings(study: Study) -> list[Finding]:
         "gamma_low": Finding(entry(table, "gamma_low"), value=groove.gamma_1 / np.pi, evidence="Lin C.5"),
         "gamma_high": Finding(entry(table, "gamma_high"), value=groove.gamma_2 / np.pi, evidence="Lin C.5"),
         "profile_two_point": Finding(
-            entry(table, "profile_two_point"), holds=two_point(profile.load),
+            entry(table, "profile_two_point"),
+            holds=two_point(profile.load),
             evidence=f"SL {share(profile.load[:, 0] > 0)}, SR {share(profile.load[:, 1] > 0)} loaded",
         ),
         "pitch_two_point": Finding(
-            entry(table, "pitch_two_point"), holds=two_point(pitch.load),
+            entry(table, "pitch_two_point"),
+            holds=two_point(pitch.load),
             evidence=f"SL {share(pitch.load[:, 0] > 0)}, SR {share(pitch.load[:, 1] > 0)} loaded",
         ),
         "profile_little": Finding(
-            entry(table, "profile_little"), holds=little.max_percent < SIGNIFICANT,
-            evidence=f"largest change {little.max_percent:.2f} % of the mean load (pitch errors: "
-            f"{much.max_percent:.1f} %)",
+            entry(table, "profile_little"),
+            holds=little.max_percent < SIGNIFICANT,
+            evidence=f"largest change {little.max_percent:.2f} % of the mean load (pitch errors: {much.max_percent:.1f} %)",
         ),
         "pitch_much": Finding(
-            entry(table, "pitch_much"), holds=much.max_percent > SIGNIFICANT,
+            entry(table, "pitch_much"),
+            holds=much.max_percent > SIGNIFICANT,
             evidence=f"largest change {much.max_percent:.1f} % of the mean load, ball {much.ball} {much.side}",
         ),
     }
@@ -65,16 +68,19 @@ def findings(study: Study, random: EnsembleResult, combined: EnsembleResult) -> 
     four = np.array([bool(np.any(load[:, [1, 2]] > 0.0)) for load in combined.loads])
     drawn = {
         "random_two_point": Finding(
-            entry(table, "random_two_point"), holds=bool(kept.mean() > 0.05),
+            entry(table, "random_two_point"),
+            holds=bool(kept.mean() > 0.05),
             evidence=f"holds in {share(kept)} drawn screws",
         ),
         "random_much": Finding(
-            entry(table, "random_much"), holds=bool((changed > SIGNIFICANT).mean() > 0.05),
+            entry(table, "random_much"),
+            holds=bool((changed > SIGNIFICANT).mean() > 0.05),
             evidence=f"largest change {np.percentile(changed, 5):.0f} to {np.percentile(changed, 95):.0f} % of the "
             f"mean load in nine of ten drawn screws; significant in {share(changed > SIGNIFICANT)}",
         ),
         "combined_four_point": Finding(
-            entry(table, "combined_four_point"), holds=bool(four.mean() > 0.05),
+            entry(table, "combined_four_point"),
+            holds=bool(four.mean() > 0.05),
             evidence=f"some ball carries on SR or NL in {share(four)} drawn screws",
         ),
     }
@@ -99,22 +105,30 @@ def section_with_findings(study: Study, step: Callable[[str], None]) -> tuple[Se
     random, combined = ensembles["lin-random"], ensembles["lin-combined"]
     one, all_three = study.solve("lin-random"), study.solve("lin-combined")
     left = Panel(
-        "one kind of error at a time, SL = NR", "ball", "contact load / N",
+        "one kind of error at a time, SL = NR",
+        "ball",
+        "contact load / N",
         (
-            loads("no errors (case 1)", base, 0, emphasis=True), loads("profile errors", profile, 0),
-            loads("pitch errors", pitch, 0), loads("random ball radii, one draw", one, 0),
+            loads("no errors (case 1)", base, 0, emphasis=True),
+            loads("profile errors", profile, 0),
+            loads("pitch errors", pitch, 0),
+            loads("random ball radii, one draw", one, 0),
             band("random, 5 to 95 %", random, 0),
         ),
         integer_x=True,
-    )  # fmt: skip
+    )
     right = Panel(
-        "all three together", "ball", "contact load / N",
+        "all three together",
+        "ball",
+        "contact load / N",
         (
-            loads("SL, one draw", all_three, 0, emphasis=True), loads("SR, one draw", all_three, 1),
-            band("SL, 5 to 95 %", combined, 0), band("SR, 5 to 95 %", combined, 1),
+            loads("SL, one draw", all_three, 0, emphasis=True),
+            loads("SR, one draw", all_three, 1),
+            band("SL, 5 to 95 %", combined, 0),
+            band("SR, 5 to 95 %", combined, 1),
         ),
         integer_x=True,
-    )  # fmt: skip
+    )
     columns = (
         Column("scene", "scene", "", "s"),
         Column("members", "drawn screws", "", "s"),
@@ -134,22 +148,32 @@ def section_with_findings(study: Study, step: Callable[[str], None]) -> tuple[Se
             ratios = [ratio(load[:, s]) for load in e.loads]
             rows.append(
                 {
-                    "scene": name, "members": len(e.loads), "side": SIDES[s], "low": float(low), "mid": float(mid),
-                    "high": float(high), "ratio": float(np.median(ratios)) if s == 0 else None,
+                    "scene": name,
+                    "members": len(e.loads),
+                    "side": SIDES[s],
+                    "low": float(low),
+                    "mid": float(mid),
+                    "high": float(high),
+                    "ratio": float(np.median(ratios)) if s == 0 else None,
                     "lost": float((e.loads[:, :, s] == 0.0).sum(axis=1).mean()),
                     "bad": sum(x != "converged" for x in e.statuses),
                 }
-            )  # fmt: skip
+            )
     changes: list[dict[str, Cell]] = []
     for name in ("lin-case2", "lin-profile", "lin-pitch", "lin-random", "lin-combined"):
         r = study.solve(name)
         e2 = load_error(r.load, base.load)
         changes.append(
             {
-                "scene": name, "max": float(r.load.max()), "ratio": ratio(r.load[:, 0]), "change": e2.max_percent,
-                "rms": e2.rms_percent, "ball": f"{e2.ball} {e2.side}", "third": int((r.load[:, 1] > 0).sum()),
+                "scene": name,
+                "max": float(r.load.max()),
+                "ratio": ratio(r.load[:, 0]),
+                "change": e2.max_percent,
+                "rms": e2.rms_percent,
+                "ball": f"{e2.ball} {e2.side}",
+                "third": int((r.load[:, 1] > 0).sum()),
             }
-        )  # fmt: skip
+        )
     found = findings(study, random, combined)
     section = Section(
         "errors",
@@ -157,11 +181,14 @@ def section_with_findings(study: Study, step: Callable[[str], None]) -> tuple[Se
         (
             Table("errors-claims", "What 2.4.2 prints, and what we find", FINDING_COLUMNS, finding_rows(found)),
             Figure(
-                "errors-loads", "Load distribution with geometric errors", (left, right),
+                "errors-loads",
+                "Load distribution with geometric errors",
+                (left, right),
                 f"Bands: 5th to 95th percentile per ball, {len(random.loads)} and {len(combined.loads)} drawn screws.",
             ),
             Table(
-                "errors-changes", "Change against case 1 (random ones: the draw of the shipped seed)",
+                "errors-changes",
+                "Change against case 1 (random ones: the draw of the shipped seed)",
                 (
                     Column("scene", "scene", "", "s"),
                     Column("max", "largest load", "N", ".1f"),
@@ -175,5 +202,5 @@ def section_with_findings(study: Study, step: Callable[[str], None]) -> tuple[Se
             ),
             Table("errors-bands", "Random errors as ensembles", columns, rows),
         ),
-    )  # fmt: skip
+    )
     return section, found

@@ -5,15 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from compare.measure import load_error
-from compare.study import Study
-from lowfi.source import SourceSolution, solve_source
+from compare.models.study import Study
+from lowfi.as_source.static import SourceSolution, solve_source
 from meshes.parts import Scene
 from reports.records import Cell, Column, Section, Table, Text
 
 SCENES = (
-    "lin-case1", "lin-case2", "lin-case3", "lin-case3-offset", "lin-case3-clamped", "lin-case3-offset-clamped",
-    "lin-pitch", "lin-random", "lin-nominal-4p1",
-)  # fmt: skip
+    "lin-case1",
+    "lin-case2",
+    "lin-case3",
+    "lin-case3-offset",
+    "lin-case3-clamped",
+    "lin-case3-offset-clamped",
+    "lin-pitch",
+    "lin-random",
+    "lin-nominal-4p1",
+)
 
 
 def best_start(scene: Scene, kinematics: str) -> SourceSolution:
@@ -75,4 +82,4 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             ),
             Table("formulations-agreement", "Differences of the loads", columns, rows),
         ),
-    )  # fmt: skip
+    )

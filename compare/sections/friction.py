@@ -10,9 +10,7 @@ from math import degrees, radians
 
 import numpy as np
 
-from compare.findings import Finding, entry, sentences
-from compare.measure import error_percent
-from compare.sections.friction_values import (
+from compare.evidence.rotary_linear import (
     AXIAL,
     CASES,
     LINEAR,
@@ -29,19 +27,14 @@ from compare.sections.friction_values import (
     pair,
     right,
 )
-from compare.study import Study
-from lowfi.friction.chain import Chain, prepare, solve
-from lowfi.friction.ellipse import Array
-from lowfi.friction.linear_pair import PairMaps, maps, pair_state
-from lowfi.friction.motion import balance_by_root, least_dissipation
-from lowfi.friction.rotary import (
-    SIDES,
-    Solution,
-    Sweep,
-    inner_torque,
-    source_law,
-    sweep,
-)
+from compare.measure import error_percent
+from compare.models.study import Study
+from compare.printed.findings import Finding, entry, sentences
+from lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, inner_torque, source_law, sweep
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.contact.motion import balance_by_root, least_dissipation
+from lowfi.friction.linear.chain import Chain, prepare, solve
+from lowfi.friction.linear.pair import PairMaps, maps, pair_state
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 # --- tables
@@ -84,11 +77,17 @@ def printed_rows(found: Sequence[Finding]) -> list[dict[str, Cell]]:
         where = "" if p.place == own else f" ({p.place.removeprefix('Lin (2019), ')})"
         rows.append(
             {
-                "label": (p.claim or p.label) + where, "unit": p.unit,
-                "printed": p.printed or "–", "as_printed": f.as_printed, "right": true, "error": own_error(f),
-                "class": p.cls, "verdict": f.verdict, "remark": sentences(f.evidence, p.remark),
+                "label": (p.claim or p.label) + where,
+                "unit": p.unit,
+                "printed": p.printed or "–",
+                "as_printed": f.as_printed,
+                "right": true,
+                "error": own_error(f),
+                "class": p.cls,
+                "verdict": f.verdict,
+                "remark": sentences(f.evidence, p.remark),
             }
-        )  # fmt: skip
+        )
     return rows
 
 
@@ -123,18 +122,24 @@ def balance_table() -> Table:
     rows: list[dict[str, Cell]] = []
     for case in CASES:
         for label, s in (
-            ("right", right(case)), ("least dissipation at the loads as printed", right(case, "as printed")),
+            ("right", right(case)),
+            ("least dissipation at the loads as printed", right(case, "as printed")),
             ("as printed", as_printed(case)),
-        ):  # fmt: skip
+        ):
             torque = inner_torque(ROTARY, s.load, s.motion)
             rows.append(
                 {
-                    "case": case, "model": label, "force": float(s.load.force.sum()), "torque": 1e3 * torque,
-                    "input": torque * ROTARY.speed, "loss": s.motion.loss,
+                    "case": case,
+                    "model": label,
+                    "force": float(s.load.force.sum()),
+                    "torque": 1e3 * torque,
+                    "input": torque * ROTARY.speed,
+                    "loss": s.motion.loss,
                     "balance": float(error_percent(torque * ROTARY.speed, s.motion.loss)),
-                    "rest": int(s.motion.rest.sum()), "status": s.motion.status,
+                    "rest": int(s.motion.rest.sum()),
+                    "status": s.motion.status,
                 }
-            )  # fmt: skip
+            )
     columns = (
         Column("case", "case", "", "s"),
         Column("model", "model", "", "s"),
@@ -162,12 +167,17 @@ def sensitivity_table() -> Table:
         r, worst = pair(loads=loads, mu_balls=mu), pair(WORST, loads, mu_balls=mu)
         rows.append(
             {
-                "loads": loads, "mu": mu, "eps1": 100.0 * float(r.free.deviation[0]),
-                "eps2": 100.0 * float(r.free.deviation[1]), "force": r.force,
-                "error": float(error_percent(r.force, target)), "ratio": 100.0 * worst.rubbing_ratio,
-                "increase": float(error_percent(worst.touching.loss, worst.free.loss)), "status": r.touching.status,
+                "loads": loads,
+                "mu": mu,
+                "eps1": 100.0 * float(r.free.deviation[0]),
+                "eps2": 100.0 * float(r.free.deviation[1]),
+                "force": r.force,
+                "error": float(error_percent(r.force, target)),
+                "ratio": 100.0 * worst.rubbing_ratio,
+                "increase": float(error_percent(worst.touching.loss, worst.free.loss)),
+                "status": r.touching.status,
             }
-        )  # fmt: skip
+        )
     columns = (
         Column("loads", "loads", "", "s"),
         Column("mu", "friction between balls", "", "g2"),
@@ -198,16 +208,16 @@ def pair_extremes() -> list[tuple[str, list[Chain]]]:
         return prepare(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
 
     return [
-        ("rho to ±0.999, theta to ±5 deg", [
-            make(t, r, 100.0, 0.1) for t, r in product((-5.0, -0.1, 2.0, 5.0), (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999))
-        ]),
-        ("friction coefficient 0.001 to 0.5", [
-            make(2.0, r, 100.0, mu) for r, mu in product((-0.6, -0.999), (1e-3, 0.01, 0.1, 0.3, 0.5))
-        ]),
-        ("loads 1e-3 to 1e5 N", [
-            make(2.0, r, f, 0.1) for r, f in product((-0.6, -0.999), (1e-3, 0.1, 10.0, 1e3, 1e5))
-        ]),
-    ]  # fmt: skip
+        (
+            "rho to ±0.999, theta to ±5 deg",
+            [make(t, r, 100.0, 0.1) for t, r in product((-5.0, -0.1, 2.0, 5.0), (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999))],
+        ),
+        (
+            "friction coefficient 0.001 to 0.5",
+            [make(2.0, r, 100.0, mu) for r, mu in product((-0.6, -0.999), (1e-3, 0.01, 0.1, 0.3, 0.5))],
+        ),
+        ("loads 1e-3 to 1e5 N", [make(2.0, r, f, 0.1) for r, f in product((-0.6, -0.999), (1e-3, 0.1, 10.0, 1e3, 1e5))]),
+    ]
 
 
 def pair_stability() -> list[dict[str, Cell]]:
@@ -224,10 +234,14 @@ def pair_stability() -> list[dict[str, Cell]]:
             residual = max(residual, *(max(r.residual, r.lag) for r in found))
         rows.append(
             {
-                "group": group, "cases": len(chains), "solved": f"{solved} of {3 * len(chains)}", "residual": residual,
-                "energy": energy, "spread": spread,
+                "group": group,
+                "cases": len(chains),
+                "solved": f"{solved} of {3 * len(chains)}",
+                "residual": residual,
+                "energy": energy,
+                "spread": spread,
             }
-        )  # fmt: skip
+        )
     return rows
 
 
@@ -346,8 +360,7 @@ def map_panels(m: PairMaps, name: str, label: str) -> list[Panel]:
     for title, field in parts:
         values: Array = getattr(m, field)
         curves = [
-            Series(f"θ = {degrees(t):+.0f}°", x, numbers(row), "line")
-            for t, row in zip(m.theta, values, strict=True)
+            Series(f"θ = {degrees(t):+.0f}°", x, numbers(row), "line") for t, row in zip(m.theta, values, strict=True)
         ]
         panels.append(Panel(title, "side force ratio ρ", label, curves))
     return panels
@@ -357,20 +370,24 @@ def map_figures() -> tuple[Figure, Figure]:
     """Figures 3.14 and 3.15 as families of curves."""
     m = maps(LINEAR, np.radians([-3.0, -1.0, 1.0, 2.0, 3.0]), np.linspace(-0.6, 0.6, 25), VERTICAL)
     first = Figure(
-        "friction-difference", "Velocity difference of two balls (Figure 3.14)",
+        "friction-difference",
+        "Velocity difference of two balls (Figure 3.14)",
         map_panels(m, "difference", "ε₁ − ε₂"),
         "The balls close in where the curve is above zero: θ and ρ of opposite sign. The formula is nearly straight in "
         "ρ and falls short by up to "
-        f"{np.abs(m.difference_error).max() / np.abs(m.difference).max():.0%} of the largest value at the corners.", 3,
-    )  # fmt: skip
+        f"{np.abs(m.difference_error).max() / np.abs(m.difference).max():.0%} of the largest value at the corners.",
+        3,
+    )
     second = Figure(
-        "friction-force", "Ball-to-ball force and total over baseline loss (Figure 3.15)",
+        "friction-force",
+        "Ball-to-ball force and total over baseline loss (Figure 3.15)",
         [*map_panels(m, "force", "force / N"), *map_panels(m, "ratio", "loss ratio")],
         "No force where the balls part. Where they close in, force and loss grow with both parameters, up to "
         f"{m.force.max():.2f} N and {100.0 * m.ratio.max():.1f} % of the baseline (printed as an increase of 185.2 %); "
         f"the formula's force falls short by up to {-m.force_error.min():.2f} N at the corners, its ratio is off by "
-        f"up to {np.abs(m.ratio_error).max():.2f}, less than the force tells because its baseline errs too.", 3,
-    )  # fmt: skip
+        f"up to {np.abs(m.ratio_error).max():.2f}, less than the force tells because its baseline errs too.",
+        3,
+    )
     return first, second
 
 
@@ -402,8 +419,19 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "friction",
         "Friction and ball motion: one ball in a rotary bearing; balls in contact in a linear bearing",
         (
-            Text(INTRODUCTION), tables["lin-3.1"], tables["lin-3.2"], balance_table(), drawn[0], drawn[1],
-            tables["lin-3.3"], tables["lin-3.4"], tables["lin-3.5"], sensitivity_table(), drawn[2], drawn[3],
-            tables["lin-G"], *checks,
+            Text(INTRODUCTION),
+            tables["lin-3.1"],
+            tables["lin-3.2"],
+            balance_table(),
+            drawn[0],
+            drawn[1],
+            tables["lin-3.3"],
+            tables["lin-3.4"],
+            tables["lin-3.5"],
+            sensitivity_table(),
+            drawn[2],
+            drawn[3],
+            tables["lin-G"],
+            *checks,
         ),
-    )  # fmt: skip
+    )

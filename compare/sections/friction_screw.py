@@ -9,10 +9,7 @@ from math import degrees, radians
 
 import numpy as np
 
-from compare.findings import entry, sentences
-from compare.measure import error_percent
-from compare.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
-from compare.sections.friction_screw_values import (
+from compare.evidence.screw import (
     AMPLITUDES,
     ANGLES,
     ENDS,
@@ -31,28 +28,15 @@ from compare.sections.friction_screw_values import (
     settled,
     variation,
 )
-from compare.study import Study
-from lowfi.friction.bearing_pairs import (
-    DIAGONAL,
-    OTHER,
-    BearingCase,
-    Row,
-    double_row,
-    four_point,
-    torque_curve,
-)
-from lowfi.friction.screw_groove import Mode
-from lowfi.friction.screw_pair import (
-    INFERRED_OVERSIZE,
-    SHIFTED,
-    Pair,
-    inferred,
-    plain,
-    solve_pair,
-    table_3_6,
-)
-from lowfi.friction.screw_run import Run, RunResult, RunSummary, groups, lin_3_4_4, simulate, summarise
-from lowfi.friction.source_run import simulate_by_root
+from compare.measure import error_percent
+from compare.models.study import Study
+from compare.printed.findings import entry, sentences
+from compare.sections.friction_screw_figures import bearing_figure, map_figure, run_figure
+from lowfi.as_source.run import simulate_by_root
+from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BearingCase, Row, double_row, four_point, torque_curve
+from lowfi.friction.screw.groove import Mode
+from lowfi.friction.screw.pair import INFERRED_OVERSIZE, SHIFTED, Pair, inferred, plain, solve_pair, table_3_6
+from lowfi.friction.screw.run import Run, RunResult, RunSummary, groups, lin_3_4_4, simulate, summarise
 from reports.records import Cell, Column, Section, Table, Text
 
 # --- tables
@@ -82,11 +66,16 @@ def printed_rows(values: dict[str, dict[str, Ours]], table: str) -> list[dict[st
         rows.append(
             {
                 "label": (p.claim or p.label) + where + (f" [{p.unit}]" if p.unit else ""),
-                "printed": p.printed or "–", "as_printed": own.inferred, "right": own.value, "inferred_error": off,
-                "error": None if error is None else round(error, 9) + 0.0, "class": p.cls, "verdict": f.verdict,
+                "printed": p.printed or "–",
+                "as_printed": own.inferred,
+                "right": own.value,
+                "inferred_error": off,
+                "error": None if error is None else round(error, 9) + 0.0,
+                "class": p.cls,
+                "verdict": f.verdict,
                 "remark": sentences(own.evidence, p.remark, p.origin and f"Band: {p.origin}"),
             }
-        )  # fmt: skip
+        )
     return rows
 
 
@@ -95,8 +84,9 @@ def printed_table(values: dict[str, dict[str, Ours]], table: str) -> Table:
     rows, columns = printed_rows(values, table), list(COLUMNS)
     if all(row["as_printed"] is None for row in rows):
         labels = {"right": "right", "error": "error"}
-        columns = [replace(c, label=labels.get(c.key, c.label)) for c in COLUMNS
-                   if c.key not in ("as_printed", "inferred_error")]  # fmt: skip
+        columns = [
+            replace(c, label=labels.get(c.key, c.label)) for c in COLUMNS if c.key not in ("as_printed", "inferred_error")
+        ]
         rows = [{c.key: row[c.key] for c in columns} for row in rows]
     notes = {
         "lin-3.7": "Open: the load state behind the numbers is not printed, and the text as it stands gives others.",
@@ -143,9 +133,11 @@ def readings_table() -> Table:
         for case, theta in THETA.items():
             r = solve_pair(make(radians(theta)))
             row |= {
-                f"force_{case}": r.force, f"increase_{case}": increase(r), f"load_{case}": float(r.load.mean()),
+                f"force_{case}": r.force,
+                f"increase_{case}": increase(r),
+                f"load_{case}": float(r.load.mean()),
                 f"error_{case}": float(error_percent(r.force, entry("lin-3.7", f"force_{case}").value or np.nan)),
-            }  # fmt: skip
+            }
             good = good and r.converged
         rows.append(row | {"status": "converged" if good else "not converged"})
     columns = [Column("kind", "reading", "", "s"), Column("reading", "assumptions", "", "s")]
@@ -171,8 +163,7 @@ def run_changes() -> list[tuple[str, str, dict[str, object]]]:
     changes += [("axial force", f"{f:g} N", {"force": (f,)}) for f in (500.0, 3000.0)]
     changes += [("oversize", f"{o:g} µm", {"oversize": 1e-6 * o}) for o in (0.0, 1.0, 2.5)]
     changes += [
-        ("oversize and coupling", "0 µm, friction moves balls and screw",
-         {"oversize": 0.0, "coupling": "ball and screw"}),
+        ("oversize and coupling", "0 µm, friction moves balls and screw", {"oversize": 0.0, "coupling": "ball and screw"}),
         ("coupling", "1.7 µm, friction moves balls and screw", {"coupling": "ball and screw"}),
         ("phase of theta", "90°", {"phase": 0.5 * np.pi}),
         ("phase of theta", "180°", {"phase": np.pi}),
@@ -180,7 +171,7 @@ def run_changes() -> list[tuple[str, str, dict[str, object]]]:
         ("first ball", "an eighth of a distance back", {"first": 0.375}),
         ("return tube", "one ball long", {"tube": table_3_6().pair.spacing}),
         ("time step", "3.6° of the nut", {"steps": 100}),
-    ]  # fmt: skip
+    ]
     return changes
 
 
@@ -189,11 +180,16 @@ def summary_row(label: str, value: str, r: RunResult) -> dict[str, Cell]:
     s: RunSummary = summarise(r)
     touches = s.largest > 0.0
     return {
-        "assumption": label, "value": value, "largest": 100.0 * s.largest, "at": s.at if touches else None,
-        "none_at": s.none_at if touches and np.isfinite(s.none_at) else None, "groups": s.groups,
-        "variation": 100.0 * variation(r), "torque": 1e3 * float(settled(r).mean()),
+        "assumption": label,
+        "value": value,
+        "largest": 100.0 * s.largest,
+        "at": s.at if touches else None,
+        "none_at": s.none_at if touches and np.isfinite(s.none_at) else None,
+        "groups": s.groups,
+        "variation": 100.0 * variation(r),
+        "torque": 1e3 * float(settled(r).mean()),
         "steps": f"{int(r.converged.sum())} of {r.converged.size}",
-    }  # fmt: skip
+    }
 
 
 def source_run_row(run: Run) -> dict[str, Cell]:
@@ -207,18 +203,22 @@ def source_run_row(run: Run) -> dict[str, Cell]:
     return {
         "assumption": "the source's rule of contact",
         "value": f"as the case study, 3°; balls overlap in {r.overlapping} steps, by up to {overlap:.1f} % of their size",
-        "largest": 100.0 * float(ratio[top]), "at": float(angle[top]),
-        "none_at": float(angle[later[0]]) if later.size else None, "groups": int(np.max(groups(touching))),
-        "variation": 100.0 * float(np.ptp(torque) / torque.mean()), "torque": 1e3 * float(torque.mean()),
+        "largest": 100.0 * float(ratio[top]),
+        "at": float(angle[top]),
+        "none_at": float(angle[later[0]]) if later.size else None,
+        "groups": int(np.max(groups(touching))),
+        "variation": 100.0 * float(np.ptp(torque) / torque.mean()),
+        "torque": 1e3 * float(torque.mean()),
         "steps": f"{run.steps - r.failures} of {run.steps}",
-    }  # fmt: skip
+    }
 
 
 def run_table() -> Table:
     """Sensitivity of the whole run to what 3.4.4 does not print."""
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
-    rows = [summary_row("as the case study", f"{n}, 1.7 µm, 200 steps", run(a))
-            for n, a in zip(names, AMPLITUDES, strict=True)]  # fmt: skip
+    rows = [
+        summary_row("as the case study", f"{n}, 1.7 µm, 200 steps", run(a)) for n, a in zip(names, AMPLITUDES, strict=True)
+    ]
     rows.append(source_run_row(lin_3_4_4()))
     rows += [summary_row(name, value, simulate(lin_3_4_4(**(SHORT | new)))) for name, value, new in run_changes()]
     columns = (
@@ -248,8 +248,10 @@ def bearing_cases() -> list[tuple[str, str, BearingCase]]:
     four = four_point(tilt=True)
     faulty: Mode = "as printed"
     out = [("four-point", "tilt free, no clearance", four), ("four-point", "tilt held", four_point())]
-    out += [("four-point", f"ball {100 * p:.0f} % of a distance off the load's plane", replace(four, phase=p))
-            for p in (0.25, 0.5)]  # fmt: skip
+    out += [
+        ("four-point", f"ball {100 * p:.0f} % of a distance off the load's plane", replace(four, phase=p))
+        for p in (0.25, 0.5)
+    ]
     out += [("four-point", f"clearance {1e6 * c:g} µm", replace(four, clearance=c)) for c in (-1e-6, 2e-6, 5e-6)]
     out += [
         ("four-point", "Hertz constants as Table B.1", replace(four, groove=replace(four.groove, hertz=faulty))),
@@ -294,12 +296,14 @@ def onset_table(study: Study) -> Table:
             o = onset(study, errors, idle)
             rows.append(
                 {
-                    "errors": errors, "idle": idle, "lost": int((o.loaded == 0.0).sum()),
+                    "errors": errors,
+                    "idle": idle,
+                    "lost": int((o.loaded == 0.0).sum()),
                     "meet": f"{int(np.isfinite(o.meeting).sum())} of {o.meeting.size}",
                     "first": degrees(o.first) if np.isfinite(o.first) else None,
                     "status": "converged" if o.converged else "not converged",
                 }
-            )  # fmt: skip
+            )
     columns = (
         Column("errors", "errors", "", "s"),
         Column("idle", "speed of unloaded balls over nominal", "", "g2"),
@@ -346,7 +350,14 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "friction-screw",
         "Friction in a ball screw: two balls, a whole screw, and bearings in pairs",
         (
-            Text(INTRODUCTION), tables["lin-3.6"], tables["lin-3.7"], *pairs, tables["lin-3.4.4"], *whole,
-            tables["lin-4.2"], tables["lin-4.3"], *last,
+            Text(INTRODUCTION),
+            tables["lin-3.6"],
+            tables["lin-3.7"],
+            *pairs,
+            tables["lin-3.4.4"],
+            *whole,
+            tables["lin-4.2"],
+            tables["lin-4.3"],
+            *last,
         ),
-    )  # fmt: skip
+    )

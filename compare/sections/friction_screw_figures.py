@@ -8,35 +8,21 @@ from math import radians
 
 import numpy as np
 
-from compare.findings import entry
-from compare.sections.friction_screw_values import (
-    ANGLES,
-    THETA,
-    curve,
-    cut,
-    run,
-    variation,
-)
-from compare.sections.friction_values import numbers
-from lowfi.friction.bearing_pairs import (
-    TorqueCurve,
-)
-from lowfi.friction.ellipse import Array
-from lowfi.friction.screw_motion import Coupling
-from lowfi.friction.screw_pair import (
-    inferred,
-    oversize_map,
-)
-from lowfi.friction.screw_run import Run, RunResult, deviation, groups, summarise
+from compare.evidence.rotary_linear import numbers
+from compare.evidence.screw import ANGLES, THETA, curve, cut, run, variation
+from compare.printed.findings import entry
+from lowfi.friction.bearing.pairs import TorqueCurve
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.motion import Coupling
+from lowfi.friction.screw.pair import inferred, oversize_map
+from lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
 from reports.records import Figure, Panel, Series
 
 
 def torque_panel(title: str, r: RunResult) -> Panel:
     """Torque of a run against time, split (Figure 3.25)."""
     time = numbers(r.nut_angle, 1.0 / r.run.groove.speed)
-    parts = (
-        ("ball-to-groove", r.groove_torque), ("ball-to-ball", r.ball_torque + r.closing_torque), ("sum", r.torque),
-    )  # fmt: skip
+    parts = (("ball-to-groove", r.groove_torque), ("ball-to-ball", r.ball_torque + r.closing_torque), ("sum", r.torque))
     curves = [Series(name, time, numbers(v, 1e3), "line", emphasis=name == "sum") for name, v in parts]
     return Panel(title, "time / s", "torque / N mm", curves, zero=True)
 
@@ -67,10 +53,12 @@ def run_figure() -> Figure:
     """Figures 3.23 to 3.25."""
     three, two, open_grooves = run(3.0), run(2.0), run(3.0, 0.0, "ball and screw")
     panels = (
-        theta_panel(three.run), torque_panel("torque, θ of 3°, 1.7 µm", three),
-        torque_panel("torque, θ of 2°, 1.7 µm", two), *contact_panels(three),
+        theta_panel(three.run),
+        torque_panel("torque, θ of 3°, 1.7 µm", three),
+        torque_panel("torque, θ of 2°, 1.7 µm", two),
+        *contact_panels(three),
         torque_panel("torque, θ of 3°, 0 µm, coupled", open_grooves),
-    )  # fmt: skip
+    )
     high, low = summarise(three), summarise(two)
     caption = (
         "With four loaded contacts the grooves' torque is nearly constant; ball-to-ball torque builds up to "
@@ -90,8 +78,7 @@ def map_panels(case: str, coupling: Coupling, oversize: Array, axial: Array) -> 
     panels = []
     for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.increase, "increase / %")):
         values = np.where(m.converged, values, np.nan)
-        curves = [Series(f"{f:g} N", x, numbers(values[:, j]), "line", emphasis=f == 50.0)
-                  for j, f in enumerate(axial)]  # fmt: skip
+        curves = [Series(f"{f:g} N", x, numbers(values[:, j]), "line", emphasis=f == 50.0) for j, f in enumerate(axial)]
         printed = entry("lin-3.7", f"{key}_{case}").value or np.nan
         curves.append(Series("printed", [x[0], x[-1]], [printed, printed], "line"))
         title = f"{'ball-to-ball force' if key == 'force' else 'friction increase'}, θ = {THETA[case]:g}°, {words}"
@@ -117,13 +104,16 @@ def map_figure() -> Figure:
 
 def bearing_figure() -> Figure:
     """Torque against load angle of both bearings (Figure 4.7)."""
-    curves = [("four-point, tilt free", curve("4P", True)), ("four-point, tilt held", curve("4P", False)),
-              ("double row, tilt free", curve("DR", True)), ("double row, tilt held", curve("DR", False))]  # fmt: skip
+    curves = [
+        ("four-point, tilt free", curve("4P", True)),
+        ("four-point, tilt held", curve("4P", False)),
+        ("double row, tilt free", curve("DR", True)),
+        ("double row, tilt held", curve("DR", False)),
+    ]
     x, label = numbers(np.degrees(ANGLES)), "load angle / deg"
 
     def panel(title: str, unit: str, pick: Callable[[TorqueCurve], Array]) -> Panel:
-        drawn = [Series(name, x, numbers(pick(c)), "line+markers", emphasis=k == 0) for k, (name, c) in
-                 enumerate(curves)]  # fmt: skip
+        drawn = [Series(name, x, numbers(pick(c)), "line+markers", emphasis=k == 0) for k, (name, c) in enumerate(curves)]
         return Panel(title, label, unit, drawn, zero=True)
 
     panels = (

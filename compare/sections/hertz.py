@@ -8,11 +8,11 @@ from functools import partial
 
 import numpy as np
 
-from compare.findings import Finding, collect, entry
 from compare.measure import error_percent
-from compare.study import Study, with_groove
+from compare.models.study import Study, with_groove
+from compare.printed.findings import Finding, collect, entry
 from lowfi.hertz import PrintedHertz, contact_modulus, printed_hertz
-from lowfi.problem import nominal_hertz
+from lowfi.statics.problem import nominal_hertz
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import Errors, Scene
@@ -31,9 +31,11 @@ def printed_sides(scene: Scene) -> dict[str, PrintedHertz]:
     out = {}
     for letter, side, body in (("S", 0, scene.screw), ("N", 3, scene.nut)):
         modulus = contact_modulus(
-            scene.balls.material.youngs_modulus, scene.balls.material.poissons_ratio,
-            body.material.youngs_modulus, body.material.poissons_ratio,
-        )  # fmt: skip
+            scene.balls.material.youngs_modulus,
+            scene.balls.material.poissons_ratio,
+            body.material.youngs_modulus,
+            body.material.poissons_ratio,
+        )
         low, high = printed_radii(bare, drawn, side, gamma)[0]
         out[letter] = printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
     return out
@@ -86,9 +88,11 @@ def findings(study: Study) -> list[Finding]:
         }
         for key, (as_printed, true, unit) in values.items():
             found[key] = Finding(
-                entry("lin-B1", key), unit * true, unit * as_printed,
+                entry("lin-B1", key),
+                unit * true,
+                unit * as_printed,
                 evidence=f"with the faults repeated (section hertz); right: {unit * true:.5g}",
-            )  # fmt: skip
+            )
         if s == "N":  # the table's rows 1 and 2 of the nut are along, across
             for key, name in (("rho1_N", "rho2"), ("rho2_N", "rho1")):
                 found[key] = replace(found[key], value=1e3 * right["N"][name])
@@ -117,12 +121,17 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         p = f.printed
         rows.append(
             {
-                "label": p.label, "unit": p.unit, "printed": p.printed, "as_printed": f.as_printed, "right": f.value,
+                "label": p.label,
+                "unit": p.unit,
+                "printed": p.printed,
+                "as_printed": f.as_printed,
+                "right": f.value,
                 "error": f.error_percent,
                 "fault": None if f.value is None or p.value is None else float(error_percent(p.value, f.value)),
-                "class": p.cls, "verdict": f.verdict,
+                "class": p.cls,
+                "verdict": f.verdict,
             }
-        )  # fmt: skip
+        )
     own = study.scene("lin-case1")
     compared = [
         ("Table 2.1's groove, 3.254 mm", own),
@@ -135,14 +144,17 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             percent = partial(error_percent, faulty[s].C)
             constants.append(
                 {
-                    "groove": label, "side": "screw" if s == "S" else "nut", "right": float(right.C[side]),
-                    "faulty": faulty[s].C, "error": float(percent(float(right.C[side]))),
+                    "groove": label,
+                    "side": "screw" if s == "S" else "nut",
+                    "right": float(right.C[side]),
+                    "faulty": faulty[s].C,
+                    "error": float(percent(float(right.C[side]))),
                     "a": 1e3 * float(right.C_a[side]) * 225.0 ** (1 / 3),
                     "b": 1e3 * float(right.C_b[side]) * 225.0 ** (1 / 3),
                     "p0": 1e-6 * float(right.pressure(np.array(225.0))[side]),
                     "approach": 1e6 * float(right.C[side]) * 225.0 ** (2 / 3),
                 }
-            )  # fmt: skip
+            )
     return Section(
         "hertz",
         "Hertz contact: Table B.1",

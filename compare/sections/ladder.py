@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from compare.comparison import REFERENCED
-from compare.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, points
 from compare.measure import error_percent, load_error
-from compare.model_form import save_points
-from compare.reference import reference
-from compare.study import Study
+from compare.models.comparison import REFERENCED
+from compare.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, points
+from compare.models.model_form import save_points
+from compare.models.study import Study
+from compare.reference.runs import reference
 from lowfi.compliance.bodies import REFINED, Backend
-from lowfi.elastic import solve_elastic
+from lowfi.statics.elastic import solve_elastic
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Choices of the refined model that its derivation leaves open, varied one at a time.
@@ -42,20 +42,29 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
     """Errors of every rung on every scene."""
     rows: list[dict[str, Cell]] = [
         {
-            "scene": r.scene, "model": r.model, "max": r.error.max_percent,
-            "at": f"{r.error.ball} {r.error.side}", "rms": r.error.rms_percent, "own": r.error.own_max_percent,
-            "bias": r.bias, "bar": r.uncertainty, "seconds": r.seconds,
+            "scene": r.scene,
+            "model": r.model,
+            "max": r.error.max_percent,
+            "at": f"{r.error.ball} {r.error.side}",
+            "rms": r.error.rms_percent,
+            "own": r.error.own_max_percent,
+            "bias": r.bias,
+            "bar": r.uncertainty,
+            "seconds": r.seconds,
         }
         for r in rungs
-    ]  # fmt: skip
+    ]
     columns = (
-        Column("scene", "scene", "", "s"), Column("model", "model", "", "s"),
-        Column("max", "largest error", "% of mean", ".2f"), Column("at", "at ball", "", "s"),
-        Column("rms", "RMS error", "% of mean", ".2f"), Column("own", "largest", "% of own load", ".2f"),
+        Column("scene", "scene", "", "s"),
+        Column("model", "model", "", "s"),
+        Column("max", "largest error", "% of mean", ".2f"),
+        Column("at", "at ball", "", "s"),
+        Column("rms", "RMS error", "% of mean", ".2f"),
+        Column("own", "largest", "% of own load", ".2f"),
         Column("bias", "sum of loads", "%", "+.2f"),
         Column("bar", "reference's uncertainty", "% of mean", ".2f"),
         Column("seconds", "new geometry, interpreted", "s", "g3"),
-    )  # fmt: skip
+    )
     note = (
         "; ".join(f"{model}: {what}" for model, what in RUNGS.items())
         + ". Against the finest stored level of the 3D reference. Scenes named unseen were fixed before any of them was "
@@ -102,14 +111,21 @@ def choices_table(study: Study, stores: Sequence[Path] | None, step: Callable[[s
             change = np.asarray(error_percent(load, base, mean))
             e = load_error(load, found.load)
             rows.append(
-                {"scene": name, "choice": label, "change": float(np.abs(change).max()), "max": e.max_percent,
-                 "rms": e.rms_percent}
-            )  # fmt: skip
+                {
+                    "scene": name,
+                    "choice": label,
+                    "change": float(np.abs(change).max()),
+                    "max": e.max_percent,
+                    "rms": e.rms_percent,
+                }
+            )
     columns = (
-        Column("scene", "scene", "", "s"), Column("choice", "choice", "", "s"),
+        Column("scene", "scene", "", "s"),
+        Column("choice", "choice", "", "s"),
         Column("change", "largest change of a load", "% of mean", ".2f"),
-        Column("max", "largest error with it", "% of mean", ".2f"), Column("rms", "RMS error", "% of mean", ".2f"),
-    )  # fmt: skip
+        Column("max", "largest error with it", "% of mean", ".2f"),
+        Column("rms", "RMS error", "% of mean", ".2f"),
+    )
     note = (
         "The model's own choices, made by argument: a patch as wide as the groove (half the distance of its two flanks' "
         "contacts), because a smooth body cannot know what is finer; a bore that keeps the mean ring bending stiffness, "
@@ -122,12 +138,15 @@ def estimate_table(study: Study, rungs: Sequence[Rung]) -> Table:
     """The model-form estimate of every scene made without it, beside the error that was measured."""
     rows: list[dict[str, Cell]] = [dict(row) for row in left_out_one(study, rungs)]
     columns = (
-        Column("scene", "scene", "", "s"), Column("model", "model", "", "s"),
+        Column("scene", "scene", "", "s"),
+        Column("model", "model", "", "s"),
         Column("measured", "largest error, measured", "% of mean", ".2f"),
         Column("expected", "expected from the others", "% of mean", ".2f"),
-        Column("rms", "RMS, measured", "% of mean", ".2f"), Column("expected_rms", "RMS, expected", "% of mean", ".2f"),
-        Column("distance", "distance", "", ".2f"), Column("nearest", "nearest other scene", "", "s"),
-    )  # fmt: skip
+        Column("rms", "RMS, measured", "% of mean", ".2f"),
+        Column("expected_rms", "RMS, expected", "% of mean", ".2f"),
+        Column("distance", "distance", "", ".2f"),
+        Column("nearest", "nearest other scene", "", "s"),
+    )
     held = sum(float(r["measured"] or 0.0) <= float(r["expected"] or 0.0) for r in rows)
     note = (
         f"Every scene estimated from the others alone: {held} of {len(rows)} measured errors lie within what was expected. "

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.findings import Finding, collect, entry, share
+from compare.models.study import Study
+from compare.printed.findings import Finding, collect, entry, share
 from compare.sections.cases import FINDING_COLUMNS, finding_rows, loads
-from compare.study import Study
-from lowfi.result import StaticResult
+from lowfi.statics.result import StaticResult
 from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Errors, Scene, SideErrors, Support
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
@@ -75,25 +75,30 @@ def findings(study: Study) -> list[Finding]:
         count, power = cycles(study.scene(f"lin-roundness-{screw}"), lost)
         found |= {
             f"two_point_{screw}": Finding(
-                entry(table, f"two_point_{screw}"), holds=max(third) == 0.0,
+                entry(table, f"two_point_{screw}"),
+                holds=max(third) == 0.0,
                 evidence=f"a third contact carries up to {third[0]:.1f} N (pitch) and {third[1]:.1f} N (roundness); "
                 "with clearance it vanishes, see table manufacturing-readings",
             ),
             f"less_uniform_{screw}": Finding(
-                entry(table, f"less_uniform_{screw}"), holds=spread(roundness) > spread(pitch),
+                entry(table, f"less_uniform_{screw}"),
+                holds=spread(roundness) > spread(pitch),
                 evidence=f"standard deviation over mean {spread(roundness):.2f} with roundness, "
                 f"{spread(pitch):.2f} with pitch error",
             ),
             f"lost_{screw}": Finding(
-                entry(table, f"lost_{screw}"), holds=bool(lost.any()),
+                entry(table, f"lost_{screw}"),
+                holds=bool(lost.any()),
                 evidence=f"{share(lost)} balls without contact; with pitch error {share(unloaded(pitch))}",
             ),
             f"pattern_{screw}": Finding(
-                entry(table, f"pattern_{screw}"), holds=count == 2 if lost.any() else False,
-                evidence=f"{power:.0%} of the pattern's power is at {count} cycles per turn" if lost.any() else
-                "no ball loses contact",
+                entry(table, f"pattern_{screw}"),
+                holds=count == 2 if lost.any() else False,
+                evidence=f"{power:.0%} of the pattern's power is at {count} cycles per turn"
+                if lost.any()
+                else "no ball loses contact",
             ),
-        }  # fmt: skip
+        }
     return collect(table, found)
 
 
@@ -105,12 +110,14 @@ def equivalent_errors(scene: Scene) -> Panel:
     roundness = 5.0 * np.cos(beta) * np.sin(2.0 * phi)
     degrees = [float(x) for x in np.degrees(phi)]
     return Panel(
-        "equivalent error along the contact normal", "azimuth / deg", "error / µm",
+        "equivalent error along the contact normal",
+        "azimuth / deg",
+        "error / µm",
         (
             Series("pitch error", degrees, [float(x) for x in pitch], "line"),
             Series("roundness error", degrees, [float(x) for x in roundness], "line"),
         ),
-    )  # fmt: skip
+    )
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
@@ -127,17 +134,21 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 r = study.solve(variant)
                 rows.append(
                     {
-                        "screw": label, "error": kind, "reading": reading, "max": float(r.load[:, 0].max()),
-                        "min": float(r.load[:, 0].min()), "spread": spread(r), "lost": int(unloaded(r).sum()),
+                        "screw": label,
+                        "error": kind,
+                        "reading": reading,
+                        "max": float(r.load[:, 0].max()),
+                        "min": float(r.load[:, 0].min()),
+                        "spread": spread(r),
+                        "lost": int(unloaded(r).sum()),
                         "third": int((r.load[:, [1, 2]] > 0.0).any(axis=1).sum()),
-                        "third_max": float(r.load[:, [1, 2]].max()), "status": r.status,
+                        "third_max": float(r.load[:, [1, 2]].max()),
+                        "status": r.status,
                     }
-                )  # fmt: skip
+                )
         bare = replace(study.scene(f"lin-pitch-{screw}"), errors=Errors())
         curves.append(loads("no errors", study.solve(bare), 0))
-        panels.append(
-            Panel(f"screw of {label}, 1000 N: SL", "ball", "contact load / N", tuple(curves), integer_x=True)
-        )
+        panels.append(Panel(f"screw of {label}, 1000 N: SL", "ball", "contact load / N", tuple(curves), integer_x=True))
     columns = (
         Column("screw", "screw", "", "s"),
         Column("error", "error", "", "s"),
@@ -155,12 +166,17 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "Pitch against roundness errors (4.3.2)",
         (
             Table(
-                "manufacturing-claims", "What 4.3.2 prints, and what we find", FINDING_COLUMNS,
+                "manufacturing-claims",
+                "What 4.3.2 prints, and what we find",
+                FINDING_COLUMNS,
                 finding_rows(findings(study)),
             ),
             Figure("manufacturing-loads", "Errors and load distribution", tuple(panels), "", 3),
             Table(
-                "manufacturing-readings", "How the findings depend on what is not printed", columns, rows,
+                "manufacturing-readings",
+                "How the findings depend on what is not printed",
+                columns,
+                rows,
                 "The source's statement of two-point contact needs clearance in the grooves, which it does not give.",
             ),
             Text(
@@ -172,4 +188,4 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 )
             ),
         ),
-    )  # fmt: skip
+    )

@@ -6,9 +6,9 @@ import tomllib
 from collections.abc import Callable, Sequence
 from importlib import resources
 
-from compare.findings import TAKEN, WITHIN, Finding
-from compare.study import Study
-from lowfi.summary import MODEL_ASSUMPTIONS
+from compare.models.study import Study
+from compare.printed.findings import TAKEN, WITHIN, Finding
+from lowfi.statics.summary import MODEL_ASSUMPTIONS
 from reports.records import Cell, Column, Section, Table, Text
 
 #: Columns of a table of misprints.
@@ -44,12 +44,14 @@ def not_reproduced(found: Sequence[Finding]) -> list[dict[str, Cell]]:
     return [
         {
             "entry": f.printed.claim or f"{f.printed.label}: {f.printed.printed} {f.printed.unit}",
-            "place": f.printed.place, "class": f.printed.cls, "verdict": f.verdict,
+            "place": f.printed.place,
+            "class": f.printed.cls,
+            "verdict": f.verdict,
             "why": f.evidence if f.evidence and f.agrees is not None else f.printed.remark,
         }
         for f in found
         if not (f.verdict.startswith("reproduced") or f.verdict in (WITHIN, TAKEN))
-    ]  # fmt: skip
+    ]
 
 
 def section(study: Study, found: Sequence[Finding], step: Callable[[str], None]) -> Section:
@@ -60,7 +62,8 @@ def section(study: Study, found: Sequence[Finding], step: Callable[[str], None])
         "Assumptions, misprints, and what does not reproduce",
         (
             Table(
-                "not-reproduced", "Not reproduced, or open",
+                "not-reproduced",
+                "Not reproduced, or open",
                 (
                     Column("entry", "printed", "", "s"),
                     Column("place", "place", "", "s"),
@@ -71,13 +74,12 @@ def section(study: Study, found: Sequence[Finding], step: Callable[[str], None])
                 not_reproduced(found),
             ),
             Table(
-                "assumptions", "What the scenes assume where the source is silent",
-                (Column("assumed", "assumed", "", "s"), Column("scenes", "scenes", "", "s")), assumptions(study),
+                "assumptions",
+                "What the scenes assume where the source is silent",
+                (Column("assumed", "assumed", "", "s"), Column("scenes", "scenes", "", "s")),
+                assumptions(study),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),
-            Table(
-                "misprints", "Misprints and faults of the source that this chapter meets",
-                MISPRINT_COLUMNS, misprints(),
-            ),
+            Table("misprints", "Misprints and faults of the source that this chapter meets", MISPRINT_COLUMNS, misprints()),
         ),
-    )  # fmt: skip
+    )

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from compare.findings import TAKEN, WITHIN, Finding
-from compare.printed_data import KINDS
+from compare.printed.findings import TAKEN, WITHIN, Finding
+from compare.printed.printed_data import KINDS
 from compare.sections.cases import FINDING_COLUMNS, finding_rows
 from reports.records import Cell, Column, Section, Table, Text
 
@@ -39,9 +39,10 @@ def counts(found: Sequence[Finding]) -> list[tuple[str, str]]:
     order = ("reproduced", "reproduced as printed", WITHIN, "not reproduced", "open")
     numbers = sum(f.verdict == "reproduced" and f.printed.kind == "number" for f in found)
     return [
-        *((f"entries {verdict}", str(tally[verdict])) for verdict in order), ("computed numbers reproduced", str(numbers)),
+        *((f"entries {verdict}", str(tally[verdict])) for verdict in order),
+        ("computed numbers reproduced", str(numbers)),
         ("inputs taken over, not counted", str(tally[TAKEN])),
-    ]  # fmt: skip
+    ]
 
 
 def kinds_table(found: Sequence[Finding]) -> Table:
@@ -53,9 +54,7 @@ def kinds_table(found: Sequence[Finding]) -> Table:
         {"kind": words, **{v: tally[kind, v] for v in used}, "all": sum(tally[kind, v] for v in verdicts)}
         for kind, words in KINDS.items()
     ]
-    columns = (
-        Column("kind", "kind", "", "s"), *(Column(v, v, "", "s") for v in used), Column("all", "entries", "", "s"),
-    )  # fmt: skip
+    columns = (Column("kind", "kind", "", "s"), *(Column(v, v, "", "s") for v in used), Column("all", "entries", "", "s"))
     return Table("kinds", "Printed entries by kind and verdict", columns, rows)
 
 
@@ -69,7 +68,8 @@ def section(found: Sequence[Finding]) -> Section:
         (
             Text(HOW_TO_READ),
             Table(
-                "verdicts", "Printed entries of Lin (2019), chapters 2 to 4, and of Smith (1994) by class and verdict",
+                "verdicts",
+                "Printed entries of Lin (2019), chapters 2 to 4, and of Smith (1994) by class and verdict",
                 (
                     Column("class", "class", "", "s"),
                     Column("verdict", "verdict", "", "s"),
@@ -80,4 +80,4 @@ def section(found: Sequence[Finding]) -> Section:
             kinds_table(found),
             Table("printed", "Every printed entry", FINDING_COLUMNS, finding_rows(found)),
         ),
-    )  # fmt: skip
+    )

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.reference import settings_of
-from compare.study import Study
+from compare.models.study import Study
+from compare.reference.runs import settings_of
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import SIDES, Scene
@@ -113,16 +113,17 @@ def stresses(solved: Solved, step: Step) -> Stresses:
         replace(own[None], points=own[None].points + centre),
         {s: groove_patch_field(setup, meshes, u[s >= 2], ball, s, forces) for s in setup.sides},
         {s: replace(own[s], points=own[s].points + centre) for s in setup.sides},
-    )  # fmt: skip
+    )
 
 
 def frame(solved: Solved) -> tuple[Array, Array, Array]:
     """Unit vectors x3, y3, z3 of the groove's section at azimuth 0: radial, along the track, across it."""
     alpha = solved.setup.map.alpha
     return (
-        np.array([1.0, 0.0, 0.0]), np.array([0.0, np.cos(alpha), np.sin(alpha)]),
+        np.array([1.0, 0.0, 0.0]),
+        np.array([0.0, np.cos(alpha), np.sin(alpha)]),
         np.array([0.0, -np.sin(alpha), np.cos(alpha)]),
-    )  # fmt: skip
+    )
 
 
 def contact_point(solved: Solved, side: int) -> Array:
@@ -149,9 +150,7 @@ def mesh_overview(solved: Solved) -> FieldPicture:
     nut = meshes.nut
     behind = nut.points[nut.cells[:, :4]].mean(axis=1) @ toward < 0.0
     kind = body_kind(setup.settings)
-    parts = [
-        used(meshes.screw.points, meshes.screw.cells, kind, STEEL), used(nut.points, nut.cells[behind], kind, NUT),
-    ]  # fmt: skip
+    parts = [used(meshes.screw.points, meshes.screw.cells, kind, STEEL), used(nut.points, nut.cells[behind], kind, NUT)]
     for s in setup.sides:
         mesh = groove_patch(setup, meshes, s)
         for phi, z in zip(setup.layout.azimuth, setup.layout.z, strict=True):
@@ -160,15 +159,20 @@ def mesh_overview(solved: Solved) -> FieldPicture:
                 parts.append(MeshPart(points, mesh.cells, mesh.kind, colour=FINE))
     scene = solved.scene
     return FieldPicture(
-        "mesh-screw", "Mesh of the 3D reference: screw, nut cut open, and the fine patches at all contacts", tuple(parts),
-        sight=(*(toward[:2] + 0.0), 0.25), up=(-toward[1], toward[0], 0.0), focus=(0.0, 0.0, scene.nut.position),
-        height=2.35 * scene.nut.outer_diameter / 2.0, scale_bar=10e-3,
+        "mesh-screw",
+        "Mesh of the 3D reference: screw, nut cut open, and the fine patches at all contacts",
+        tuple(parts),
+        sight=(*(toward[:2] + 0.0), 0.25),
+        up=(-toward[1], toward[0], 0.0),
+        focus=(0.0, 0.0, scene.nut.position),
+        height=2.35 * scene.nut.outer_diameter / 2.0,
+        scale_bar=10e-3,
         caption=(
             f"{SCENE}, level {LEVEL}: {len(meshes.screw.cells)} and {len(nut.cells)} second-order tetrahedra in screw and "
             f"nut, and in every socket a patch of {len(groove_patch(setup, meshes, 0).cells)} second-order hexahedra "
             f"(orange), condensed exactly. {setup.unknowns / 1e6:.2f} million unknowns as one mesh. Balls are not shown."
         ),
-    )  # fmt: skip
+    )
 
 
 def _around(found: Stresses, *, edges: bool, values: bool) -> tuple[MeshPart, ...]:
@@ -179,15 +183,28 @@ def _around(found: Stresses, *, edges: bool, values: bool) -> tuple[MeshPart, ..
         return MeshPart(piece.points, piece.cells, piece.kind, stress, colour, edges, outline=True)
 
     return (
-        part(found.bodies[0], STEEL), part(found.bodies[1], NUT), part(found.ball, BALL),
-        *(part(x, FINE) for x in found.grooves.values()), *(part(x, FINE_BALL) for x in found.patches.values()),
-    )  # fmt: skip
+        part(found.bodies[0], STEEL),
+        part(found.bodies[1], NUT),
+        part(found.ball, BALL),
+        *(part(x, FINE) for x in found.grooves.values()),
+        *(part(x, FINE_BALL) for x in found.patches.values()),
+    )
 
 
 def section_picture(
-    solved: Solved, found: Stresses, name: str, title: str, caption: str, *, side: int | None, height: float,
-    values: bool, limits: tuple[float, float] | None = None, log: bool = False, bar: float = 1e-3,
-) -> FieldPicture:  # fmt: skip
+    solved: Solved,
+    found: Stresses,
+    name: str,
+    title: str,
+    caption: str,
+    *,
+    side: int | None,
+    height: float,
+    values: bool,
+    limits: tuple[float, float] | None = None,
+    log: bool = False,
+    bar: float = 1e-3,
+) -> FieldPicture:
     """Plane of the groove's section through the ball, screw below, nut above; or one contact of it enlarged."""
     x3, y3, _ = frame(solved)
     m = solved.setup.map
@@ -196,16 +213,24 @@ def section_picture(
     words: list[tuple[tuple[float, ...], str]] = []
     if side is None and not values:
         b = m.ball
-        words = [
-            (tuple(centre), "ball"), (tuple(centre - 1.36 * b * x3), "screw"),
-            (tuple(centre + 1.40 * b * x3), "nut"),
-        ]  # fmt: skip
+        words = [(tuple(centre), "ball"), (tuple(centre - 1.36 * b * x3), "screw"), (tuple(centre + 1.40 * b * x3), "nut")]
     return FieldPicture(
-        name, title, _around(found, edges=not values, values=values), sight=tuple(y3), up=tuple(x3), focus=tuple(focus),
-        height=height, cuts=((tuple(focus + BESIDE * y3), tuple(y3)),), section=True,
-        label="von Mises stress [MPa]" if values else "", limits=limits, log=log, words=tuple(words), scale_bar=bar,
+        name,
+        title,
+        _around(found, edges=not values, values=values),
+        sight=tuple(y3),
+        up=tuple(x3),
+        focus=tuple(focus),
+        height=height,
+        cuts=((tuple(focus + BESIDE * y3), tuple(y3)),),
+        section=True,
+        label="von Mises stress [MPa]" if values else "",
+        limits=limits,
+        log=log,
+        words=tuple(words),
+        scale_bar=bar,
         caption=caption,
-    )  # fmt: skip
+    )
 
 
 def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
@@ -219,12 +244,18 @@ def contact_picture(solved: Solved, found: Stresses) -> FieldPicture:
         MeshPart(patch.points, patch.cells, patch.kind, colour=FINE, line=1.5),
     )
     return FieldPicture(
-        "mesh-contact", f"Mesh of the screw's groove at the contact of ball {solved.ball + 1}", parts,
-        sight=tuple(-normal / b + 0.25 * y3), up=tuple(x3), focus=tuple(point), height=1.6 * b, scale_bar=1e-3,
+        "mesh-contact",
+        f"Mesh of the screw's groove at the contact of ball {solved.ball + 1}",
+        parts,
+        sight=tuple(-normal / b + 0.25 * y3),
+        up=tuple(x3),
+        focus=tuple(point),
+        height=1.6 * b,
+        scale_bar=1e-3,
         caption="Seen from the ball. The patch is finest in its middle, where contact may occur: cells "
         f"{MM * solved.setup.settings.semi[1] / solved.setup.settings.b_over_h:.2f} mm along the groove, nodes twice as "
         "dense.",
-    )  # fmt: skip
+    )
 
 
 def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
@@ -237,24 +268,33 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
     parts = tuple(MeshPart(x.points, x.cells, x.kind, colour=c, line=1.5) for x, c in zip(whole, colours, strict=True))
     sight = (contact_point(solved, 0) - centre) / m.ball + 0.75 * y3
     return FieldPicture(
-        "mesh-ball", "Mesh of a ball with its patches", parts, sight=tuple(sight), up=tuple(x3), focus=tuple(centre),
-        height=2.2 * m.ball, scale_bar=1e-3,
+        "mesh-ball",
+        "Mesh of a ball with its patches",
+        parts,
+        sight=tuple(sight),
+        up=tuple(x3),
+        focus=tuple(centre),
+        height=2.2 * m.ball,
+        scale_bar=1e-3,
         caption=(
             f"{len(found.ball.cells)} second-order tetrahedra and a patch of {len(found.patches[0].cells)} second-order "
             "hexahedra at each contact, whose nodes in the contact zone lie opposite those of the groove, one to one."
         ),
-    )  # fmt: skip
+    )
 
 
 def panel_of(name: str, found: ContactPressure) -> PressurePanel:
     """Map of one contact."""
     h = found.hertz
     return PressurePanel(
-        name, MM * found.across, MM * found.along, MPA * found.pressure,
+        name,
+        MM * found.across,
+        MM * found.along,
+        MPA * found.pressure,
         (MM * found.centre[0], MM * found.centre[1], MM * h.semi_x, MM * h.semi_y),
         f"{found.load:.1f} N; largest {MPA * found.pressure.max():.0f} MPa, pole pressure by Hertz "
         f"{MPA * h.pole_pressure:.0f} MPa",
-    )  # fmt: skip
+    )
 
 
 def profiles(found: dict[str, ContactPressure]) -> Figure:
@@ -265,26 +305,31 @@ def profiles(found: dict[str, ContactPressure]) -> Figure:
         grid = np.arange(one.pressure.size).reshape(one.shape)
         i, k = np.unravel_index(int(one.pressure.argmax()), one.shape)
         for title, line, own, axis in (
-            ("across the groove", grid[:, k], one.across, 0), ("along the groove", grid[i], one.along, 1),
-        ):  # fmt: skip
+            ("across the groove", grid[:, k], one.across, 0),
+            ("along the groove", grid[i], one.along, 1),
+        ):
             at = np.linspace(own[line].min(), own[line].max(), 161)
             other = (one.along if axis == 0 else one.across)[line].mean() - one.centre[1 - axis]
             across, along = (at - one.centre[0], other + 0.0 * at) if axis == 0 else (other + 0.0 * at, at - one.centre[1])
             panels.append(
                 Panel(
-                    f"{name}, {title}", "distance from the nominal contact / mm", "pressure / MPa",
+                    f"{name}, {title}",
+                    "distance from the nominal contact / mm",
+                    "pressure / MPa",
                     (
                         Series("3D reference, nodes", list(MM * own[line]), list(MPA * one.pressure[line]), "markers"),
                         Series("Hertz", list(MM * at), list(MPA * one.hertz.pressure(across, along)), "line"),
                     ),
                     zero=True,
                 )
-            )  # fmt: skip
+            )
     return Figure(
-        "pressure-profiles", "Contact pressure along lines of nodes", tuple(panels),
+        "pressure-profiles",
+        "Contact pressure along lines of nodes",
+        tuple(panels),
         "Lines of nodes through the most loaded node of each contact; Hertz's closed form for the same load, centred on "
         "the resultant force.",
-    )  # fmt: skip
+    )
 
 
 def pressures(solved: Solved) -> dict[str, ContactPressure]:
@@ -311,11 +356,15 @@ def four_sided(study: Study) -> tuple[int, dict[str, ContactPressure]]:
 
 
 PRESSURE_COLUMNS = (
-    Column("contact", "Contact", format="s"), Column("load", "Load", "N", ".1f"),
-    Column("ours", "Largest pressure, 3D", "MPa", ".0f"), Column("hertz", "Pole pressure, Hertz", "MPa", ".0f"),
-    Column("ratio", "3D / Hertz", "", ".3f"), Column("a", "Semi-axis across", "mm", ".3f"),
-    Column("b", "Semi-axis along", "mm", ".3f"), Column("cells", "Nodes across 2b", "", ".1f"),
-)  # fmt: skip
+    Column("contact", "Contact", format="s"),
+    Column("load", "Load", "N", ".1f"),
+    Column("ours", "Largest pressure, 3D", "MPa", ".0f"),
+    Column("hertz", "Pole pressure, Hertz", "MPa", ".0f"),
+    Column("ratio", "3D / Hertz", "", ".3f"),
+    Column("a", "Semi-axis across", "mm", ".3f"),
+    Column("b", "Semi-axis along", "mm", ".3f"),
+    Column("cells", "Nodes across 2b", "", ".1f"),
+)
 
 
 def step_along(found: ContactPressure) -> float:
@@ -328,19 +377,27 @@ def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
     """Largest pressures beside Hertz's."""
     rows: list[dict[str, Cell]] = [
         {
-            "contact": f"{scene}, {name}", "load": x.load, "ours": MPA * float(x.pressure.max()),
-            "hertz": MPA * x.hertz.pole_pressure, "ratio": float(x.pressure.max() / x.hertz.pole_pressure),
-            "a": MM * x.hertz.semi_x, "b": MM * x.hertz.semi_y,
+            "contact": f"{scene}, {name}",
+            "load": x.load,
+            "ours": MPA * float(x.pressure.max()),
+            "hertz": MPA * x.hertz.pole_pressure,
+            "ratio": float(x.pressure.max() / x.hertz.pole_pressure),
+            "a": MM * x.hertz.semi_x,
+            "b": MM * x.hertz.semi_y,
             "cells": 2.0 * x.hertz.semi_y / step_along(x),
         }
-        for scene, found in groups.items() for name, x in found.items()
-    ]  # fmt: skip
+        for scene, found in groups.items()
+        for name, x in found.items()
+    ]
     return Table(
-        "pictures-pressure", "Largest nodal pressure and Hertz's pole pressure", PRESSURE_COLUMNS, rows,
+        "pictures-pressure",
+        "Largest nodal pressure and Hertz's pole pressure",
+        PRESSURE_COLUMNS,
+        rows,
         "Nodal force over tributary area. Where the pressure is curved this reads corner nodes of the second-order cells "
         "high and nodes in their middle low, in proportion to the square of the cells' size, and the largest value is one "
         "at a corner: on this coarsest mesh the ratio exceeds 1 for that reason. Loads and approaches do not depend on it.",
-    )  # fmt: skip
+    )
 
 
 def loaded(solved: Solved) -> LoadedScrew:
@@ -359,17 +416,25 @@ def loaded(solved: Solved) -> LoadedScrew:
         points.append((layout.centre + ball * direction)[held])
         forces.append((-load * direction)[held])
     return LoadedScrew(
-        name="loaded-screw-3d", title="Case 1: contact forces on the balls by the 3D reference",
-        screw_length=scene.screw.length, screw_radius=scene.screw.outer_diameter / 2.0,
-        nut_position=scene.nut.position, nut_length=scene.nut.length, nut_radius=scene.nut.outer_diameter / 2.0,
-        track_radius=radius, ball_radius=ball, ball_radii_centres=layout.centre.tolist(),
+        name="loaded-screw-3d",
+        title="Case 1: contact forces on the balls by the 3D reference",
+        screw_length=scene.screw.length,
+        screw_radius=scene.screw.outer_diameter / 2.0,
+        nut_position=scene.nut.position,
+        nut_length=scene.nut.length,
+        nut_radius=scene.nut.outer_diameter / 2.0,
+        track_radius=radius,
+        ball_radius=ball,
+        ball_radii_centres=layout.centre.tolist(),
         ball_loads=[float(x) for x in result.load.max(axis=1)],
         helix=np.stack([radius * np.cos(phi), radius * np.sin(phi), rise], axis=1).tolist(),
-        contact_points=np.concatenate(points).tolist(), contact_forces=np.concatenate(forces).tolist(),
-        groove_radius=scene.screw.groove_radius, lead=scene.track.lead,
+        contact_points=np.concatenate(points).tolist(),
+        contact_forces=np.concatenate(forces).tolist(),
+        groove_radius=scene.screw.groove_radius,
+        lead=scene.track.lead,
         caption=f"Mesh level {LEVEL}. Balls are coloured by their contact load, {result.load[:, 0].min():.0f} to "
         f"{result.load[:, 0].max():.0f} N.",
-    )  # fmt: skip
+    )
 
 
 def stress_caption(solved: Solved, found: Stresses, pressure: ContactPressure) -> tuple[str, tuple[float, float]]:
@@ -406,7 +471,8 @@ def section(study: Study, step: Step, cache: Path | None = None) -> Section:
     )
     b = solved.setup.map.ball
     return Section(
-        "pictures", "Pictures of the 3D reference",
+        "pictures",
+        "Pictures of the 3D reference",
         (
             Text(
                 (
@@ -417,37 +483,66 @@ def section(study: Study, step: Step, cache: Path | None = None) -> Section:
             ),
             mesh_overview(solved),
             section_picture(
-                solved, found, "mesh-section", f"Mesh around ball {n}, plane section",
+                solved,
+                found,
+                "mesh-section",
+                f"Mesh around ball {n}, plane section",
                 "Lines are the cells' faces cut by the plane. Orange and green: fine patches of grooves and ball. The "
                 "grooves' patches follow the azimuth, so the section crosses them at the lead angle.",
-                side=None, height=3.3 * b, values=False,
+                side=None,
+                height=3.3 * b,
+                values=False,
             ),
             contact_picture(solved, found),
             ball_picture(solved, found),
             PressureMap(
-                "pressure-two", f"Contact pressure of ball {n} of {SCENE}, screw and nut",
-                tuple(panel_of(name, x) for name, x in two.items()), "across the groove / mm", "along the groove / mm",
-                "pressure / MPa", "contact ellipse by Hertz",
+                "pressure-two",
+                f"Contact pressure of ball {n} of {SCENE}, screw and nut",
+                tuple(panel_of(name, x) for name, x in two.items()),
+                "across the groove / mm",
+                "along the groove / mm",
+                "pressure / MPa",
+                "contact ellipse by Hertz",
                 "Nodal force over tributary area, dots are nodes; see the table's note on their scatter. The ellipse is "
                 "Hertz's closed form for the same load and the curvatures at the contact, centred on the resultant force.",
             ),
             profiles(two),
             PressureMap(
-                "pressure-four", f"Contact pressure of ball {ball4 + 1} of {FOUR}, all four sides",
-                tuple(panel_of(name, x) for name, x in four.items()), "across the groove / mm", "along the groove / mm",
-                "pressure / MPa", "contact ellipse by Hertz",
+                "pressure-four",
+                f"Contact pressure of ball {ball4 + 1} of {FOUR}, all four sides",
+                tuple(panel_of(name, x) for name, x in four.items()),
+                "across the groove / mm",
+                "along the groove / mm",
+                "pressure / MPa",
+                "contact ellipse by Hertz",
                 "The loads and contact angles of this preloaded ball are those of the low-order model; the pressures under "
                 "them are those of the 3D ball between its 3D groove patches, held where they meet screw and nut.",
             ),
             pressure_table({SCENE: two, FOUR: four}),
             section_picture(
-                solved, found, "stress-section", f"Von Mises stress around ball {n}, plane section", honest
-                + "The scale goes by tens.", side=None, height=3.3 * b, values=True, limits=(2.0, 2000.0), log=True,
+                solved,
+                found,
+                "stress-section",
+                f"Von Mises stress around ball {n}, plane section",
+                honest + "The scale goes by tens.",
+                side=None,
+                height=3.3 * b,
+                values=True,
+                limits=(2.0, 2000.0),
+                log=True,
             ),
             section_picture(
-                solved, found, "stress-contact", f"Von Mises stress at the contact of ball {n} with the screw", words,
-                side=0, height=0.5 * b, values=True, limits=(0.0, 1800.0), bar=0.2e-3,
+                solved,
+                found,
+                "stress-contact",
+                f"Von Mises stress at the contact of ball {n} with the screw",
+                words,
+                side=0,
+                height=0.5 * b,
+                values=True,
+                limits=(0.0, 1800.0),
+                bar=0.2e-3,
             ),
             loaded(solved),
         ),
-    )  # fmt: skip
+    )

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from compare.comparison import (
+from compare.measure import LoadError, error_percent, load_error
+from compare.models.comparison import (
     CONTENDERS,
     PRINTED,
     REFERENCED,
@@ -20,15 +21,14 @@ from compare.comparison import (
     suited,
     summary,
 )
-from compare.findings import Finding, entry
-from compare.grid_summary import uncertainty_percent
-from compare.ladder import UNSEEN
-from compare.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from compare.measure import LoadError, error_percent, load_error
-from compare.modelling import VARIED, Modelling, combined, modelling_percent, varied
-from compare.reference import Reference, Run, load, reference
+from compare.models.ladder import UNSEEN
+from compare.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
+from compare.models.study import Study
+from compare.printed.findings import Finding, entry
+from compare.reference.grid_summary import uncertainty_percent
+from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
+from compare.reference.runs import Reference, Run, load, reference
 from compare.sections.reference_time import time_items
-from compare.study import Study
 from meshes.parts import SIDES, Scene
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
@@ -63,11 +63,12 @@ def findings(study: Study, stores: Sequence[Any] | None = None) -> list[Finding]
         ):
             out.append(
                 Finding(
-                    entry("lin-2.4.1", key), value=own,
+                    entry("lin-2.4.1", key),
+                    value=own,
                     evidence=f"ours: the source's model against this project's 3D reference, in per cent of each load "
                     f"({mean:.2f} % of the mean load); the source's ANSYS loads are not printed",
                 )
-            )  # fmt: skip
+            )
     return out
 
 
@@ -118,16 +119,25 @@ def error_table(study: Study, found: References, stores: Sequence[Any] | None) -
 
 
 LABELS = {
-    "3D source mesh": "3D reference, the source's mesh", "3D extrapolated": "3D reference, extrapolated",
+    "3D source mesh": "3D reference, the source's mesh",
+    "3D extrapolated": "3D reference, extrapolated",
     **{f"3D level {level}": f"3D reference, level {level}" for level in LEVELS},
-}  # fmt: skip
+}
 
 
 def _error_row(scene: str, label: str, e: LoadError, ratio: float, printed: str, bar: float | None) -> dict[str, Cell]:
     return {
-        "scene": scene, "model": label, "max": e.max_percent, "at": f"{e.ball} {e.side}", "rms": e.rms_percent,
-        "own_max": e.own_max_percent, "own_rms": e.own_rms_percent, "printed": printed, "bar": bar, "load_ratio": ratio,
-    }  # fmt: skip
+        "scene": scene,
+        "model": label,
+        "max": e.max_percent,
+        "at": f"{e.ball} {e.side}",
+        "rms": e.rms_percent,
+        "own_max": e.own_max_percent,
+        "own_rms": e.own_rms_percent,
+        "printed": printed,
+        "bar": bar,
+        "load_ratio": ratio,
+    }
 
 
 def load_tables(study: Study, found: References, stores: Sequence[Any] | None) -> list[Table]:
@@ -152,11 +162,13 @@ def load_tables(study: Study, found: References, stores: Sequence[Any] | None) -
             row: dict[str, Cell] = {f"m{k}": float(a.load[i, s]) for k, a in enumerate(answers)}
             own = float(ref.load[i, s])
             row |= {
-                "ball": i + 1, "side": SIDES[s], "angle": _number(ref.best.angle[i, s]),
+                "ball": i + 1,
+                "side": SIDES[s],
+                "angle": _number(ref.best.angle[i, s]),
                 "low_angle": _number(answers[0].angle[i, s]),
                 "bar": None if ref.uncertainty is None else float(ref.uncertainty[i, s]),
                 "error": float(error_percent(answers[0].load[i, s], own)) if own > 0.0 else None,
-            }  # fmt: skip
+            }
             rows.append(row)
         out.append(Table(f"reference-loads-{name}", f"{name}: contact loads and angles", columns, rows))
     return out
@@ -206,9 +218,7 @@ def load_figures(study: Study, found: References) -> list[Figure]:
             if ref.uncertainty is not None:
                 low, high = ref.load[:, s] - ref.uncertainty[:, s], ref.load[:, s] + ref.uncertainty[:, s]
                 x = [float(i + 1) for i in range(len(low))]
-                series.insert(
-                    0, Series("its uncertainty", x, [float(v) for v in low], "band", [float(v) for v in high])
-                )
+                series.insert(0, Series("its uncertainty", x, [float(v) for v in low], "band", [float(v) for v in high]))
             series += [_curve(c.label, a.load[:, s]) for c, a in answers.items() if (a.load[:, s] > 0.0).any()]
             panels.append(Panel(SIDES[s], "ball", "contact load / N", tuple(series), integer_x=True))
         out.append(Figure(f"reference-loads-{name}", f"{name}: contact loads of all models", tuple(panels)))
@@ -224,13 +234,22 @@ def line_figure(study: Study, found: References) -> Figure:
         series = []
         for k, axis in ((0, "x"), (1, "y")):
             series.append(
-                Series(f"u{axis}, refined model", [1e3 * float(z) for z in low.stations],
-                       [1e6 * float(v) for v in low.line[:, k]], "line")
-            )  # fmt: skip
+                Series(
+                    f"u{axis}, refined model",
+                    [1e3 * float(z) for z in low.stations],
+                    [1e6 * float(v) for v in low.line[:, k]],
+                    "line",
+                )
+            )
             series.append(
-                Series(f"u{axis}, 3D reference", [1e3 * float(z) for z in line[:, 0]],
-                       [1e6 * float(v) for v in line[:, 1 + k]], "markers", emphasis=True)
-            )  # fmt: skip
+                Series(
+                    f"u{axis}, 3D reference",
+                    [1e3 * float(z) for z in line[:, 0]],
+                    [1e6 * float(v) for v in line[:, 1 + k]],
+                    "markers",
+                    emphasis=True,
+                )
+            )
         panels.append(Panel(name, "station / mm", "displacement / um", tuple(series)))
     return Figure("reference-centreline", "Lateral displacement of the centreline", tuple(panels))
 
@@ -294,24 +313,32 @@ def exceedance_table(found: References, study: Study, stores: Sequence[Any] | No
             if p.exceeds:
                 k = SIDES.index(p.side)
                 rows.append(
-                    {"scene": name, "ball": p.ball, "side": p.side, "error": p.error_percent,
-                     "bar": p.uncertainty_percent, "ref": float(ref.load[p.ball - 1, k]),
-                     "rigid": rigid_nut_error(study.scene(name), p.ball, p.side, stores),
-                     "cause": causes.get((name, p.ball, p.side), "not named: the gate fails")}
-                )  # fmt: skip
+                    {
+                        "scene": name,
+                        "ball": p.ball,
+                        "side": p.side,
+                        "error": p.error_percent,
+                        "bar": p.uncertainty_percent,
+                        "ref": float(ref.load[p.ball - 1, k]),
+                        "rigid": rigid_nut_error(study.scene(name), p.ball, p.side, stores),
+                        "cause": causes.get((name, p.ball, p.side), "not named: the gate fails"),
+                    }
+                )
     columns = (
-        Column("scene", "scene", "", "s"), Column("ball", "ball", "", "s"), Column("side", "side", "", "s"),
-        Column("ref", "reference", "N", ".1f"), Column("error", "error of the source's model", "%", "+.1f"),
+        Column("scene", "scene", "", "s"),
+        Column("ball", "ball", "", "s"),
+        Column("side", "side", "", "s"),
+        Column("ref", "reference", "N", ".1f"),
+        Column("error", "error of the source's model", "%", "+.1f"),
         Column("bar", "reference's uncertainty", "%", ".2f"),
-        Column("rigid", "the same, nut rigid in both", "%", "+.1f"), Column("cause", "cause", "", "s"),
-    )  # fmt: skip
+        Column("rigid", "the same, nut rigid in both", "%", "+.1f"),
+        Column("cause", "cause", "", "s"),
+    )
     return Table("reference-exceedances", f"Contacts of the source's model beyond {limit:g} %", columns, rows)
 
 
-def section(
-    study: Study, step: Callable[[str], None], stores: Sequence[Any] | None = None, quick: bool = False
-) -> Section:
-    """Section of the report; reads runs that ``compare.jobs`` computed."""
+def section(study: Study, step: Callable[[str], None], stores: Sequence[Any] | None = None, quick: bool = False) -> Section:
+    """Section of the report; reads runs that ``compare.reference.jobs`` computed."""
     step("low-order models against the 3D reference")
     found = references(study, stores)
     title = "Low-order models against the 3D reference"
@@ -330,15 +357,22 @@ def section(
         gate_text(found, study),
     ]
     if quick:
-        text.insert(0, "QUICK RUN: coarse meshes only, so there is no grid uncertainty; these numbers are for a look, not "
-                       "for a decision.")  # fmt: skip
+        text.insert(
+            0,
+            "QUICK RUN: coarse meshes only, so there is no grid uncertainty; these numbers are for a look, not "
+            "for a decision.",
+        )
     elif any(ref.best.level < PRODUCTION for ref in found.values()):
         text.insert(0, f"Some references were not computed up to level {PRODUCTION}; their uncertainty is larger for it.")
     over = exceedance_table(found, study, stores)
     items: list[Any] = [Text(tuple(text)), error_table(study, found, stores)]
     items += [over] if over.rows else []
-    items += [*load_figures(study, found), *load_tables(study, found, stores), line_figure(study, found),
-              line_table(study, found)]  # fmt: skip
+    items += [
+        *load_figures(study, found),
+        *load_tables(study, found, stores),
+        line_figure(study, found),
+        line_table(study, found),
+    ]
     timed = found if quick else references(study, stores, (*REFERENCED, *UNSEEN))
     items += time_items(timed, study, stores, step, quick=quick)
     return Section("reference", title, tuple(items))

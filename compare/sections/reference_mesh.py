@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from compare.comparison import CONTENDERS, REFERENCED, from_model
-from compare.convergence import LABELS
-from compare.grid_summary import mean_load, summarise
-from compare.ladder import UNSEEN
-from compare.levels import LEVELS, SOURCE_LEVEL
+from compare.commands.study import study_table
 from compare.measure import error_percent, load_error
-from compare.modelling import REFINED, VARIED, varied
-from compare.reference import Reference, Run, load
+from compare.models.comparison import CONTENDERS, REFERENCED, from_model
+from compare.models.ladder import UNSEEN
+from compare.models.modelling import REFINED, VARIED, varied
+from compare.models.study import Study
+from compare.reference.convergence import LABELS
+from compare.reference.grid_summary import mean_load, summarise
+from compare.reference.levels import LEVELS, SOURCE_LEVEL
+from compare.reference.runs import Reference, Run, load
+from compare.reference.variants import NOT_VARIED, VARIANTS
 from compare.sections.reference import modelling, references, study_figure
-from compare.study import Study
-from compare.study_command import study_table
-from compare.variants import NOT_VARIED, VARIANTS
 from meshes.parts import SIDES
 from reports.records import Cell, Column, Figure, Section, Table, Text
 
@@ -37,32 +37,44 @@ def level_table(study: Study, found: References, stores: Sequence[Any] | None) -
             step = None if following is None else load_error(run.load, following.load)
             rows.append(
                 {
-                    "scene": name, "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
-                    "across": run.quality["elements across 2b"], "unknowns": run.unknowns, "sides": len(run.sides),
-                    "setup": run.setup_seconds, "solve": run.solve_seconds,
+                    "scene": name,
+                    "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
+                    "across": run.quality["elements across 2b"],
+                    "unknowns": run.unknowns,
+                    "sides": len(run.sides),
+                    "setup": run.setup_seconds,
+                    "solve": run.solve_seconds,
                     "memory": "not measured" if run.peak_MB is None else run.peak_MB,
-                    "change": None if step is None else step.max_percent, "rms": None if step is None else step.rms_percent,
+                    "change": None if step is None else step.max_percent,
+                    "rms": None if step is None else step.rms_percent,
                     "sum": None if following is None else float(error_percent(run.load.sum(), following.load.sum())),
                     "best": load_error(run.load, ref.estimate).max_percent,
-                    "frozen": frozen.max_percent, "balance": max(run.balance, run.screw_balance),
+                    "frozen": frozen.max_percent,
+                    "balance": max(run.balance, run.screw_balance),
                     "along": run.along_groove,
                     "jacobian": min(run.quality[k] for k in ("screw", "nut", "ball")),
                     "deviation": 1e6 * run.quality["deviation"],
                 }
-            )  # fmt: skip
+            )
     columns = (
-        Column("scene", "scene", "", "s"), Column("level", "level", "", "s"),
-        Column("across", "elements across 2b", "", ".1f"), Column("sides", "sides meshed", "", "s"),
-        Column("unknowns", "unknowns, equivalent monolithic mesh", "", "s"), Column("setup", "set-up", "s", ".1f"),
-        Column("solve", "load case", "s", ".1f"), Column("memory", "peak memory", "MB", ".0f"),
+        Column("scene", "scene", "", "s"),
+        Column("level", "level", "", "s"),
+        Column("across", "elements across 2b", "", ".1f"),
+        Column("sides", "sides meshed", "", "s"),
+        Column("unknowns", "unknowns, equivalent monolithic mesh", "", "s"),
+        Column("setup", "set-up", "s", ".1f"),
+        Column("solve", "load case", "s", ".1f"),
+        Column("memory", "peak memory", "MB", ".0f"),
         Column("change", "difference from the next level: largest", "% of mean", ".2f"),
-        Column("rms", "RMS", "% of mean", ".2f"), Column("sum", "of the sum", "%", "+.2f"),
+        Column("rms", "RMS", "% of mean", ".2f"),
+        Column("sum", "of the sum", "%", "+.2f"),
         Column("best", "difference from the best estimate", "% of mean", ".2f"),
         Column("frozen", "effect of moving normals", "% of mean", ".2f"),
-        Column("balance", "balance of balls and screw", "", "g2"), Column("along", "force along the groove", "", "g2"),
+        Column("balance", "balance of balls and screw", "", "g2"),
+        Column("along", "force along the groove", "", "g2"),
         Column("jacobian", "smallest scaled Jacobian", "", ".2f"),
         Column("deviation", "coarse bodies off the exact groove", "um", "g2"),
-    )  # fmt: skip
+    )
     note = (
         "Elements across the short axis 2b of the contact ellipse expected at the lightest scene of the geometry; balances "
         "are over the largest contact load. "
@@ -82,18 +94,28 @@ def convergence_table(found: References) -> Table:
         cells: dict[str, Cell] = {label: s.labels.get(label, 0) for label in LABELS}
         rows.append(
             cells
-            | {"scene": name, "levels": s.levels, "order": "one level" if pooled is None else pooled.text,
-               "scatter": scatter, "moved": s.extrapolation, "max": s.largest,
-               "at": "" if s.ball is None else f"{s.ball} {SIDES[s.side or 0]}", "rms": s.rms}
-        )  # fmt: skip
+            | {
+                "scene": name,
+                "levels": s.levels,
+                "order": "one level" if pooled is None else pooled.text,
+                "scatter": scatter,
+                "moved": s.extrapolation,
+                "max": s.largest,
+                "at": "" if s.ball is None else f"{s.ball} {SIDES[s.side or 0]}",
+                "rms": s.rms,
+            }
+        )
     columns = (
-        Column("scene", "scene", "", "s"), Column("levels", "levels", "", "s"),
+        Column("scene", "scene", "", "s"),
+        Column("levels", "levels", "", "s"),
         Column("order", "order of all contacts (95 %)", "", "s"),
         Column("scatter", "scatter about it", "% of mean", ".3f"),
         Column("moved", "extrapolation moves a load by up to", "% of mean", ".2f"),
-        Column("max", "uncertainty, largest", "% of mean", ".2f"), Column("at", "at ball", "", "s"),
-        Column("rms", "RMS", "% of mean", ".2f"), *(Column(label, f"contacts: {label}", "", "s") for label in LABELS),
-    )  # fmt: skip
+        Column("max", "uncertainty, largest", "% of mean", ".2f"),
+        Column("at", "at ball", "", "s"),
+        Column("rms", "RMS", "% of mean", ".2f"),
+        *(Column(label, f"contacts: {label}", "", "s") for label in LABELS),
+    )
     note = (
         "Least squares after Eca and Hoekstra (2014), one order p for all contacts of a scene, limit and slope each "
         "contact's own. The uncertainty is the largest, over all orders from 0.5 to 2 that the data allow, of 1.25 "
@@ -132,10 +154,12 @@ def study_items(study: Study, found: References, stores: Sequence[Any] | None) -
         columns = [Column("quantity", "quantity", "", "s"), Column("unit", "unit", "", "s")]
         columns += [Column(k, k, "", "g5") for k in keys]
         columns += [
-            Column("order", "observed order", "", ".2f"), Column("extrapolated", "extrapolated", "", "g5"),
-            Column("uncertainty", "uncertainty", "", "g2"), Column("uncertainty_percent", "uncertainty", "%", ".2f"),
+            Column("order", "observed order", "", ".2f"),
+            Column("extrapolated", "extrapolated", "", "g5"),
+            Column("uncertainty", "uncertainty", "", "g2"),
+            Column("uncertainty_percent", "uncertainty", "%", ".2f"),
             Column("kind", "order or why none", "", "s"),
-        ]  # fmt: skip
+        ]
         if any(row.get("modelling_spread") is not None for row in rows):
             columns.append(Column("modelling_spread", "modelling uncertainty", "", "g2"))
             columns.append(Column("scene_choices", "the scene's own choices, largest", "", "g2"))
@@ -161,16 +185,28 @@ def spread_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
             run = load(scene, min(LEVELS), e.variant, stores)
             model = None if run is None else load_error(low.load, run.load)
             rows.append(
-                {"scene": name, "choice": e.choice, "variant": e.label, "kind": KINDS[e.kind], "max": e.error.max_percent,
-                 "rms": e.error.rms_percent, "at": f"{e.error.ball} {e.error.side}",
-                 "ratio": e.ratio if np.isfinite(e.ratio) else None, "model": None if model is None else model.max_percent,
-                 "model_rms": None if model is None else model.rms_percent}
-            )  # fmt: skip
+                {
+                    "scene": name,
+                    "choice": e.choice,
+                    "variant": e.label,
+                    "kind": KINDS[e.kind],
+                    "max": e.error.max_percent,
+                    "rms": e.error.rms_percent,
+                    "at": f"{e.error.ball} {e.error.side}",
+                    "ratio": e.ratio if np.isfinite(e.ratio) else None,
+                    "model": None if model is None else model.max_percent,
+                    "model_rms": None if model is None else model.rms_percent,
+                }
+            )
     columns = (
-        Column("scene", "scene", "", "s"), Column("choice", "choice", "", "s"), Column("variant", "varied", "", "s"),
+        Column("scene", "scene", "", "s"),
+        Column("choice", "choice", "", "s"),
+        Column("variant", "varied", "", "s"),
         Column("kind", "kind", "", "s"),
-        Column("max", "largest change of a load", "% of mean", ".2f"), Column("rms", "RMS change", "% of mean", ".2f"),
-        Column("at", "at ball", "", "s"), Column("ratio", "change of largest : smallest, SL", "%", "+.2f"),
+        Column("max", "largest change of a load", "% of mean", ".2f"),
+        Column("rms", "RMS change", "% of mean", ".2f"),
+        Column("at", "at ball", "", "s"),
+        Column("ratio", "change of largest : smallest, SL", "%", "+.2f"),
         Column("model", "low-order model against this variant: largest", "% of mean", ".2f"),
         Column("model_rms", "RMS", "% of mean", ".2f"),
     )
@@ -198,14 +234,26 @@ def single_choice_table(study: Study, stores: Sequence[Any] | None) -> Table | N
                 continue
             at = np.unravel_index(int(np.abs(e.change).argmax()), e.change.shape)
             rows.append(
-                {"scene": name, "choice": e.choice, "variant": e.label, "max": e.error.max_percent,
-                 "rms": e.error.rms_percent, "at": f"{e.error.ball} {e.error.side}", "grid": float(grid[at]),
-                 "largest": float(grid.max()), "beyond": int((np.abs(e.change) > grid + 1e-9).sum())}
-            )  # fmt: skip
+                {
+                    "scene": name,
+                    "choice": e.choice,
+                    "variant": e.label,
+                    "max": e.error.max_percent,
+                    "rms": e.error.rms_percent,
+                    "at": f"{e.error.ball} {e.error.side}",
+                    "grid": float(grid[at]),
+                    "largest": float(grid.max()),
+                    "beyond": int((np.abs(e.change) > grid + 1e-9).sum()),
+                }
+            )
     columns = (
-        Column("scene", "scene", "", "s"), Column("choice", "choice", "", "s"), Column("variant", "refined alone", "", "s"),
-        Column("max", "largest change of a load", "% of mean", ".3f"), Column("rms", "RMS change", "% of mean", ".3f"),
-        Column("at", "at ball", "", "s"), Column("grid", "grid uncertainty of that load", "% of mean", ".3f"),
+        Column("scene", "scene", "", "s"),
+        Column("choice", "choice", "", "s"),
+        Column("variant", "refined alone", "", "s"),
+        Column("max", "largest change of a load", "% of mean", ".3f"),
+        Column("rms", "RMS change", "% of mean", ".3f"),
+        Column("at", "at ball", "", "s"),
+        Column("grid", "grid uncertainty of that load", "% of mean", ".3f"),
         Column("largest", "largest grid uncertainty", "% of mean", ".3f"),
         Column("beyond", "contacts that change by more than their uncertainty", "", "s"),
     )
@@ -230,7 +278,7 @@ def modelling_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
         "largest": {"choice": "together, root of squares: largest contact"},
         "rms": {"choice": "together: RMS of the contacts"},
         "ratio": {"choice": "together: largest : smallest load, SL"},
-    }  # fmt: skip
+    }
     for name, m in found.items():
         columns.append(Column(name, f"{name}, largest change of a load", "% of mean", ".2f"))
         for choice, value in m.choices.items():
@@ -249,9 +297,12 @@ def modelling_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
 
 
 SAVES = {
-    "elastic nut": ("nut",), "3D shaft": ("screw",), "finite ball": ("ball",), "patch coupling": ("screw", "nut"),
+    "elastic nut": ("nut",),
+    "3D shaft": ("screw",),
+    "finite ball": ("ball",),
+    "patch coupling": ("screw", "nut"),
     "moving normals": (),
-}  # fmt: skip
+}
 MEANING = {
     "elastic nut": "the nut rigid beyond the local response of each contact",
     "3D shaft": "the screw a Timoshenko beam of the homogenised section, with the local response of each contact",
@@ -276,18 +327,29 @@ def ablation_table(study: Study, stores: Sequence[Any] | None) -> Table | None:
             saved = sum(run.stages.get(k, 0.0) for k in SAVES[ingredient])
             saved += run.solve_seconds - run.without_seconds[ingredient]
             rows.append(
-                {"scene": name, "without": ingredient, "meaning": MEANING[ingredient], "max": e.max_percent,
-                 "rms": e.rms_percent, "at": f"{e.ball} {e.side}", "seconds": saved, "before": with_all.max_percent,
-                 "model": model.max_percent}
-            )  # fmt: skip
+                {
+                    "scene": name,
+                    "without": ingredient,
+                    "meaning": MEANING[ingredient],
+                    "max": e.max_percent,
+                    "rms": e.rms_percent,
+                    "at": f"{e.ball} {e.side}",
+                    "seconds": saved,
+                    "before": with_all.max_percent,
+                    "model": model.max_percent,
+                }
+            )
     columns = (
-        Column("scene", "scene", "", "s"), Column("without", "left out", "", "s"),
+        Column("scene", "scene", "", "s"),
+        Column("without", "left out", "", "s"),
         Column("meaning", "what stands in", "", "s"),
-        Column("max", "largest change of a load", "% of mean", ".2f"), Column("rms", "RMS change", "% of mean", ".2f"),
-        Column("at", "at ball", "", "s"), Column("seconds", "seconds it takes", "s", "+.1f"),
+        Column("max", "largest change of a load", "% of mean", ".2f"),
+        Column("rms", "RMS change", "% of mean", ".2f"),
+        Column("at", "at ball", "", "s"),
+        Column("seconds", "seconds it takes", "s", "+.1f"),
         Column("before", "low-order error against the full reference", "% of mean", ".2f"),
         Column("model", "against this one", "% of mean", ".2f"),
-    )  # fmt: skip
+    )
     note = "On the coarsest level. A scene may leave out what changes less than it needs to know."
     title = "What each ingredient of the reference changes"
     return Table("reference-ablation", title, columns, rows, note) if rows else None

@@ -10,14 +10,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from compare.cold import measure
-from compare.comparison import CONTENDERS, REFERENCED, Contender, suited
-from compare.ladder import UNSEEN, finest_bodies
-from compare.levels import SOURCE_LEVEL
+from compare.costs.cold import measure
 from compare.measure import error_percent, load_error
-from compare.models import Options, run_model
-from compare.reference import Array, Reference, load
-from compare.study import Study
+from compare.models.comparison import CONTENDERS, REFERENCED, Contender, suited
+from compare.models.ladder import UNSEEN, finest_bodies
+from compare.models.registry import Options, run_model
+from compare.models.study import Study
+from compare.reference.levels import SOURCE_LEVEL
+from compare.reference.runs import Array, Reference, load
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Series, Table
 
@@ -98,10 +98,16 @@ def time_points(name: str, found: Reference, study: Study, stores: Sequence[Any]
     for label, run in runs:
         out.append(
             TimePoint(
-                label, "source mesh" if run.level == SOURCE_LEVEL else "level", *error_range(run.load, found),
-                run.setup_seconds + run.solve_seconds, run.solve_seconds, run.unknowns, run.peak_MB, run.status,
+                label,
+                "source mesh" if run.level == SOURCE_LEVEL else "level",
+                *error_range(run.load, found),
+                run.setup_seconds + run.solve_seconds,
+                run.solve_seconds,
+                run.unknowns,
+                run.peak_MB,
+                run.status,
             )
-        )  # fmt: skip
+        )
     return out
 
 
@@ -110,25 +116,48 @@ def _model_point(name: str, contender: Contender, found: Reference, scene: Scene
     options = Options(discretisation=False, engine="compiled", condensed=bodies, estimate=False)
     result = run_model(contender.scene(scene), contender.model, options)
     return TimePoint(
-        contender.label, "model", *error_range(result.load, found), cold.process,
-        warm_seconds(contender, scene, options), result.solver.unknowns, cold.memory, result.status,
-    )  # fmt: skip
+        contender.label,
+        "model",
+        *error_range(result.load, found),
+        cold.process,
+        warm_seconds(contender, scene, options),
+        result.solver.unknowns,
+        cold.memory,
+        result.status,
+    )
 
 
 def time_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
     """Every point of every scene."""
     rows: list[dict[str, Cell]] = [
-        {"scene": scene, "model": p.label, "error": p.error, "low": p.low, "high": p.high, "rms": p.rms, "cold": p.cold,
-         "warm": p.warm, "unknowns": p.unknowns, "memory": p.memory if p.memory is not None else "not measured",
-         "status": "" if p.status == "converged" else p.status}
-        for scene, own in points.items() for p in own
-    ]  # fmt: skip
+        {
+            "scene": scene,
+            "model": p.label,
+            "error": p.error,
+            "low": p.low,
+            "high": p.high,
+            "rms": p.rms,
+            "cold": p.cold,
+            "warm": p.warm,
+            "unknowns": p.unknowns,
+            "memory": p.memory if p.memory is not None else "not measured",
+            "status": "" if p.status == "converged" else p.status,
+        }
+        for scene, own in points.items()
+        for p in own
+    ]
     columns = (
-        Column("scene", "scene", "", "s"), Column("model", "model", "", "s"),
-        Column("error", "largest error", "% of mean", ".2f"), Column("low", "at least", "% of mean", ".2f"),
-        Column("high", "at most", "% of mean", ".2f"), Column("rms", "RMS error", "% of mean", ".2f"),
-        Column("cold", "cold", "s", "g3"), Column("warm", "warm", "s", "g3"), Column("unknowns", "unknowns", "", "s"),
-        Column("memory", "peak memory", "MB", ".0f"), Column("status", "unless converged", "", "s"),
+        Column("scene", "scene", "", "s"),
+        Column("model", "model", "", "s"),
+        Column("error", "largest error", "% of mean", ".2f"),
+        Column("low", "at least", "% of mean", ".2f"),
+        Column("high", "at most", "% of mean", ".2f"),
+        Column("rms", "RMS error", "% of mean", ".2f"),
+        Column("cold", "cold", "s", "g3"),
+        Column("warm", "warm", "s", "g3"),
+        Column("unknowns", "unknowns", "", "s"),
+        Column("memory", "peak memory", "MB", ".0f"),
+        Column("status", "unless converged", "", "s"),
     )
     note = (
         "Errors of all models and meshes are against the same best estimate: the reference extrapolated to cells of no "
@@ -150,13 +179,22 @@ def compile_table(step: Step, scene: str = "lin-case1") -> Table:
             step(f"{scene}, {name} {engine}: first process")
             cold = measure(scene, name, engine=engine)
             rows.append(
-                {"model": CONTENDERS[name].label, "engine": engine, "process": cold.process, "first": cold.first,
-                 "warm": cold.warm, "memory": cold.memory}
-            )  # fmt: skip
+                {
+                    "model": CONTENDERS[name].label,
+                    "engine": engine,
+                    "process": cold.process,
+                    "first": cold.first,
+                    "warm": cold.warm,
+                    "memory": cold.memory,
+                }
+            )
     columns = (
-        Column("model", "model", "", "s"), Column("engine", "kernels", "", "s"),
-        Column("process", "new process, empty caches", "s", "g3"), Column("first", "its first solve", "s", "g3"),
-        Column("warm", "a further solve", "s", "g3"), Column("memory", "peak memory", "MB", ".0f"),
+        Column("model", "model", "", "s"),
+        Column("engine", "kernels", "", "s"),
+        Column("process", "new process, empty caches", "s", "g3"),
+        Column("first", "its first solve", "s", "g3"),
+        Column("warm", "a further solve", "s", "g3"),
+        Column("memory", "peak memory", "MB", ".0f"),
     )
     note = (
         "Compiled kernels are made once per machine and kept beside the sources; the command line solves single scenes "
@@ -173,14 +211,26 @@ def speed_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
         best = [p for p in own if p.kind == "level"][-1]
         if low.warm and best.warm:
             rows.append(
-                {"scene": scene, "low": low.cold, "low_warm": low.warm, "ref": best.cold, "ref_warm": best.warm,
-                 "cold": best.cold / low.cold, "warm": best.warm / low.warm, "both": best.cold / low.warm}
-            )  # fmt: skip
+                {
+                    "scene": scene,
+                    "low": low.cold,
+                    "low_warm": low.warm,
+                    "ref": best.cold,
+                    "ref_warm": best.warm,
+                    "cold": best.cold / low.cold,
+                    "warm": best.warm / low.warm,
+                    "both": best.cold / low.warm,
+                }
+            )
     columns = (
-        Column("scene", "scene", "", "s"), Column("low", "low-order, cold", "s", "g3"),
-        Column("low_warm", "low-order, warm", "s", "g3"), Column("ref", "3D reference, cold", "s", ".1f"),
-        Column("ref_warm", "3D reference, load case alone", "s", ".2f"), Column("cold", "ratio, cold", "", ".0f"),
-        Column("warm", "load case alone : warm", "", ".0f"), Column("both", "cold : warm", "", ".0f"),
+        Column("scene", "scene", "", "s"),
+        Column("low", "low-order, cold", "s", "g3"),
+        Column("low_warm", "low-order, warm", "s", "g3"),
+        Column("ref", "3D reference, cold", "s", ".1f"),
+        Column("ref_warm", "3D reference, load case alone", "s", ".2f"),
+        Column("cold", "ratio, cold", "", ".0f"),
+        Column("warm", "load case alone : warm", "", ".0f"),
+        Column("both", "cold : warm", "", ".0f"),
     )
     title = "Speed ratio, 3D reference : the source's model (the source: over 6,800, ANSYS : its model)"
     return Table("reference-speed", title, columns, rows)
@@ -214,13 +264,15 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
     axial = CONTENDERS["mei"].label  # takes part where there is no preload
     plain = [n for n in REFERENCED if n in points and any(p.label == axial for p in points[n])]
     groups = {
-        "": plain, "-preload": [n for n in REFERENCED if n in points and n not in plain],
+        "": plain,
+        "-preload": [n for n in REFERENCED if n in points and n not in plain],
         "-unseen": [n for n in UNSEEN if n in points][:PANELS],
-    }  # fmt: skip
+    }
     return [
         Figure(f"reference-time{tail}", "Error against run time", tuple(time_panel(n, points[n]) for n in names), caption)
-        for tail, names in groups.items() if names
-    ]  # fmt: skip
+        for tail, names in groups.items()
+        if names
+    ]
 
 
 def time_items(
@@ -230,4 +282,3 @@ def time_items(
     points = {name: time_points(name, ref, study, stores, step) for name, ref in found.items()}
     first = [] if quick else [compile_table(step)]
     return [time_table(points), *first, speed_table(points), *time_figures(points)]
-

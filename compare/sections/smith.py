@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
 
 import numpy as np
 
-from compare.evidence_smith import ball, case, screw, taper, trials
-from compare.findings import Finding, sentences
+from compare.evidence.smith import ball, case, screw, taper
+from compare.evidence.smith.every import findings
+from compare.models.study import Study
+from compare.printed.findings import Finding, sentences
 from compare.sections import notes
 from compare.sections.friction import number_remarks, own_error, printed_columns
-from compare.study import Study
 from lowfi.bearings.axis import axis_stiffness
 from reports.records import Cell, Figure, Panel, Section, Series, Table, Text
 
@@ -38,35 +38,31 @@ ABOUT = (
 )
 
 
-@cache
-def _all() -> tuple[Finding, ...]:
-    return (*ball.findings(), *taper.findings(), *screw.findings(), *trials.findings())
-
-
-def findings(study: Study) -> list[Finding]:  # noqa: ARG001 - every section's findings take the study
-    """Every printed entry of Smith (1994)."""
-    return list(_all())
-
-
 def printed_table(name: str, title: str, found: Sequence[Finding]) -> Table:
     """One printed table: printed, as printed here, right, error of the value that the class says, verdict."""
     rows: list[dict[str, Cell]] = [
         {
-            "label": f.printed.claim or f.printed.label, "unit": f.printed.unit, "printed": f.printed.printed or "–",
-            "as_printed": f.as_printed, "right": f.value, "error": own_error(f), "class": f.printed.cls,
-            "verdict": f.verdict, "remark": sentences(f.evidence, f.printed.remark),
+            "label": f.printed.claim or f.printed.label,
+            "unit": f.printed.unit,
+            "printed": f.printed.printed or "–",
+            "as_printed": f.as_printed,
+            "right": f.value,
+            "error": own_error(f),
+            "class": f.printed.cls,
+            "verdict": f.verdict,
+            "remark": sentences(f.evidence, f.printed.remark),
         }
         for f in found
-    ]  # fmt: skip
+    ]
     common = number_remarks(rows)
     note = " ".join(f"Remark {i}: {text}" for i, text in enumerate(common, 1))
     return Table(name, title, printed_columns(5), rows, note)
 
 
-def stiffness_panel() -> Panel:
+def stiffness_panel(found: Sequence[Finding]) -> Panel:
     """Stiffness of one bearing over its thrust: right, as printed, tested."""
     loads = np.linspace(100.0, 3000.0, 30)
-    tested = [f for f in _all() if f.printed.table == "smith-2.2" and f.printed.key.startswith("measured_")]
+    tested = [f for f in found if f.printed.table == "smith-2.2" and f.printed.key.startswith("measured_")]
     at = [float(f.printed.key.removeprefix("measured_")) for f in tested]
     ours = [float(ball.state(x * case.POUND).stiffness) / case.POUND_PER_INCH / 1e6 for x in loads]
     series = (
@@ -79,7 +75,7 @@ def stiffness_panel() -> Panel:
     return Panel("one bearing", "thrust / lbf", "stiffness / 10⁶ lbf/in", series, zero=True)
 
 
-def axis_panel() -> Panel:
+def axis_panel(found: Sequence[Finding]) -> Panel:
     """Stiffness of the axis over the nut's position: fixed-fixed and fixed-supported, and the sum in series."""
     places = np.linspace(0.0, 1.0, 41)
     at = [float(x) for x in places]
@@ -91,12 +87,12 @@ def axis_panel() -> Panel:
             a = case.axis(k, right)
             values = axis_stiffness(a, a.length * places, case.NUT) / unit
             series.append(Series(f"{kind}, {words}", at, [float(v) for v in values], "line"))
-        total = next(f for f in _all() if f.printed.key == f"total_{kind}")
+        total = next(f for f in found if f.printed.key == f"total_{kind}")
         series.append(Series(f"{kind}, sum in series", [0.5], [total.as_printed or 0.0], "markers"))
     return Panel("axis", "nut's position / L", "stiffness / 10⁶ lbf/in", series, zero=True)
 
 
-def figure() -> Figure:
+def figure(found: Sequence[Finding]) -> Figure:
     """Stiffness of bearings and axis."""
     caption = (
         "Left: the ball bearing's test runs flatter than any Hertz contact; the tapered bearing is stiffer than the test "
@@ -104,7 +100,7 @@ def figure() -> Figure:
         "third than the sum in series, which a test by hammer and accelerometer, end to end, seemed to confirm."
     )
     title = "Stiffness of the support bearings and of the axis"
-    return Figure("smith-stiffness", title, (stiffness_panel(), axis_panel()), caption)
+    return Figure("smith-stiffness", title, (stiffness_panel(found), axis_panel(found)), caption)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
@@ -114,4 +110,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     tables = [printed_table(name, title, [f for f in found if f.printed.table == name]) for name, title in TITLES.items()]
     title = "Misprints and faults of Smith (1994)"
     tables.append(Table("smith-misprints", title, notes.MISPRINT_COLUMNS, notes.misprints("smith")))
-    return Section("smith", "Support bearings and the axis (Smith 1994)", (Text(ABOUT, bullets=True), figure(), *tables))
+    return Section(
+        "smith", "Support bearings and the axis (Smith 1994)", (Text(ABOUT, bullets=True), figure(found), *tables)
+    )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from compare.friction_stability import table_section_items
-from compare.stability import FORMULATIONS, OURS, table
-from compare.stability_command import tally, wide_rows
+from compare.commands.stability import tally, wide_rows
+from compare.extremes.friction import table_section_items
+from compare.extremes.static import FORMULATIONS, OURS, table
 from reports.records import Cell, Column, Section, Table, Text
 
 
@@ -44,7 +44,8 @@ def section(step: Callable[[str], None]) -> tuple[Section, tuple[str, str]]:
                 )
             ),
             Table(
-                "stability-summary", "Cases solved",
+                "stability-summary",
+                "Cases solved",
                 (
                     Column("formulation", "formulation", "", "s"),
                     Column("solved", "solved", "", "s"),
@@ -56,6 +57,6 @@ def section(step: Callable[[str], None]) -> tuple[Section, tuple[str, str]]:
             Table("stability-cases", "Case by case", columns, wide_rows(rows)),
             *table_section_items(),
         ),
-    )  # fmt: skip
+    )
     solved, _, total = counts[OURS]
     return made, ("extreme scenes solved", f"{solved} of {total}")

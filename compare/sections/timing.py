@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import asdict
 
-from compare.bench import run_bench
-from compare.findings import entry
-from compare.friction_bench import jobs
-from compare.printed_data import load_table
+from compare.costs.bench import run_bench
+from compare.costs.friction_bench import jobs
+from compare.printed.findings import entry
+from compare.printed.printed_data import load_table
 from reports.records import Cell, Column, Section, Table, Text
 
 
@@ -17,10 +17,13 @@ def friction_table(step: Callable[[str], None]) -> Table:
     step("friction")
     rows: list[dict[str, Cell]] = [asdict(row) | {"reached": "yes" if row.reached else "no"} for row in jobs(5)]
     columns = (
-        Column("name", "job", "", "s"), Column("seconds", "seconds", "s", "g3"), Column("target", "target", "s", "g3"),
-        Column("reached", "reached", "", "s"), Column("ratio", "ratio", "", "g3"),
+        Column("name", "job", "", "s"),
+        Column("seconds", "seconds", "s", "g3"),
+        Column("target", "target", "s", "g3"),
+        Column("reached", "reached", "", "s"),
+        Column("ratio", "ratio", "", "g3"),
         Column("note", "what is included", "", "s"),
-    )  # fmt: skip
+    )
     return Table("timing-friction", "Friction and ball motion, compiled", columns, rows)
 
 
@@ -45,7 +48,8 @@ def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]
                 )
             ),
             Table(
-                "timing-jobs", "Jobs",
+                "timing-jobs",
+                "Jobs",
                 (
                     Column("job", "job", "", "s"),
                     Column("seconds", "seconds", "s", "g3"),
@@ -58,7 +62,8 @@ def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]
             ),
             friction_table(step),
             Table(
-                "timing-printed", "Table 2.2 as printed",
+                "timing-printed",
+                "Table 2.2 as printed",
                 (
                     Column("label", "quantity", "", "s"),
                     Column("printed", "printed", "", "s"),
@@ -69,11 +74,13 @@ def section(step: Callable[[str], None]) -> tuple[Section, list[tuple[str, str]]
                 printed,
             ),
         ),
-    )  # fmt: skip
+    )
     by_name = {job.job: job for job in done}
     headline = []
-    for name, label in (("cold solve, case 1", "source's Newton from a good guess over ours"),
-                        ("cold solve, no guess", "source's Newton by load steps over ours")):  # fmt: skip
+    for name, label in (
+        ("cold solve, case 1", "source's Newton from a good guess over ours"),
+        ("cold solve, no guess", "source's Newton by load steps over ours"),
+    ):
         job = by_name[name]
         if name == "cold solve, case 1" and job.seconds is not None:
             headline.append(("cold solve of case 1", f"{1e6 * job.seconds:.0f} µs"))

@@ -113,12 +113,17 @@ def error_rows(found: Sequence[Level]) -> list[dict[str, Cell]]:
     """Rows of the table of errors."""
     return [
         {
-            "job": one.run.job, "mesh": one.label, "b_over_h": one.run.b_over_h, "unknowns": one.run.unknowns,
-            "contact_nodes": one.run.contact_nodes, "iterations": one.run.iterations,
-            "seconds": one.run.total_seconds, **one.errors,
+            "job": one.run.job,
+            "mesh": one.label,
+            "b_over_h": one.run.b_over_h,
+            "unknowns": one.run.unknowns,
+            "contact_nodes": one.run.contact_nodes,
+            "iterations": one.run.iterations,
+            "seconds": one.run.total_seconds,
+            **one.errors,
         }
         for one in found
-    ]  # fmt: skip
+    ]
 
 
 def value_rows(found: Sequence[Level]) -> list[dict[str, Cell]]:
@@ -136,11 +141,16 @@ def value_rows(found: Sequence[Level]) -> list[dict[str, Cell]]:
             error = float(error_percent(value, reference))
             rows.append(
                 {
-                    "job": f"{run.job}, {WHAT[run.job]}", "quantity": name, "unit": unit, "value": scale * value,
-                    "reference": scale * reference, "error": error, "target": most,
+                    "job": f"{run.job}, {WHAT[run.job]}",
+                    "quantity": name,
+                    "unit": unit,
+                    "value": scale * value,
+                    "reference": scale * reference,
+                    "error": error,
+                    "target": most,
                     "met": "yes" if abs(error) <= most else "NO",
                 }
-            )  # fmt: skip
+            )
     return rows
 
 
@@ -160,27 +170,33 @@ def figure(found: Sequence[Level], job: str) -> Figure:
             unit = "unknowns" if axis == "unknowns" else "time [s]"
             panels.append(Panel(f"{quantity} against {axis}", unit, "error [%]", curves, log="xy"))
     return Figure(
-        f"verification-{job}", f"Job {job}, {WHAT[job]}: size of the error", panels,
+        f"verification-{job}",
+        f"Job {job}, {WHAT[job]}: size of the error",
+        panels,
         caption="Error against the closed form; a curve dips where its error changes sign. Errors below 0.001 % are "
         "drawn there. Pressures at single nodes of 4-node tetrahedra scatter with the mesh; errors of the fitted ones, "
         "in the table, fall steadily from b/h = 4 on. Time includes mesh, assembly, factorisation, one solution for "
         "each contact node, and contact.",
-    )  # fmt: skip
+    )
 
 
 def times_table(found: Sequence[Level]) -> Table:
     """Seconds of every run by stage; the stages have keys of their own, as one of them is called like the mesh."""
     rows: list[dict[str, Cell]] = [
         {
-            "job": one.run.job, "mesh": one.label, "b_over_h": one.run.b_over_h,
+            "job": one.run.job,
+            "mesh": one.label,
+            "b_over_h": one.run.b_over_h,
             **{f"{name}_seconds": one.run.seconds[name] for name in TIMES},
         }
         for one in found
     ]
     columns = (
-        Column("job", "job", "", "s"), Column("mesh", "mesh", "", "s"), Column("b_over_h", "b/h", "", ".1f"),
+        Column("job", "job", "", "s"),
+        Column("mesh", "mesh", "", "s"),
+        Column("b_over_h", "b/h", "", ".1f"),
         *(Column(f"{name}_seconds", STAGES.get(name, name), "s", "g2") for name in TIMES),
-    )  # fmt: skip
+    )
     return Table("verification-times", "Where the time goes [s]", columns, rows)
 
 
@@ -208,7 +224,8 @@ def section(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]] =
             ),
             Text(verdict(found), bullets=True),
             Table(
-                "verification-targets", "Production mesh (27-node hexahedra, b/h = 4) against the closed form",
+                "verification-targets",
+                "Production mesh (27-node hexahedra, b/h = 4) against the closed form",
                 (
                     Column("job", "job", "", "s"),
                     Column("quantity", "quantity", "", "s"),
@@ -225,4 +242,4 @@ def section(step: Callable[[str], None], wanted: Mapping[str, Sequence[float]] =
             *(figure(found, job) for job in JOBS),
             times_table(found),
         ),
-    )  # fmt: skip
+    )

@@ -73,9 +73,14 @@ class BallBearing:
 
 
 def of_angle(
-    balls: int, ball_diameter: float, pitch_diameter: float, conformity: tuple[float, float], angle: float,
-    young: float, poisson: float,
-) -> BallBearing:  # fmt: skip
+    balls: int,
+    ball_diameter: float,
+    pitch_diameter: float,
+    conformity: tuple[float, float],
+    angle: float,
+    young: float,
+    poisson: float,
+) -> BallBearing:
     """Bearing of a free contact angle [rad] and conformities r/D of inner and outer groove, lengths [m].
 
     The clearance that makes the angle is taken half from each raceway, as in a catalogue drawing.
@@ -83,9 +88,15 @@ def of_angle(
     inner, outer = (c * ball_diameter for c in conformity)
     play = (inner + outer - ball_diameter) * (1.0 - np.cos(angle))
     return BallBearing(
-        balls, ball_diameter, pitch_diameter - ball_diameter - play, pitch_diameter + ball_diameter + play,
-        inner, outer, young, poisson,
-    )  # fmt: skip
+        balls,
+        ball_diameter,
+        pitch_diameter - ball_diameter - play,
+        pitch_diameter + ball_diameter + play,
+        inner,
+        outer,
+        young,
+        poisson,
+    )
 
 
 @dataclass(frozen=True)

@@ -76,9 +76,13 @@ class Sheet:
 
 
 def sheet(
-    load: float, balls: int, diameter: float, grooves: tuple[float, float], raceways: tuple[float, float],
+    load: float,
+    balls: int,
+    diameter: float,
+    grooves: tuple[float, float],
+    raceways: tuple[float, float],
     outer_difference: float | None = None,
-) -> Sheet:  # fmt: skip
+) -> Sheet:
     """Figure 2-10 at an axial load [N]: balls, their diameter [mm], groove radii and raceway diameters (inner, outer) [mm].
 
     outer_difference: F of the outer race where the sheet's own cell does not follow from its geometry; None computes it.
@@ -91,7 +95,7 @@ def sheet(
         four = (
             (-1.0 / grooves[0], 2.0 / (path - d), 2.0 / d, 2.0 / d),
             (2.0 / d, 2.0 / d, -1.0 / grooves[1], -2.0 / (path + d)),
-        )  # fmt: skip
+        )
         sums = (float(sum(four[0])), float(sum(four[1])))
         outer = curvature_difference(four[1]) if outer_difference is None else outer_difference
         differences = (curvature_difference(four[0]), outer)

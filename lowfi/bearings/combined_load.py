@@ -106,6 +106,8 @@ def by_load_zone(bearing: TaperedBearing, axial: float, radial: float, exponent:
     normal = float(bearing.law().approach(greatest / bearing.length))
     w = 0.5 / zone.eps
     return ZoneState(
-        float((1.0 - w) * normal / np.sin(bearing.cup_angle)), float(w * normal / np.cos(bearing.cup_angle)),
-        float(greatest), zone,
-    )  # fmt: skip
+        float((1.0 - w) * normal / np.sin(bearing.cup_angle)),
+        float(w * normal / np.cos(bearing.cup_angle)),
+        float(greatest),
+        zone,
+    )

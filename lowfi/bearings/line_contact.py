@@ -80,9 +80,12 @@ class LineLaw:
 
 
 def between_races(
-    roller_radius: Array | float, race_curvatures: tuple[Array | float, Array | float], depths: tuple[float, float],
-    young: float, poisson: float,
-) -> LineLaw:  # fmt: skip
+    roller_radius: Array | float,
+    race_curvatures: tuple[Array | float, Array | float],
+    depths: tuple[float, float],
+    young: float,
+    poisson: float,
+) -> LineLaw:
     """Law of the approach of two raceways with a roller between them, all of one material.
 
     roller_radius [m]; race_curvatures: of inner (positive) and outer race (negative) [1/m]; depths [m]: to where the

@@ -50,8 +50,8 @@ def static_rating(rows: int, balls: int, ball_diameter: float, angle: float, acr
 
 
 def load_torque(
-    axial: float, radial: float, pitch_diameter: float, rating: float, *, axial_factor: float = 0.3,
-) -> LoadTorque:  # fmt: skip
+    axial: float, radial: float, pitch_diameter: float, rating: float, *, axial_factor: float = 0.3
+) -> LoadTorque:
     """Load-dependent torque M_1 = f_1 g_1 P_0 d_m [N m] (Smith 2.33-2.38).
 
     axial, radial: static loads [N]; pitch_diameter [m]; rating C_0 [N]; axial_factor: Y_0 of P_0 = 0.5 F_r + Y_0 F_a.

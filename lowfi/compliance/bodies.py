@@ -95,9 +95,10 @@ def idealised(backend: Backend, scene: Scene) -> tuple[str, ...]:
     section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
     smooth = "; beyond that, a smooth body of revolution with each contact's own flank"
     nut = {
-        "rigid": RIGID, "beam": "a Timoshenko tube of its grooved section",
+        "rigid": RIGID,
+        "beam": "a Timoshenko tube of its grooved section",
         "kernel": f"a Timoshenko tube of its grooved section{smooth}",
-    }[backend.nut]  # fmt: skip
+    }[backend.nut]
     screw = f"a Timoshenko beam with the section of {section}{smooth if backend.screw == 'kernel' else ''}"
     if ring and backend.nut == "kernel":
         screw = nut = "a body of revolution with its groove, held as the scene says"
@@ -153,9 +154,15 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool) -> tuple[Array
 def geometry_only(scene: Scene) -> Scene:
     """The scene without loads, supports, errors, words and choices: what the bodies' compliance depends on."""
     return Scene(
-        "", "", scene.track, scene.screw, scene.nut, replace(scene.balls, azimuths=(scene.track.phase,)), solid=scene.solid,
+        "",
+        "",
+        scene.track,
+        scene.screw,
+        scene.nut,
+        replace(scene.balls, azimuths=(scene.track.phase,)),
+        solid=scene.solid,
         ingredients=Ingredients(screw=scene.ingredients.screw),
-    )  # fmt: skip
+    )
 
 
 def flank_of(scene: Scene, screw: bool) -> Flank:

@@ -144,8 +144,7 @@ class Body:
         column = np.tile(dof, (1, 27)).ravel()
         size = 3 * grid.r.size
         self.parts = tuple(
-            sp.coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr()
-            for k in element_matrices(grid, young, poisson)
+            sp.coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr() for k in element_matrices(grid, young, poisson)
         )
 
     def blocks(self, held: NDArray[np.bool_]) -> list[Block]:
@@ -204,9 +203,13 @@ def end_motions(body: Body, n: int) -> Array:
 
 
 def line_compliance(
-    body: Body, harmonics: Sequence[int], held: NDArray[np.bool_], line: int, rows: tuple[int, int],
+    body: Body,
+    harmonics: Sequence[int],
+    held: NDArray[np.bool_],
+    line: int,
+    rows: tuple[int, int],
     springs: Sequence[float] = (),
-) -> list[Array]:  # fmt: skip
+) -> list[Array]:
     """Motion of the nodes of grid line r = ``line`` by loads on them, ``(3 k, 3 k)`` for each harmonic, freedoms U, V, W
     node by node.
 

@@ -31,11 +31,7 @@ def test_errors_on_27_node_hexahedra_fall_with_every_refinement(name):
 
 @pytest.mark.parametrize(
     ("element", "coarse", "fine", "most"),
-    [
-        ("Q1", 2.0, 8.0, (4e-3, 4e-3, 8e-3)),
-        ("P1", 4.0, 8.0, (2.5e-2, 2.5e-2, 5e-2)),
-        ("P2", 2.0, 5.0, (3e-3, 3e-3, 1e-2)),
-    ],
+    [("Q1", 2.0, 8.0, (4e-3, 4e-3, 8e-3)), ("P1", 4.0, 8.0, (2.5e-2, 2.5e-2, 5e-2)), ("P2", 2.0, 5.0, (3e-3, 3e-3, 1e-2))],
 )
 def test_errors_on_other_elements_fall_too(element, coarse, fine, most):
     first, last = errors(study(JOBS["A"], element, coarse)), errors(study(JOBS["A"], element, fine))

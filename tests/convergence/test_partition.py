@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from tests.helpers import relative, solved, with_ingredients
 
 CASES = ("lin-case1", "lin-case2", "lin-case3-offset")
@@ -24,8 +24,7 @@ def uniform_errors(case):
     return np.array(
         [
             relative(
-                solved(with_ingredients(scene, partition="uniform", element_length=h), engine="compiled").load,
-                nodal(case),
+                solved(with_ingredients(scene, partition="uniform", element_length=h), engine="compiled").load, nodal(case)
             )
             for h in LENGTHS
         ]

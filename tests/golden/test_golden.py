@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from tests.helpers import solved
 
 FOLDER = Path(__file__).parent

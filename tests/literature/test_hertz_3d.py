@@ -107,10 +107,7 @@ def test_section_says_from_the_data_whether_the_targets_are_met():
     assert sum("All targets are met" in line for line in verdicts) == 2
     assert sum("source's size" in line for line in verdicts) == 2
     rows = [
-        row
-        for item in made.items
-        if isinstance(item, Table) and item.name == "verification-errors"
-        for row in item.rows
+        row for item in made.items if isinstance(item, Table) and item.name == "verification-errors" for row in item.rows
     ]
     assert [(row["job"], row["b_over_h"]) for row in rows[:2]] == [("A", 2.0), ("A", 4.0)]
     run = JOBS["A"]

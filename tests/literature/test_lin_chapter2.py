@@ -2,22 +2,24 @@
 
 import pytest
 
-from compare.findings import Finding
+from compare.models.study import Study
+from compare.printed.findings import Finding
 from compare.sections import case3, cases, hertz, manufacturing
 from compare.sections.errors import findings as error_findings
-from compare.study import Study
 
 STUDY = Study()
 
 
 def _all() -> list[Finding]:
-    from compare.ensemble import run_ensemble
+    from compare.models.ensemble import run_ensemble
 
     drawn = [run_ensemble(STUDY.scene(name), 60) for name in ("lin-random", "lin-combined")]
     return [
-        *hertz.findings(STUDY), *cases.findings_241(STUDY), *error_findings(STUDY, *drawn),
+        *hertz.findings(STUDY),
+        *cases.findings_241(STUDY),
+        *error_findings(STUDY, *drawn),
         *manufacturing.findings(STUDY),
-    ]  # fmt: skip
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +30,7 @@ def found() -> dict[str, Finding]:
 KEYS = [
     f"{row.table}:{row.key}"
     for name in ("lin-B1", "lin-2.4.1", "lin-2.4.2", "lin-4.3.2")
-    for row in __import__("compare.printed_data", fromlist=["load_table"]).load_table(name)
+    for row in __import__("compare.printed.printed_data", fromlist=["load_table"]).load_table(name)
 ]
 
 

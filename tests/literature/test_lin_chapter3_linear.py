@@ -6,11 +6,11 @@ from math import degrees, radians
 import numpy as np
 import pytest
 
-from compare.printed_data import Printed, load_table
-from lowfi.friction.linear import LinearBearing
-from lowfi.friction.linear_analytic import velocity_deviation
-from lowfi.friction.linear_loads import Loads
-from lowfi.friction.linear_pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
+from compare.printed.printed_data import Printed, load_table
+from lowfi.friction.linear.analytic import velocity_deviation
+from lowfi.friction.linear.bearing import LinearBearing
+from lowfi.friction.linear.loads import Loads
+from lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
 
 TABLES = ("lin-3.3", "lin-3.4", "lin-3.5")
 ROWS: dict[str, Printed] = {f"{r.table}:{r.key}": r for t in TABLES for r in load_table(t)}
@@ -38,11 +38,17 @@ def number(key: str) -> float:
     table, name = key.split(":")
     printed = {r.key: r.value for r in load_table("lin-3.5")}
     given = {
-        "ball_radius": BEARING.ball_radius * 1e3, "conformity": BEARING.conformity, "psi": BEARING.psi(),
-        "vertical": VERTICAL, "speed": BEARING.speed * 1e3, "mu": BEARING.mu, "young": BEARING.young,
-        "poisson": BEARING.poisson, "contact_angle": degrees(BEARING.contact_angle),
+        "ball_radius": BEARING.ball_radius * 1e3,
+        "conformity": BEARING.conformity,
+        "psi": BEARING.psi(),
+        "vertical": VERTICAL,
+        "speed": BEARING.speed * 1e3,
+        "mu": BEARING.mu,
+        "young": BEARING.young,
+        "poisson": BEARING.poisson,
+        "contact_angle": degrees(BEARING.contact_angle),
         "yaw": abs(SIDE) * VERTICAL * 2.0 * BEARING.ball_radius * 1e3,
-    }  # fmt: skip
+    }
     if name in given:
         return given[name]
     if name == "worst_ratio":
@@ -73,9 +79,15 @@ def test_printed_number(key: str) -> None:
 
 def test_open_numbers_are_only_shown() -> None:
     assert {k.split(":")[1] for k, r in ROWS.items() if r.cls == "open"} == {
-        "a_force_ansys", "b_force_ansys", "a_time_numerical", "a_time_analytic", "a_time_ansys", "b_time_numerical",
-        "b_time_analytic", "b_time_ansys",
-    }  # fmt: skip
+        "a_force_ansys",
+        "b_force_ansys",
+        "a_time_numerical",
+        "a_time_analytic",
+        "a_time_ansys",
+        "b_time_numerical",
+        "b_time_analytic",
+        "b_time_ansys",
+    }
 
 
 def test_claim_increase_grows() -> None:
@@ -118,9 +130,10 @@ def test_spread_of_what_the_text_leaves_open() -> None:
     """The band of the numerical force in lin-3.5 and the remarks in lin-3.3, lin-3.4, by the readings they name."""
     found = {loads: numerical(False, THETA, loads).force for loads in ("diagonal", "balanced", "elastic")}
     assert found == {
-        "diagonal": pytest.approx(3.98, abs=5e-3), "balanced": pytest.approx(4.065, abs=5e-3),
+        "diagonal": pytest.approx(3.98, abs=5e-3),
+        "balanced": pytest.approx(4.065, abs=5e-3),
         "elastic": pytest.approx(4.042, abs=5e-3),
-    }  # fmt: skip
+    }
     equal = numerical(False, THETA, "diagonal").free.deviation
     assert equal[0] == pytest.approx(-equal[1], rel=1e-9)
     assert 100.0 * equal[0] == pytest.approx(0.81, abs=5e-3)

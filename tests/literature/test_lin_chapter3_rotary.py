@@ -5,9 +5,17 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.printed_data import Printed, load_table
-from lowfi.friction.ellipse import cubic_factor, linear_error, linear_factor
-from lowfi.friction.rotary import SIDES, Bearing, Solution, inner_torque, solve_ball, solve_ball_as_printed, source_law
+from compare.printed.printed_data import Printed, load_table
+from lowfi.friction.bearing.rotary import (
+    SIDES,
+    Bearing,
+    Solution,
+    inner_torque,
+    solve_ball,
+    solve_ball_as_printed,
+    source_law,
+)
+from lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from lowfi.hertz import contact_modulus, hertz_constants
 
 BEARING = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)

@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.printed_data import Printed, load_table
-from lowfi.friction.screw_pair import (
+from compare.printed.printed_data import Printed, load_table
+from lowfi.friction.screw.pair import (
     BOTH,
     INFERRED_OVERSIZE,
     SHIFTED,
@@ -21,7 +21,7 @@ from lowfi.friction.screw_pair import (
     solve_pair,
     table_3_6,
 )
-from lowfi.friction.screw_run import RunSummary, groups, lin_3_4_4, simulate, summarise
+from lowfi.friction.screw.run import RunSummary, groups, lin_3_4_4, simulate, summarise
 
 THETA = {"a": np.radians(2.0), "b": np.radians(3.0)}
 AMPLITUDES = (2.0, 3.0)
@@ -66,9 +66,7 @@ def test_readings_of_table_3_7(key: str) -> None:
     assert found["inferred"] == pytest.approx(row.value, rel=0.025)
 
 
-@pytest.mark.parametrize(
-    ("case", "force", "increase"), [("a", 0.98316, 0.37855), ("b", 1.29143, 0.49858)]
-)  # fmt: skip
+@pytest.mark.parametrize(("case", "force", "increase"), [("a", 0.98316, 0.37855), ("b", 1.29143, 0.49858)])
 def test_plain_reading(case: str, force: float, increase: float) -> None:
     """No oversize: about half the printed forces, and only because friction brings a third contact."""
     r = reading("plain", case)
@@ -157,8 +155,12 @@ def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
 def test_inputs_of_3_4_4() -> None:
     v, run = {key: row.value for key, row in rows("lin-3.4.4").items()}, lin_3_4_4()
     assert (run.count, run.turns, run.force[0], run.duration, run.steps) == (
-        v["balls"], v["turns"], v["force"], v["duration"], v["steps"]
-    )  # fmt: skip
+        v["balls"],
+        v["turns"],
+        v["force"],
+        v["duration"],
+        v["steps"],
+    )
 
 
 def test_occupation_means_no_volume_of_the_tube() -> None:

@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.catalogue import scene
-from compare.printed_data import Printed, load_table
-from lowfi.friction.bearing_pairs import (
+from compare.printed.printed_data import Printed, load_table
+from compare.scenes.catalogue import scene
+from lowfi.friction.bearing.pairs import (
     ALL,
     DIAGONAL,
     OTHER,
@@ -20,8 +20,8 @@ from lowfi.friction.bearing_pairs import (
     torque_curve,
     vary,
 )
-from lowfi.friction.screw_errors import Onset, contact_onset, groove_of
-from lowfi.static import solve_static
+from lowfi.friction.screw.errors import Onset, contact_onset, groove_of
+from lowfi.statics.static import solve_static
 
 ANGLES = np.radians(np.arange(0.0, 18.1, 2.0))
 

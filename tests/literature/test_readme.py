@@ -18,10 +18,13 @@ def test_table_is_the_report_s() -> None:
     lines = text.split("<!-- table: reference-errors -->")[1].strip().split("\n\n")[0].splitlines()
     heads = [cell.strip() for cell in lines[0].strip().strip("|").split("|")]
     columns = {
-        "largest %": "largest error [% of mean]", "at": "at ball", "RMS %": "RMS error [% of mean]",
-        "own load, largest %": "largest [% of own load]", "printed %": "printed max / RMS [%]",
+        "largest %": "largest error [% of mean]",
+        "at": "at ball",
+        "RMS %": "RMS error [% of mean]",
+        "own load, largest %": "largest [% of own load]",
+        "printed %": "printed max / RMS [%]",
         "uncertainty %": "reference's uncertainty [% of mean]",
-    }  # fmt: skip
+    }
     rows = {(row["scene"], row["model"]): row for row in stored("reference-errors")}
     assert len(lines) >= 10
     for line in lines[2:]:
@@ -34,9 +37,9 @@ def test_table_is_the_report_s() -> None:
 
 
 def test_report_s_tables_are_what_the_models_give_now() -> None:
+    from compare.models.study import Study
     from compare.sections.cases import choices
     from compare.sections.reference import error_table, references
-    from compare.study import Study
 
     study = Study()
     for row, old in zip(choices(study), stored("cases-choices"), strict=True):

@@ -5,16 +5,15 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from compare.evidence_smith import ball, case, screw, taper, trials
-from compare.findings import TAKEN, WITHIN, Finding
-from compare.printed_data import load_table, tables
-from compare.sections import smith
-from compare.study import Study
+from compare.evidence.smith import ball, case, every, screw, taper, trials
+from compare.models.study import Study
+from compare.printed.findings import TAKEN, WITHIN, Finding
+from compare.printed.printed_data import load_table, tables
 from lowfi.bearings import as_printed
 from lowfi.bearings.angular_contact import contact_parameters
 
 TABLES = [name for name in tables() if name.startswith("smith")]
-FOUND = smith.findings(Study())
+FOUND = every.findings(Study())
 BY_KEY = {(f.printed.table, f.printed.key): f for f in FOUND}
 
 
@@ -63,9 +62,13 @@ def test_bands_hold_and_open_entries_say_why(f: Finding) -> None:
 
 def test_counts_by_class_and_verdict() -> None:
     assert Counter((f.printed.cls, f.verdict) for f in FOUND) == {
-        ("hard", "reproduced"): 126, ("as-printed", "reproduced as printed"): 56, ("input", TAKEN): 62,
-        ("band", WITHIN): 1, ("open", "open"): 81, ("open", "open: does not hold here"): 10,
-    }  # fmt: skip
+        ("hard", "reproduced"): 126,
+        ("as-printed", "reproduced as printed"): 56,
+        ("input", TAKEN): 62,
+        ("band", WITHIN): 1,
+        ("open", "open"): 81,
+        ("open", "open: does not hold here"): 10,
+    }
 
 
 # --- what the faults do

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare import catalogue
-from compare.study import with_groove
+from compare.models.study import with_groove
+from compare.scenes import catalogue
 from hifi.expected import hertz_units
 from meshes.parts import Load, Scene, Support
 
@@ -32,9 +32,11 @@ def even(count: int, turns: float) -> tuple[float, ...]:
 def with_track(scene: Scene, lead: float, count: int, turns: float, length: float, **track: int) -> Scene:
     """The scene with another lead [m], balls of one start, and length of nut [m]."""
     return replace(
-        scene, track=replace(scene.track, lead=lead, **track), nut=replace(scene.nut, length=length),
+        scene,
+        track=replace(scene.track, lead=lead, **track),
+        nut=replace(scene.nut, length=length),
         balls=replace(scene.balls, azimuths=even(count, turns)),
-    )  # fmt: skip
+    )
 
 
 def conformities() -> Iterator[tuple[str, Scene]]:
@@ -59,8 +61,15 @@ def survey() -> Iterator[tuple[str, Scene]]:
     yield "lead 10", with_track(CASE, 10e-3, 32, 2.0, 36e-3)
     yield "lead 40", with_track(CASE, 40e-3, 24, 1.5, 76e-3)
     yield "two starts", with_track(CASE, 20e-3, 16, 1.0, 36e-3, starts=2)
-    for name in ("bearing-9", "bearing-9-preload", "unseen-25x5", "unseen-32x10", "unseen-40x10", "unseen-63x20",
-                 "unseen-four-point"):  # fmt: skip
+    for name in (
+        "bearing-9",
+        "bearing-9-preload",
+        "unseen-25x5",
+        "unseen-32x10",
+        "unseen-40x10",
+        "unseen-63x20",
+        "unseen-four-point",
+    ):
         yield name, catalogue.scene(name)
 
 

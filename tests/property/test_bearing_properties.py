@@ -16,9 +16,14 @@ SEEDS = range(12)
 def ball(rng: np.random.Generator, scale: float = 1.0) -> BallBearing:
     d = scale * rng.uniform(2e-3, 30e-3)
     return of_angle(
-        int(rng.integers(6, 40)), d, d * rng.uniform(4.0, 12.0), (rng.uniform(0.505, 0.57), rng.uniform(0.505, 0.57)),
-        np.radians(rng.uniform(5.0, 75.0)), 207e9, 0.3,
-    )  # fmt: skip
+        int(rng.integers(6, 40)),
+        d,
+        d * rng.uniform(4.0, 12.0),
+        (rng.uniform(0.505, 0.57), rng.uniform(0.505, 0.57)),
+        np.radians(rng.uniform(5.0, 75.0)),
+        207e9,
+        0.3,
+    )
 
 
 def taper(rng: np.random.Generator, scale: float = 1.0) -> TaperedBearing:

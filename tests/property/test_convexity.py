@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compare import catalogue
-from lowfi.static import run, solve_static
+from compare.scenes import catalogue
+from lowfi.statics.static import run, solve_static
 from meshes.parts import BallErrors
 from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw, with_ingredients
 
@@ -19,8 +19,7 @@ SCENES = {
     "lin-combined": lambda: catalogue.scene("lin-combined"),
     "source partition": lambda: with_ingredients(catalogue.scene("lin-case2"), partition="source"),
     "uneven flanks": lambda: replace(
-        small_screw(count=9, force=(200.0, -100.0, 1500.0)),
-        errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=2e-6)),
+        small_screw(count=9, force=(200.0, -100.0, 1500.0)), errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=2e-6))
     ),
     "clearance": lambda: small_screw(count=9, oversize=-5e-6, force=(100.0, 0.0, 1500.0)),
     "rigid": lambda: catalogue.scene("bearing-9-preload"),

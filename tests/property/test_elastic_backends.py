@@ -6,14 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from lowfi import jit
 from lowfi.compliance.bodies import LADDER, REFINED, held_at
-from lowfi.elastic import run, solve_elastic
-from lowfi.elastic_system import Rebuild, ready
-from lowfi.kernel import elastic as kernel
-from lowfi.mechanism import free_motions
-from lowfi.static import pin
+from lowfi.statics.elastic import run, solve_elastic
+from lowfi.statics.elastic_system import Rebuild, ready
+from lowfi.statics.kernel import elastic as kernel
+from lowfi.statics.mechanism import free_motions
+from lowfi.statics.static import pin
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, Errors, Load, Support
@@ -40,14 +40,16 @@ def random_scene(seed):
     fixed = tuple((name, dict(tilt).get(name, 0.0)) for name in ("ux", "uy", "rx", "ry", "rz"))
     oversize = float(rng.uniform(-1e-5, 1e-5))
     return replace(
-        scene, name=f"random {seed}",
+        scene,
+        name=f"random {seed}",
         track=replace(scene.track, starts=starts),
         screw=replace(scene.screw, bore=float(rng.choice([0.0, 8e-3, 14e-3]))),
         nut=replace(scene.nut, length=length, outer_diameter=float(rng.uniform(45e-3, 60e-3))),
         solid=replace(scene.solid, nut_held=str(rng.choice(["left face", "right face", "both faces", "outer surface"]))),
         errors=Errors(balls=BallErrors(oversize=oversize, sigma=float(rng.choice([0.0, 5e-7]))), seed=seed),
-        supports=(Support(0.0, fixed),), loads=(Load(0.1, force, (0.0, 2e-3 * size * share[1], 0.0)),),
-    )  # fmt: skip
+        supports=(Support(0.0, fixed),),
+        loads=(Load(0.1, force, (0.0, 2e-3 * size * share[1], 0.0)),),
+    )
 
 
 @cache
@@ -58,8 +60,9 @@ def solved(seed, backend):
 def assembled(scene, backend):
     layout = ball_layout(scene)
     drawn, use = specimen(scene, layout), np.ones(4, dtype=bool)
-    problem = Rebuild(scene, drawn, layout, use, None, backend, None, jit.interpreted(), False, 1).problem()
-    return ready(pin(problem, free_motions(problem)), backend, jit.interpreted(), layout)
+    plain = jit.kernels(jit.STATICS, compiled=False)
+    problem = Rebuild(scene, drawn, layout, use, None, backend, None, plain, False, 1).problem()
+    return ready(pin(problem, free_motions(problem)), backend, plain, layout)
 
 
 @pytest.mark.parametrize("backend", LADDER)

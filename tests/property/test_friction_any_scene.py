@@ -8,8 +8,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from lowfi.friction.screw_state import friction_state
-from lowfi.static import solve_static
+from lowfi.friction.whole.state import friction_state
+from lowfi.statics.static import solve_static
 from meshes.parts import FourierTerm, Friction, Load, Motion
 from tests.helpers import small_screw
 

@@ -6,9 +6,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from lowfi.friction.chain import ChainResult, prepare, solve
-from lowfi.friction.linear import LinearBearing, deviations
-from lowfi.friction.linear_loads import balanced_loads, diagonal_loads, elastic_loads
+from lowfi.friction.linear.bearing import LinearBearing, deviations
+from lowfi.friction.linear.chain import ChainResult, prepare, solve
+from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 
 BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
 MU = (0.001, 0.1, 0.5)

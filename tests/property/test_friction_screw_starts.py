@@ -1,7 +1,7 @@
 """Coupled loads and friction of a pair in a ball screw do not depend on where the search begins.
 
 Valid where the load presses both balls against their grooves by more than friction moves them: a ball with play may
-float or be wedged by its own friction (tests/unit/test_friction_screw_coupled.py).
+float or be wedged by its own friction (tests/unit/friction/test_screw_coupled.py).
 """
 
 from dataclasses import replace
@@ -9,12 +9,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lowfi.friction.screw_coupled import Guess
-from lowfi.friction.screw_pair import Pair, PairResult, plain, solve_pair, table_3_6
+from lowfi.friction.screw.coupled import Guess
+from lowfi.friction.screw.pair import Pair, PairResult, plain, solve_pair, table_3_6
 
 #: Load [N] and oversize of the ball radii [m], negative for clearance.
-STATES = ((1.0, 1.7e-6), (1.0, 0.0), (50.0, 1.7e-6), (50.0, 0.0), (50.0, -1e-7), (50.0, -1e-6), (2000.0, -3e-6),
-          (2000.0, -1e-5))  # fmt: skip
+STATES = (
+    (1.0, 1.7e-6),
+    (1.0, 0.0),
+    (50.0, 1.7e-6),
+    (50.0, 0.0),
+    (50.0, -1e-7),
+    (50.0, -1e-6),
+    (2000.0, -3e-6),
+    (2000.0, -1e-5),
+)
 STARTS = 4
 
 

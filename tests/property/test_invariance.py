@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare import catalogue
+from compare.scenes import catalogue
 from meshes.parts import BallErrors, Errors, Load, Material, SideErrors, Support
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, prepared, relative, small_screw, solved, with_ingredients
 
@@ -40,33 +40,37 @@ def scaled(scene, length, modulus):
     listed = tuple((i, e * length) for i, e in balls.listed)
     return replace(
         scene,
-        track=replace(
-            scene.track, pitch_radius=scene.track.pitch_radius * length, lead=scene.track.lead * length
-        ),
+        track=replace(scene.track, pitch_radius=scene.track.pitch_radius * length, lead=scene.track.lead * length),
         screw=replace(
-            scene.screw, length=scene.screw.length * length, outer_diameter=scene.screw.outer_diameter * length,
-            groove_radius=scene.screw.groove_radius * length, bore=scene.screw.bore * length,
+            scene.screw,
+            length=scene.screw.length * length,
+            outer_diameter=scene.screw.outer_diameter * length,
+            groove_radius=scene.screw.groove_radius * length,
+            bore=scene.screw.bore * length,
             material=material(scene.screw.material),
         ),
         nut=replace(
-            scene.nut, position=scene.nut.position * length, length=scene.nut.length * length,
-            outer_diameter=scene.nut.outer_diameter * length, groove_radius=scene.nut.groove_radius * length,
+            scene.nut,
+            position=scene.nut.position * length,
+            length=scene.nut.length * length,
+            outer_diameter=scene.nut.outer_diameter * length,
+            groove_radius=scene.nut.groove_radius * length,
             material=material(scene.nut.material),
         ),
         balls=replace(scene.balls, radius=scene.balls.radius * length, material=material(scene.balls.material)),
         errors=replace(
-            scene.errors, balls=replace(balls, oversize=balls.oversize * length, listed=listed),
+            scene.errors,
+            balls=replace(balls, oversize=balls.oversize * length, listed=listed),
             **{name: side(scene.errors.side(name)) for name in ("SL", "SR", "NL", "NR")},
         ),
         supports=tuple(
-            Support(s.at * length, tuple((n, v * length if n[0] == "u" else v) for n, v in s.fixed))
-            for s in scene.supports
+            Support(s.at * length, tuple((n, v * length if n[0] == "u" else v) for n, v in s.fixed)) for s in scene.supports
         ),
         loads=tuple(
             Load(x.at * length, tuple(f * force for f in x.force), tuple(m * force * length for m in x.moment))
             for x in scene.loads
         ),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize(
@@ -251,8 +255,7 @@ def test_members_of_an_ensemble_are_single_solutions():
     """The kernel that runs through many specimens of one screw, against each specimen by itself."""
     base = small_screw(9, 2.0, force=(0.0, 100.0, 1500.0))
     scenes = [
-        replace(base, errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=x), **NO_PROFILES))
-        for x in (4e-6, -1e-6, 0.0)
+        replace(base, errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=x), **NO_PROFILES)) for x in (4e-6, -1e-6, 0.0)
     ]
     ready = [prepared(s, "compiled") for s in scenes]
     stacks = [

@@ -6,8 +6,8 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compare.catalogue import scene as shipped
-from compare.stability import OURS, Case, conforming, run, shaft_scaled, with_balls
+from compare.extremes.static import OURS, Case, conforming, run, shaft_scaled, with_balls
+from compare.scenes.catalogue import scene as shipped
 from meshes.parts import BallErrors, Errors, Load, Support
 
 BASE = shipped("lin-case1")

@@ -6,21 +6,14 @@ from functools import partial
 import numpy as np
 import pytest
 
-from compare import catalogue
 from compare.errors import Refusal
-from compare.levels import BALL
 from compare.measure import load_error
-from compare.models import Options, run_model
-from compare.reference import Task, compute, needed_sides, settings_of
-from compare.study import with_groove
-from hifi.fit import (
-    Settings,
-    ball_place,
-    expected_reach,
-    expected_semi_axes,
-    patch_lines,
-    socket_size,
-)
+from compare.models.registry import Options, run_model
+from compare.models.study import with_groove
+from compare.reference.levels import BALL
+from compare.reference.runs import Task, compute, needed_sides, settings_of
+from compare.scenes import catalogue
+from hifi.fit import Settings, ball_place, expected_reach, expected_semi_axes, patch_lines, socket_size
 from hifi.part_meshes import mesh_parts, patch_mesh, patch_normals
 from hifi.reference import solve_reference
 from hifi.setup import prepare
@@ -40,12 +33,16 @@ def screw(R, lead, ball, groove, outer, nut, azimuths, force=300.0, **changes):
     s = catalogue.scene("lin-case1")
     middle = nut[0] / 2.0 + 5e-3
     scene = Scene(
-        "any", "any", Track(R, lead, np.pi / 4), Screw(2.0 * middle, outer, groove, s.screw.material),
+        "any",
+        "any",
+        Track(R, lead, np.pi / 4),
+        Screw(2.0 * middle, outer, groove, s.screw.material),
         Nut(middle, nut[0], nut[1], groove, s.nut.material),
         Balls(ball, s.balls.material, tuple(float(a) for a in azimuths)),
-        supports=(*HELD, Support(2.0 * middle, (("ux", 0.0), ("uy", 0.0)))), loads=(Load(0.0, (0.0, 0.0, force)),),
+        supports=(*HELD, Support(2.0 * middle, (("ux", 0.0), ("uy", 0.0)))),
+        loads=(Load(0.0, (0.0, 0.0, force)),),
         solid=Solid(shaft=4e-3, shaft_diameter=outer),
-    )  # fmt: skip
+    )
     return replace(scene, **changes)
 
 
@@ -61,10 +58,15 @@ def scenes():
     uneven = (-2.9, -2.4, -0.6, 0.4, 0.85, 2.6)
     yield "uneven pattern", screw(16.5e-3, 20e-3, 2.778e-3, 3.254e-3, 32e-3, (36e-3, 48e-3), uneven)
     left = screw(16.5e-3, 20e-3, 2.778e-3, 3.254e-3, 32e-3, (36e-3, 48e-3), even(6, 1.0))
-    yield "left hand, load the other way", replace(
-        left, track=replace(left.track, hand="left"), loads=(Load(0.0, (0.0, 0.0, -300.0)),),
-        solid=replace(left.solid, nut_held="outer surface"),
-    )  # fmt: skip
+    yield (
+        "left hand, load the other way",
+        replace(
+            left,
+            track=replace(left.track, hand="left"),
+            loads=(Load(0.0, (0.0, 0.0, -300.0)),),
+            solid=replace(left.solid, nut_held="outer surface"),
+        ),
+    )
     starts = screw(16.5e-3, 40e-3, 2.778e-3, 3.254e-3, 32e-3, (36e-3, 48e-3), even(4, 0.7))
     yield "two starts", replace(starts, track=replace(starts.track, starts=2))
     yield "bearing of 9 balls, preload", catalogue.scene("bearing-9-preload")
@@ -80,10 +82,18 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name):
     scene = ALL[name]
     ratio = scene.balls.radius / BALL
     settings = Settings(
-        b_over_h=1.2, semi=expected_semi_axes(scene), reach=expected_reach(scene), fine=2.5e-3 * ratio,
-        coarse=10e-3 * ratio, ball_fine=0.9e-3 * ratio, ball_coarse=1.8e-3 * ratio, modes=12,
-        own_cuts=(3, 2, 3), own_sizes=(1.5e-3 * ratio, 6e-3 * ratio), own_ball_sizes=(0.8e-3 * ratio, 1.6e-3 * ratio),
-    )  # fmt: skip
+        b_over_h=1.2,
+        semi=expected_semi_axes(scene),
+        reach=expected_reach(scene),
+        fine=2.5e-3 * ratio,
+        coarse=10e-3 * ratio,
+        ball_fine=0.9e-3 * ratio,
+        ball_coarse=1.8e-3 * ratio,
+        modes=12,
+        own_cuts=(3, 2, 3),
+        own_sizes=(1.5e-3 * ratio, 6e-3 * ratio),
+        own_ball_sizes=(0.8e-3 * ratio, 1.6e-3 * ratio),
+    )
     sides = needed_sides(scene)
     made = prepare(scene, sides, settings)
     result = solve_reference(made, scene)
@@ -100,8 +110,16 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name):
 
 SURVEY = dict(survey())
 #: Those of which a patch and its sockets are meshed in every run of the tests; all with `pytest -m survey`.
-TIGHT = ("conformity 0.51", "conformity 0.515", "60 kN", "contact angle 20", "contact angle 70", "lead 5", "unseen-63x20",
-         "unseen-four-point")  # fmt: skip
+TIGHT = (
+    "conformity 0.51",
+    "conformity 0.515",
+    "60 kN",
+    "contact angle 20",
+    "contact angle 70",
+    "lead 5",
+    "unseen-63x20",
+    "unseen-four-point",
+)
 
 
 def sockets_of(scene, cuts=(2, 2, 2)):

@@ -1,0 +1,44 @@
+"""The command ``rollbench condense``: the 3D bodies of a scene, condensed to its contacts, as a file."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from compare.errors import InputError, Refusal
+from compare.reference.levels import LEVELS
+from compare.reference.runs import settings_of
+from compare.system import need_gmsh
+from meshes.parts import Scene
+
+
+def run_condense(scene: Scene, out: Path | None, level: int, *, cache: Path | None, show: Callable[..., None]) -> int:
+    """Mesh, condense all four sides and write the file, whole or not at all.
+
+    Raises InputError for a bad level, a mesh that cannot be built, and a file that cannot be written.
+    """
+    if level not in LEVELS:
+        raise InputError("command line", "--level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
+    out = out or Path(f"{scene.name}-condensed.npz")
+    if out.is_dir():
+        raise InputError(str(out), "file", "a folder", "a file name", "add the file's name")
+    need_gmsh()
+    from hifi.condensed import condensed_bodies
+    from hifi.setup import prepare
+    from meshes.cache import Cache
+
+    def step(text: str) -> None:
+        print(text, file=sys.stderr, flush=True)
+
+    try:
+        setup = prepare(scene, (0, 1, 2, 3), settings_of([scene], level), step, cache=Cache(cache))
+    except ValueError as error:
+        raise Refusal(scene.name, "3D bodies", str(error), "change what it names") from error
+    try:
+        condensed_bodies(setup, level).save(out)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
+    show(f"wrote {out}; use it with: rollbench solve {scene.name} --condensed {out}")
+    return 0

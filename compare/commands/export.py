@@ -1,0 +1,192 @@
+"""The command ``rollbench export``: a mesh of the 3D reference as a file for other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.errors import InputError, Refusal
+from compare.reference.runs import needed_sides, settings_of
+from compare.system import need_gmsh
+from meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need, reduced, write_mesh
+from meshes.parts import SIDES, Scene
+
+if TYPE_CHECKING:
+    from hifi.part_meshes import Meshes
+    from hifi.patch import PatchMesh
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Show = Callable[..., None]
+
+#: The source's body of influence for Hertz contact (a quarter of the block), without any scene's geometry.
+BLOCK = "block-source"
+
+
+def parts_of(scene: Scene) -> tuple[str, ...]:
+    """Names of the parts that can be exported: bodies, patches of groove and ball of the sides that may touch, block."""
+    sides = [SIDES[s] for s in needed_sides(scene)]
+    return ("screw", "nut", "ball", *(f"patch-{s}" for s in sides), *(f"ball-patch-{s}" for s in sides), BLOCK)
+
+
+def run_export(
+    scene: Scene,
+    part: str,
+    form: str,
+    out: Path | None,
+    level: int,
+    *,
+    cache: Path | None = None,
+    show: Show = print,
+    ball: int | None = None,
+) -> int:
+    """Write the mesh of a part, with the sockets, contact zones and end faces as named groups; lengths in m.
+
+    ball: solve the scene and add displacement [m], stress and von Mises stress [Pa] of that ball's parts (from 1), or of
+    the whole screw or nut; None: the mesh alone.
+    form: vtu, msh, med or inp, by the suffix of ``out`` unless given, vtu without one; out: the file, which is replaced
+    if it exists; None: ``<scene>-<part>.<form>``; level: mesh level of the reference (0: the source's mesh); cache: folder
+    of the reference's meshes, None for none.
+    Raises InputError for an unknown part, format or level, a package that is missing, a mesh that cannot be built and a
+    file that cannot be written; all but the last two before anything is meshed.
+    """
+    if part not in parts_of(scene):
+        raise InputError("command line", "part", part, ", ".join(parts_of(scene)), "choose one of these")
+    if form and form not in FORMATS:
+        raise InputError("command line", "--format", form, ", ".join(FORMATS), "leave it out to go by the file's name")
+    need_gmsh()
+    if out is None:
+        out = Path(f"{scene.name}-{part}.{form or 'vtu'}")
+    elif out.suffix == "":
+        out = out.with_name(f"{out.name}.{form or 'vtu'}")
+    try:
+        form = form_of(out, form)
+        need(form)
+    except ValueError:
+        allowed = ", ".join(f".{name}" for name in FORMATS)
+        raise InputError("command line", "--out", str(out), f"a name ending in {allowed}", "or give --format") from None
+    except ImportError as error:
+        raise InputError("command line", "--format", form, "a format whose packages are installed", str(error)) from None
+    if ball is not None and not (1 <= ball <= scene.ball_count and part != BLOCK and form != "inp"):
+        allowed = f"1 to {scene.ball_count}, for parts of the scene, in vtu, msh or med"
+        raise InputError("command line", "--ball", str(ball), allowed, "leave it out for the mesh alone")
+    fields: dict[str, Array] = {}
+    try:
+        data = part_mesh(scene, part, level, cache)
+        if ball is not None:
+            fields = result_fields(scene, part, level, ball - 1, cache)
+    except ValueError as error:
+        raise Refusal(scene.name, part, str(error), "see solid.* and the nut's length in the scene") from error
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        write_mesh(out, data, fields, form=form)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
+    cells = ", ".join(f"{len(own)} {_LABELS[kind]}" for kind, own in data.cells.items())
+    show(f"wrote {out}: {len(data.points)} nodes, {cells}; lengths in m; groups: {', '.join(data.boundaries) or 'none'}")
+    if reduced(data, form):
+        show(f".{form} holds no 27-node hexahedra: their face and centre nodes were left out (20 nodes remain)")
+    return 0
+
+
+_LABELS = {"P1": "4-node tetrahedra", "P2": "10-node tetrahedra", "Q1": "8-node hexahedra", "Q2": "27-node hexahedra"}
+
+
+def part_mesh(scene: Scene, part: str, level: int, cache: Path | None = None) -> MeshData:
+    """Mesh of a part as the reference of that level uses it; raises ValueError where it cannot be built."""
+    if part == BLOCK:
+        return _block()
+    from hifi.part_meshes import body_kind, mesh_parts
+    from meshes.cache import Cache
+    from meshes.groove_map import GrooveMap
+    from meshes.helix import ball_layout
+    from meshes.solid import dimensions
+
+    settings, sides, m = settings_of([scene], level), needed_sides(scene), GrooveMap.of(scene)
+    meshes = mesh_parts(scene, m, ball_layout(scene), dimensions(scene), sides, settings, Cache(cache))
+    if part in ("screw", "nut", "ball"):
+        return _body(meshes, part, body_kind(settings))
+    kind, _, side = part.rpartition("-")
+    return _patch(_patch_mesh(meshes, m, SIDES.index(side), settings, of_ball=kind == "ball-patch"))
+
+
+def result_fields(scene: Scene, part: str, level: int, ball: int, cache: Path | None = None) -> dict[str, Array]:
+    """Displacement ``(n, 3)`` [m], stress ``(n, 6)`` [Pa] (xx, yy, zz, yz, xz, xy) and von Mises stress of a part's nodes.
+
+    ball: from 0. Raises ValueError where the scene is not solved, or its screw is held or loaded beyond the low end.
+    """
+    from hifi import fields
+    from hifi.bodies import of_order
+    from hifi.part_meshes import body_kind, mesh_parts
+    from hifi.reference import solve_reference
+    from hifi.setup import prepare
+    from meshes.cache import Cache
+
+    settings, sides, store = settings_of([scene], level), needed_sides(scene), Cache(cache)
+    made = prepare(scene, sides, settings, cache=store)
+    result = solve_reference(made, scene)
+    if result.status != "converged":
+        raise ValueError(result.status)
+    meshes = mesh_parts(scene, made.map, made.layout, made.dims, sides, settings, store)
+    forces = fields.contact_forces(made, result)
+    if part in ("screw", "nut"):
+        body, material = (meshes.screw, scene.screw.material) if part == "screw" else (meshes.nut, scene.nut.material)
+        if part == "screw":
+            u = fields.screw_displacement(made, body, forces, scene)
+        else:
+            u = fields.nut_displacement(made, body, forces)
+        stress = fields.nodal_stress(of_order(body.mesh, body_kind(settings)), u, material)
+    else:
+        own, _, side = part.rpartition("-")
+        if own == "patch":
+            if side.startswith("S"):
+                u = fields.screw_displacement(made, meshes.screw, forces, scene)
+            else:
+                u = fields.nut_displacement(made, meshes.nut, forces)
+            found = fields.groove_patch_field(made, meshes, u, ball, SIDES.index(side), forces)
+        else:
+            found = fields.ball_fields(made, meshes, ball, forces)[SIDES.index(side) if own == "ball-patch" else None]
+        u, stress = found.displacement, found.stress
+    six = {f"stress_{name}": stress[:, k] for k, name in enumerate(("xx", "yy", "zz", "yz", "xz", "xy"))}
+    return {"displacement": u, "von_mises": fields.von_mises(stress), **six}
+
+
+def _body(meshes: Meshes, part: str, kind: str) -> MeshData:
+    """Screw, nut or ball of ``kind`` elements, with its sockets' inner faces and the flat ends."""
+    from hifi.bodies import of_order
+
+    mesh = {"ball": meshes.ball.mesh, "screw": meshes.screw.mesh, "nut": meshes.nut.mesh}[part]
+    names = [name for name in mesh.boundaries if "socket" in name or " end" in name]
+    return from_skfem(of_order(mesh, kind), *names)
+
+
+def _patch_mesh(meshes: Meshes, m: Any, side: int, settings: Any, *, of_ball: bool) -> PatchMesh:
+    from hifi.fit import ball_place
+    from hifi.part_meshes import patch_mesh
+    from meshes.sockets import local_points
+
+    if of_ball:
+        place = ball_place(m, meshes.size, side, meshes.zone)[1]
+        return patch_mesh(meshes, meshes.ball.sockets[side], place, settings)
+    body = meshes.screw if side < 2 else meshes.nut
+    return patch_mesh(meshes, body.sockets[side], partial(local_points, m, meshes.size, side), settings)
+
+
+def _patch(mesh: PatchMesh) -> MeshData:
+    """A patch with its contact zone and the faces that are tied to the body."""
+    return from_skfem(mesh.mesh, "contact", "interface")
+
+
+def _block() -> MeshData:
+    from hifi.block import SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS
+    from meshes.block import Influence, tetrahedra
+
+    radius = SOURCE_RADIUS
+    mesh = tetrahedra(1, Influence(SOURCE_FINE, (radius, radius, radius), 0.2, SOURCE_COARSE), SOURCE_COARSE)
+    return from_skfem(mesh.mesh, "contact")

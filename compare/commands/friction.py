@@ -1,0 +1,257 @@
+"""``rollbench friction``: of the scene of a whole screw or bearing, solved here, or of a kind of its own.
+
+Static loads by the chosen model, then friction of every ball and the torques that follow.
+"""
+
+from __future__ import annotations
+
+import difflib
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compare.commands.friction_kinds import Answer, as_table, run_friction
+from compare.commands.friction_output import (
+    BALL_COLUMNS,
+    LOSS_COLUMNS,
+    ball_rows,
+    flat_rows,
+    lines_of,
+    loss_rows,
+    mu_columns,
+    mu_row,
+    sums,
+    warnings_of,
+)
+from compare.commands.solve_output import number
+from compare.errors import InputError
+from compare.models.registry import DEFAULT, Options, run_model
+from compare.scenes import catalogue, friction_scene, scene_file
+from lowfi.friction.whole.state import FrictionState, friction_state, will_compile
+from lowfi.jit import cached
+from lowfi.statics.result import StaticResult
+from meshes.parts import Friction, Motion, Scene
+
+#: Largest coefficient of friction that is taken.
+MOST = 2.0
+#: Speed where the scene gives none [rad/s].
+ONE_TURN = 2.0 * pi
+NO_SPEED = (
+    "The scene has no [motion]: the screw turns once a second. Losses and speeds are proportional to that, torques and "
+    "efficiencies do not depend on it."
+)
+COMPILING = "rollbench: compiling the friction kernels, once on this machine: some 20 s\n"
+#: What no friction result of a whole screw holds.
+LEFT_OUT = (
+    "feedback of friction on how the balls share the load: each keeps the axial load that it carries without friction",
+    "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature",
+    "rolling hysteresis, and Heathcote slip over the curved contact, which grows as contact angles fall",
+    "contact between balls, cage or spacers, return tube or deflectors, wipers and seals",
+    "gyroscopic moments and centrifugal forces of the balls",
+    "ripple: the work of loads that change as balls roll over errors, and enter and leave the loaded track",
+    "a second, jammed state of a ball, which exists at high coefficients of friction (seen in two-point contact from 0.3)",
+)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What the command line says: model, coefficients of friction in place of the scene's, specimen, condensed bodies."""
+
+    model: str = ""
+    mu: tuple[float, ...] = ()
+    member: int = 0
+    condensed: Path | None = None
+
+
+@dataclass(frozen=True)
+class Drag:
+    """Friction torque [N m] with the scene's loads removed; None where there is none to speak of, and why."""
+
+    torque: float | None
+    reason: str = ""
+
+
+def run(name: str, choices: Choices, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
+    """Solve a shipped scene or a file of either sort and print it; 1 where it did not converge. Raises InputError."""
+    if not describes_parts(name):
+        if choices != Choices():
+            advice = "leave them out: such a scene holds its own loads and coefficients"
+            given = "--model, --mu, --member or --condensed"
+            raise InputError("command line", given, f"with {name}", "with the scene of a whole screw or bearing", advice)
+        return run_friction(name, as_json, show, print_json)
+    scene = catalogue.scene(name)
+    if any(will_compile(scene, pair) for pair in coefficients(scene, choices.mu)) and not cached():
+        sys.stderr.write(COMPILING)
+    answer = solve_scene(scene, choices)
+    if as_json:
+        print_json(answer.data)
+    else:
+        show(*as_table(answer))
+    return 0 if answer.converged else 1
+
+
+def describes_parts(name: str) -> bool:
+    """Whether a shipped name or a file holds a whole screw or bearing rather than a ``kind`` of friction scene.
+
+    Raises InputError for a name that is neither, and for a file that cannot be read.
+    """
+    whole, kinds = catalogue.scene_names(), friction_scene.scene_names()
+    if name in whole or name in kinds:
+        return name in whole
+    if catalogue.looks_like_path(name):
+        raw = scene_file.read_toml(scene_file.read_text(name), name)
+        return "kind" not in raw and "nut" in raw
+    near = difflib.get_close_matches(name, [*whole, *kinds], n=3, cutoff=0.4)
+    advice = f"did you mean {' or '.join(near)}?" if near else "see: rollbench list"
+    allowed = f"one of {len(whole) + len(kinds)} shipped names, or a file"
+    raise InputError("friction scene", "name", f'"{name}"', allowed, advice)
+
+
+def coefficients(scene: Scene, mu: Sequence[float]) -> list[Friction]:
+    """Coefficients to solve for: those of the command line, or the scene's. Raises InputError where there are none."""
+    for value in mu:
+        if not 0.0 <= value <= MOST:
+            raise InputError("command line", "--mu", str(value), f"0 to {MOST:g}", "a usual one is 0.1")
+    if mu:
+        coupling = "ball" if scene.friction is None else scene.friction.coupling
+        said = ("The coefficient of friction is that of the command line.",)
+        return [Friction(value, value, said, coupling) for value in mu]
+    if scene.friction is None:
+        advice = "add a [friction] table with e.g. coefficient = 0.1, or write --mu 0.1 on the command line"
+        raise InputError(scene.name, "friction", "nothing", "a coefficient of friction", advice)
+    return [scene.friction]
+
+
+def solve_scene(scene: Scene, choices: Choices) -> Answer:
+    """Loads by the chosen model, then friction for every coefficient; the balls are shown for the first one.
+
+    Raises InputError for a scene that the model cannot describe, or without coefficient of friction.
+    """
+    pairs = coefficients(scene, choices.mu)
+    if not 0 <= choices.member < 10**9:
+        raise InputError("command line", "--member", str(choices.member), "0 to 999999999", "give the specimen's number")
+    model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
+    if choices.condensed is not None and model != "condensed":
+        allowed = "the model condensed"
+        raise InputError("command line", "--condensed", str(choices.condensed), allowed, "leave --model out")
+    options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
+    result = run_model(scene, model, options)
+    head: dict[str, object] = {"scene": scene.name, "title": scene.title, "kind": kind_of(scene), "model": result.model}
+    if not result.converged:
+        status = f"contact loads: {result.status}"
+        data = head | {"status": status, "converged": False, "assumed": list(scene.assumed), "left_out": [], "warnings": []}
+        return Answer(data, [], [], False)
+    motion = scene.motion or Motion(ONE_TURN)
+    states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
+    drags = drag_torques(scene, states, pairs, model, replace(options, estimate=False))
+    return _answer(scene, result, head, (pairs, states, drags))
+
+
+def kind_of(scene: Scene) -> str:
+    """The word for what a scene describes."""
+    return "bearing" if scene.track.lead == 0.0 else "ball screw"
+
+
+def drag_torques(
+    scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], model: str, options: Options
+) -> list[Drag]:
+    """Friction torque without the scene's loads, for each pair of coefficients; supports and what they prescribe stay."""
+    if any(np.any(load.force) or np.any(load.moment) for load in scene.loads):
+        bare = replace(scene, loads=())
+        result = run_model(bare, model, options)
+        if not result.converged:
+            return [Drag(None, result.status)] * len(pairs)
+        motion = scene.motion or Motion(ONE_TURN)
+        states = [friction_state(bare, result, pair, motion, options.member) for pair in pairs]
+    return [drag_of(state) for state in states]
+
+
+def drag_of(state: FrictionState) -> Drag:
+    """The drag torque, refused where the supports press the screw along its axis or a ball failed."""
+    if state.torque.translating:
+        return Drag(None, f"the supports press the screw with {state.torque.load:.4g} N along its axis")
+    if not settled(state):
+        return Drag(None, "no balance of friction found")
+    return Drag(state.torque.friction)
+
+
+def settled(state: FrictionState) -> bool:
+    """Whether friction balances on every ball, and agrees with its place."""
+    return state.balls.converged and not state.unsettled
+
+
+def status_of(state: FrictionState) -> str:
+    """How it ended, in words."""
+    failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
+    if failed:
+        return f"no balance of friction found on {len(failed)} balls: {', '.join(failed[:8])}"
+    if state.unsettled:
+        numbers = ", ".join(str(k + 1) for k in state.unsettled[:8])
+        return f'friction and place do not agree on {len(state.unsettled)} balls: {numbers}; see coupling = "none"'
+    return "converged" if state.loaded else "converged: no contact carries load, so that nothing rubs"
+
+
+def _assumed(scene: Scene, result: StaticResult) -> list[str]:
+    """Statements about scene and contact loads, the latter marked as such: they speak of a model without friction."""
+    return [line if line in scene.assumed else f"contact loads: {line}" for line in result.assumed]
+
+
+Solved = tuple[list[Friction], list[FrictionState], list[Drag]]
+
+
+def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved: Solved) -> Answer:
+    """Values for JSON and tables for the terminal."""
+    (friction, *_), (state, *_), (drag, *_) = solved
+    motion = scene.motion or Motion(ONE_TURN)
+    good = all(settled(s) for s in solved[1])
+    status = status_of(next((s for s in solved[1] if not settled(s)), state))
+    torque = sums(state, drag.torque)
+    rows, losses = ball_rows(result, state), loss_rows(state)
+    over = [mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
+    assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
+    e = state.torque
+    data = head | {
+        "status": status,
+        "converged": good,
+        "law": "coulomb",
+        "coupled": state.coupled,
+        "friction": {"screw": friction.screw, "nut": friction.nut},
+        "motion": {"turns": motion.turns, "speed_rad_s": number(motion.speed)},
+        "balls": rows,
+        "torque": torque,
+        "drag_unknown": drag.reason or None,
+        "over_friction": over,
+        "losses": {"total_W": number(e.power), "by_contact_W": losses},
+        "energy": {
+            "input_power_W": number(e.input_power),
+            "loss_W": number(e.power),
+            "balance_W": number(e.input_power - e.power),
+            "axial_load_power_W": number(e.load * e.ratio * e.speed),
+            "torque_power_W": number(e.on_screw * e.speed),
+        },
+        "feedback": {
+            "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
+            "unsettled_balls": len(state.unsettled),
+            "axial_friction_on_screw_N": number(e.pull),
+            "friction_over_load": number(e.tilt),
+        },
+        "solver": {
+            "static_residual": number(result.solver.residual),
+            "friction_imbalance": number(state.balls.left),
+            "feedback_change": number(state.change),
+        },
+        "assumed": assumed,
+        "left_out": list(LEFT_OUT),
+        "warnings": warnings_of(scene, friction, state, result.warnings),
+    }
+    tables: list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]] = []
+    if state.loaded:
+        tables = [("per ball", BALL_COLUMNS, flat_rows(rows)), ("losses by contact and cause", LOSS_COLUMNS, losses)]
+    if len(over) > 1:
+        tables.append(("over the coefficient of friction", mu_columns(kind_of(scene)), over))
+    return Answer(data, tables, lines_of(motion, state, (drag.torque, drag.reason)), good)

@@ -1,0 +1,196 @@
+"""A result as one JSON object, and as a table to read."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compare.measure import error_percent
+from lowfi.statics.result import Array, ModelForm, StaticResult
+from meshes.parts import SIDES, Scene
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+def number(value: float) -> float | None:
+    """A JSON number: nan and infinity become null."""
+    value = float(value)
+    return value if math.isfinite(value) else None
+
+
+def _per_side(row: Array) -> dict[str, float | None]:
+    return {side: number(value) for side, value in zip(SIDES, row, strict=True)}
+
+
+def summary(load: Array) -> dict[str, dict[str, Any]]:
+    """Per loaded side: largest and smallest load of the loaded balls [N], their ratio, balls with and without load."""
+    out: dict[str, dict[str, Any]] = {}
+    for s, side in enumerate(SIDES):
+        loaded = load[:, s][load[:, s] > 0.0]
+        if loaded.size:
+            out[side] = {
+                "max_N": number(loaded.max()),
+                "min_N": number(loaded.min()),
+                "ratio": number(loaded.max() / loaded.min()),
+                "loaded": int(loaded.size),
+                "lost": int(load.shape[0] - loaded.size),
+            }
+    return out
+
+
+def _equilibrium(result: StaticResult) -> dict[str, Any] | None:
+    e = result.equilibrium
+    if e is None:
+        return None
+    return {
+        "external_force_N": [number(x) for x in e.applied_force],
+        "external_moment_Nm": [number(x) for x in e.applied_moment],
+        "reaction_force_N": [number(x) for x in e.reaction_force],
+        "reaction_moment_Nm": [number(x) for x in e.reaction_moment],
+        "contact_force_N": [number(x) for x in e.contact_force],
+        "contact_moment_Nm": [number(x) for x in e.contact_moment],
+        "force_residual": number(e.force_residual),
+        "moment_residual": number(e.moment_residual),
+    }
+
+
+def _model_form(result: StaticResult) -> dict[str, Any] | None:
+    m = result.model_form
+    if m is None:
+        return None
+    return {
+        "covered": m.percent is not None,
+        "largest_percent_of_mean": None if m.percent is None else number(m.percent),
+        "rms_percent_of_mean": None if m.rms_percent is None else number(m.rms_percent),
+        "distance": number(m.distance),
+        "nearest": m.nearest,
+        "compared": m.compared,
+        "words": list(m.words),
+    }
+
+
+def model_form_text(m: ModelForm) -> str:
+    """The estimate in one sentence."""
+    if m.percent is None or m.rms_percent is None:
+        away = f" (nearest {m.nearest} at distance {m.distance:.2g}, 1 is the edge)" if m.nearest else ""
+        return f"model-form error: not covered by the comparisons with the 3D reference{away}; " + "; ".join(m.words)
+    kind = "scene of its kind" if m.compared == 1 else "scenes of its kind"
+    return (
+        f"model-form error to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS "
+        f"(errors against the 3D reference on {m.compared} {kind}, nearest {m.nearest} at distance {m.distance:.2g}); "
+        + "; ".join(m.words)
+    )
+
+
+def discretisation_percent(result: StaticResult) -> float | None:
+    """Discretisation error of the beam in per cent of the mean loaded contact, where it was measured."""
+    measured = result.solver.discretisation
+    return None if measured is None else number(float(error_percent(measured[0], 0.0, measured[1])))
+
+
+def as_json(scene: Scene, result: StaticResult) -> dict[str, Any]:
+    """The result as a JSON-ready object: angles in deg, stations in mm, displacements in um, forces in N."""
+    s = result.solver
+    finite = np.isfinite(result.load).all()
+    return {
+        "scene": scene.name,
+        "model": result.model,
+        "member": result.member if scene.errors.random else None,
+        "status": result.status,
+        "balls": [
+            {
+                "index": i + 1,
+                "azimuth_deg": number(math.degrees(result.azimuth[i])),
+                "z_mm": number(1e3 * result.z[i]),
+                "load_N": _per_side(result.load[i]),
+                "contact_angle_deg": _per_side(np.degrees(result.contact_angle[i])),
+            }
+            for i in range(result.z.size)
+        ],
+        "summary": summary(result.load) if finite else {},
+        "centreline": [
+            {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
+            for z, u in zip(result.centreline_z, result.centreline, strict=True)
+        ],
+        "equilibrium": _equilibrium(result),
+        "solver": {
+            "iterations": s.iterations,
+            "residual": number(s.residual),
+            "seconds": number(s.seconds),
+            "unknowns": s.unknowns,
+            "elements": s.elements,
+            "evaluations": s.evaluations,
+            "engine": s.engine,
+            "formulation": s.formulation,
+            "round_off_bound": number(s.round_off_bound),
+            "discretisation_percent": discretisation_percent(result),
+            "notes": list(s.notes),
+        },
+        "model_form": _model_form(result),
+        "assumed": list(result.assumed),
+        "left_out": list(result.left_out),
+        "warnings": list(result.warnings),
+    }
+
+
+def _cell(value: float, form: str) -> str:
+    return format(value, form) if math.isfinite(value) else "–"
+
+
+def as_table(scene: Scene, result: StaticResult) -> list[RenderableType]:
+    """The result for the terminal: ball table, summary, solver, assumptions, what was left out."""
+    from rich.table import Table
+
+    drawn = f", member {result.member} of its random errors" if scene.errors.random else ""
+    title = f"{scene.name}{drawn}, model {result.model}: {result.status}"
+    table = Table(title=title, title_justify="left")
+    shown = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
+    for heading in ("ball", "azimuth deg", "z mm"):
+        table.add_column(heading, justify="right")
+    for k in shown:
+        table.add_column(f"{SIDES[k]} N", justify="right")
+        table.add_column("angle deg", justify="right")
+    for i in range(result.z.size):
+        cells = [str(i + 1), f"{math.degrees(result.azimuth[i]):.2f}", f"{1e3 * result.z[i]:.3f}"]
+        for k in shown:
+            cells += [f"{result.load[i, k]:.3f}", _cell(math.degrees(result.contact_angle[i, k]), ".3f")]
+        table.add_row(*cells)
+    parts: list[Any] = [table] if shown else [title]
+    if shown:
+        parts.append(_summary_table(result))
+    if result.equilibrium is not None:
+        e = result.equilibrium
+        parts.append(
+            f"balance of the screw: force {e.force_residual:.1e}, moment {e.moment_residual:.1e} (relative, sums over "
+            "loads, reactions and contact points)"
+        )
+    s = result.solver
+    error = discretisation_percent(result)
+    parts.append(
+        f"solver: {s.formulation}, {s.engine}; {s.iterations} iterations, residual {s.residual:.1e}, "
+        f"{s.unknowns} unknowns, {s.elements} beam elements"
+        + (f" (discretisation error {error:.1e} % of the mean load)" if error is not None else "")
+        + f", {s.seconds:.3g} s"
+    )
+    if result.model_form is not None:
+        parts.append(model_form_text(result.model_form))
+    headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
+    for heading, lines in headed:
+        parts += [f"{heading}: {line}" for line in lines]
+    return parts
+
+
+def _summary_table(result: StaticResult) -> RenderableType:
+    from rich.table import Table
+
+    table = Table(title="per loaded side", title_justify="left")
+    for heading in ("side", "max N", "min N", "max/min", "loaded", "lost"):
+        table.add_column(heading, justify="right")
+    for side, row in summary(result.load).items():
+        table.add_row(
+            side, f"{row['max_N']:.3f}", f"{row['min_N']:.3f}", f"{row['ratio']:.4f}", str(row["loaded"]), str(row["lost"])
+        )
+    return table

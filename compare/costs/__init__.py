@@ -1,0 +1,1 @@
+"""What solves cost: benches against targets, cold and warm times in processes of their own."""

@@ -1,0 +1,448 @@
+"""Speed: what a solve costs, cold and warm, singly and in thousands, against the source's formulation.
+
+The jobs run in one child process with single-threaded linear algebra, both formulations side by side, garbage
+collection off; each time is the median of repeated runs. Start-up and compile times are those of further processes.
+
+Both solve to the relative residual ``TOLERANCE`` at which either counts as converged. The source's Newton often cannot
+reach a tighter one, and iterates in vain for it: one job shows that comparison, at 1e-12, too.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from compare.extremes.static import with_balls
+from compare.models.ensemble import run_ensemble
+from compare.reference.memory import peak_MB, reset_peak
+from compare.scenes.catalogue import scene as shipped
+from lowfi.as_source import static as lin
+from lowfi.compliance.bodies import REFINED, forget
+from lowfi.statics.elastic import run as run_elastic
+from lowfi.statics.elastic_system import Rebuild
+from lowfi.statics.problem import Problem, build
+from lowfi.statics.selection import choose_sides
+from lowfi.statics.static import TOLERANCE as OWN_TOLERANCE
+from lowfi.statics.static import Prepared, pick_engine, prepare, run, solve_static
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import Scene
+
+Array = NDArray[np.float64]
+
+SINGLE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")}
+#: Relative residual that both formulations solve to.
+TOLERANCE = 1e-10
+MEMBERS = 1000
+BALLS = (125, 250, 500, 1000)
+#: The same for the refined model: time is about linear to the last but one, the last is its largest size.
+REFINED_BALLS = (16, 32, 64, 125, 250)
+WARM_LOAD = 1.01
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One timed job.
+
+    seconds: median wall clock (None: not measured); ratio: seconds of the source's formulation for the same task over
+    these (None where it has no counterpart, or is the counterpart); unknowns of one solve; peak_MB: highest resident
+    memory of the whole process, interpreter and libraries included, since the first job of its group (cold, warm,
+    ensemble, ...; each number of balls is a group) began; note: what is included.
+    """
+
+    job: str
+    seconds: float | None
+    ratio: float | None
+    unknowns: int | None
+    peak_MB: float | None
+    note: str
+
+
+# --- measuring
+
+
+def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
+    """Median wall clock of ``work`` [s], after one run that is not counted; ``reset`` runs before each, untimed."""
+    seconds = []
+    gc.collect()
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        for _ in range(repeats + 1):
+            if reset is not None:
+                reset()
+            begin = perf_counter()
+            work()
+            seconds.append(perf_counter() - begin)
+    finally:
+        if enabled:
+            gc.enable()
+    return median(seconds[1:])
+
+
+# --- the two formulations, set up and ready to be timed
+
+
+class Ours:
+    """The energy solver on one scene, compiled, with the start that each run begins from."""
+
+    def __init__(self, scene: Scene, *, everything: bool = False, tolerance: float = TOLERANCE) -> None:
+        """Build the system; ``everything``: all four sides."""
+        layout = ball_layout(scene)
+        drawn = specimen(scene, layout)
+        use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
+        problem = build(scene, drawn, layout, use)
+        self.prepared: Prepared = prepare(problem, pick_engine("compiled", scene.ball_count), tolerance=tolerance)
+        self.begin = [a.copy() for a in self.prepared.state]
+        self.unknowns = problem.unknowns
+        self.iterations = 0
+
+    def reset(self) -> None:
+        """The state that the next run begins from."""
+        for a, b in zip(self.prepared.state, self.begin, strict=True):
+            a[...] = b
+
+    def cold(self) -> None:
+        """From the nominal state: linear start, then Newton."""
+        self._check(run(self.prepared))
+
+    def warm(self) -> None:
+        """From the state as it is."""
+        self._check(run(self.prepared, start=False))
+
+    def change_load(self) -> None:
+        """Make the solution the start of the next runs, and change the load by 1 %."""
+        self.reset()
+        self.cold()
+        self.begin = [a.copy() for a in self.prepared.state]
+        self.prepared.beam[3][...] *= WARM_LOAD
+
+    def _check(self, outcome: tuple[int, int, int, float, float]) -> None:
+        self.iterations = outcome[1]
+        if not (outcome[0] <= 1 and outcome[3] <= 1e-10):
+            raise RuntimeError(f"bench: our solver stopped with residual {outcome[3]:.1e}")
+
+
+class Source:
+    """The source's Newton (kinematics of Lin 2.18-2.21) on one scene, set up, with its designer's guess."""
+
+    def __init__(self, scene: Scene, member: int = 0, tolerance: float = TOLERANCE) -> None:
+        """Build the system: all four sides of every ball, as its equations have them."""
+        layout = ball_layout(scene)
+        self.problem: Problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool))
+        axes = np.stack([layout.radial, layout.binormal], axis=1)
+        inner = 6 * layout.z.size
+        free = np.concatenate([np.arange(inner), inner + np.flatnonzero(~self.problem.fixed.ravel())])
+        self.system = lin.System(self.problem, "source", lin.beam_matrix(self.problem), free, axes)
+        self.load = self.problem.load.ravel()
+        self.unknowns = free.size
+        self.begin = lin.initial_state(self.system, "guess", 1.0)
+        self.tolerance = tolerance
+        self.status = ""
+
+    def solve(self) -> Array:
+        """Newton from the present start; the solution."""
+        x, _, _, self.status = lin.newton(self.system, self.begin, self.load, self.tolerance, 60)
+        return x
+
+    def solve_by_steps(self) -> Array:
+        """Newton by ten load steps, the first from the guess for a tenth of the load; the solution."""
+        x = lin.initial_state(self.system, "load steps", 0.1)
+        for fraction in np.linspace(0.1, 1.0, 10):
+            x, _, _, self.status = lin.newton(self.system, x, float(fraction) * self.load, self.tolerance, 60)
+            if self.status != "converged":
+                break
+        return x
+
+    def change_load(self) -> None:
+        """Make the solution the start of the next runs, and change the load by 1 %."""
+        self.begin = self.solve()
+        self.load = WARM_LOAD * self.load
+
+
+def _source_seconds(task: Source, repeats: int, work: Callable[[], object] | None = None) -> float | None:
+    """Seconds of one solve, None where it does not converge (or only stalls above ``ACCEPTED``)."""
+    seconds = timed(work or task.solve, repeats)
+    return seconds if task.status == "converged" else None
+
+
+def _ratio(source: float | None, ours: float) -> float | None:
+    return source / ours if source is not None else None
+
+
+# --- the jobs
+
+
+def _cold_jobs(repeats: int) -> Iterator[Job]:
+    scene = shipped("lin-case1")
+    setup = timed(lambda: Ours(scene), repeats)
+    yield Job("set-up, case 1", setup, None, None, peak_MB(), "from the scene to packed arrays: in no solve below")
+    reference, ours, full = Source(scene), Ours(scene), Ours(scene, everything=True)
+    slow = _source_seconds(reference, repeats)
+    fast = timed(ours.cold, 40 * repeats, ours.reset)
+    note = "linear start and Newton, a node at every contact, sides that cannot touch left out; source: its good guess"
+    yield Job("cold solve, case 1", fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+    all_sides = timed(full.cold, 40 * repeats, full.reset)
+    note = "the same with all four sides in the system: the very partition and contacts of the source's formulation"
+    yield Job("cold solve, all sides", all_sides, _ratio(slow, all_sides), full.unknowns, peak_MB(), note)
+    note = "Newton from its good guess; all four sides, a node at every contact (its nominal start is singular)"
+    yield Job("source, cold, good guess", slow, None, reference.unknowns, peak_MB(), note)
+    steps = _source_seconds(reference, max(1, repeats // 3), reference.solve_by_steps)
+    note = "as 'cold solve, case 1', against ten load steps: what the source needs where no good guess is known"
+    yield Job("cold solve, no guess", fast, _ratio(steps, fast), ours.unknowns, peak_MB(), note)
+    yield Job("source, cold, load steps", steps, None, reference.unknowns, peak_MB(), "ten load steps")
+    yield _strict_job(scene, repeats)
+
+
+def _strict_job(scene: Scene, repeats: int) -> Job:
+    reference, ours = Source(scene, tolerance=1e-12), Ours(scene, tolerance=1e-12)
+    slow = _source_seconds(reference, repeats)
+    fast = timed(ours.cold, 40 * repeats, ours.reset)
+    note = "both asked for 1e-12, which the source does not reach: it counts as converged when it stalls below 1e-10"
+    return Job("cold solve, to 1e-12", fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+
+
+def _coarse_jobs(repeats: int) -> Iterator[Job]:
+    case = shipped("lin-case1")
+    scene = replace(case, ingredients=replace(case.ingredients, partition="source"))
+    reference = Source(scene)
+    slow = _source_seconds(reference, repeats)
+    ours = Ours(scene)
+    fast = timed(ours.cold, 40 * repeats, ours.reset)
+    note = "both on the source's own 15 mm partition"
+    yield Job("cold solve, source partition", fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+    note = "Newton from its good guess, on its 15 mm partition"
+    yield Job("source, cold, source partition", slow, None, reference.unknowns, peak_MB(), note)
+
+
+def _warm_jobs(repeats: int) -> Iterator[Job]:
+    scene = shipped("lin-case1")
+    ours, reference = Ours(scene), Source(scene)
+    ours.change_load()
+    reference.change_load()
+    slow = _source_seconds(reference, repeats)
+    fast = timed(ours.warm, 40 * repeats, ours.reset)
+    note = "load changed by 1 %, from the previous solution; both without set-up"
+    yield Job("warm re-solve, case 1", fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+    yield Job("source, warm", slow, None, reference.unknowns, peak_MB(), "as above")
+
+
+def _ensemble_jobs(repeats: int) -> Iterator[Job]:
+    scene = shipped("lin-random")
+    members = [Source(scene, m) for m in range(max(4, repeats))]
+    seconds = [s for m in members if (s := _source_seconds(m, 1)) is not None]
+    slow = median(seconds) if seconds else None
+    count = MEMBERS if repeats > 1 else 100
+    last = run_ensemble(scene, count)
+    whole = timed(lambda: run_ensemble(scene, count), min(repeats, 5)) / count
+    good = int(last.converged.sum())
+    note = (
+        f"per member of {count} on one core, to {OWN_TOLERANCE:g}, with drawing, packing and the check of the "
+        f"sides left out; {good} converged; the source (no set-up, to {TOLERANCE:g}) solved {len(seconds)} of "
+        f"{len(members)} tried"
+    )
+    unknowns = Ours(shipped("lin-case1")).unknowns  # the sides that every member was solved with, unless some touch
+    unknowns = unknowns if last.all_sides == 0 else Ours(scene, everything=True).unknowns
+    yield Job("ensemble, per member", whole, _ratio(slow, whole), unknowns, peak_MB(), note)
+    yield Job("source, per member", slow, None, members[0].unknowns, peak_MB(), "Newton from its good guess, no set-up")
+
+
+class Refined:
+    """The refined model on one scene, compiled; the state that each run begins from is its linear start."""
+
+    def __init__(self, scene: Scene, *, everything: bool = False) -> None:
+        """Build the bodies and the system; ``everything``: all four sides."""
+        layout = ball_layout(scene)
+        drawn = specimen(scene, layout)
+        use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
+        kernels = pick_engine("compiled", scene.ball_count)
+        self.elastic = Rebuild(scene, drawn, layout, use, None, REFINED, None, kernels, everything, 1)()
+        self.unknowns = self.elastic.state[0].size + self.elastic.state[1].size
+        self.iterations = 0
+
+    def cold(self) -> None:
+        """Linear start, then Newton on the contact forces."""
+        outcome = run_elastic(self.elastic)
+        self.iterations = outcome[1]
+        if not (outcome[0] <= 1 and outcome[3] <= 1e-10):
+            raise RuntimeError(f"bench: the refined model stopped with residual {outcome[3]:.1e}")
+
+
+def _refined_jobs(repeats: int) -> Iterator[Job]:
+    with threadpool_limits(1, "blas"):  # as solve_elastic does
+        yield from _refined(repeats)
+
+
+def _refined(repeats: int) -> Iterator[Job]:
+    scene = shipped("lin-case1")
+    slow = _source_seconds(Source(scene), repeats)
+    setup = timed(lambda: Refined(scene), max(1, repeats // 3), forget)
+    note = "cell, kernels, flanks, beam, arrays"
+    yield Job("refined, bodies of a new geometry", setup, None, None, peak_MB(), note)
+    again = timed(lambda: Refined(scene), repeats)
+    note = "bodies kept: beam, supports, arrays"
+    yield Job("refined, set-up of a known geometry", again, None, None, peak_MB(), note)
+    for label, everything in (("refined, cold solve, case 1", False), ("refined, cold solve, all sides", True)):
+        ours = Refined(scene, everything=everything)
+        fast = timed(ours.cold, 40 * repeats)
+        note = "linear start and Newton on the contact forces; set-up above"
+        yield Job(label, fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+    seconds: list[float] = []
+    counts = REFINED_BALLS if repeats > 1 else REFINED_BALLS[:2]
+    for count in counts:
+        ours = Refined(with_balls(scene, count))
+        fast = timed(ours.cold, 5 * repeats)
+        seconds.append(fast)
+        note = "two flanks a ball"
+        modes = ours.elastic.bodies[5].shape[1]
+        note += f", {modes} soft modes exactly, the rest by iteration" if modes else ", bodies factored whole"
+        done = counts[: len(seconds)]
+        if len(done) >= min(len(counts), 4):
+            note += f"; from {done[0]} to {done[-1]} balls time grows as balls^{_power(done, seconds):.2f}"
+        yield Job(f"refined, {count} balls, cold", fast, None, ours.unknowns, peak_MB(), note)
+
+
+def _size_jobs(repeats: int) -> Iterator[Job]:
+    counts = BALLS if repeats > 1 else BALLS[:2]
+    seconds: list[float] = []
+    steps: list[int] = []
+    for count in counts:
+        reset_peak()
+        scene = with_balls(shipped("lin-case1"), count)
+        ours = Ours(scene, tolerance=1e-12)
+        fast = timed(ours.cold, 5 * repeats, ours.reset)
+        seconds.append(fast)
+        steps.append(ours.iterations)
+        peak, note, slow = peak_MB(), "linear start and Newton, to 1e-12", None
+        size = 6 * count + Ours(scene, everything=True).unknowns
+        if count == counts[0] and repeats > 1:
+            slow = _source_seconds(Source(scene), 1)
+            note += f"; the source's Jacobian of {size} unknowns is the largest one tried"
+        elif repeats > 1:
+            note += f"; the source's dense Jacobian would be {size**2 * 8e-9:.1f} GB: not tried"
+        if count == counts[-1]:
+            note += f"; from {counts[0]} balls ({steps[0]} iterations) to {counts[-1]} ({steps[-1]}) time grows as "
+            note += f"balls^{_power(counts, seconds):.2f}, time per iteration as "
+            note += f"balls^{_power(counts, [t / k for t, k in zip(seconds, steps, strict=True)]):.2f}"
+        yield Job(f"{count} balls, cold", fast, _ratio(slow, fast), ours.unknowns, peak, note)
+
+
+def _power(counts: Sequence[int], seconds: Sequence[float]) -> float:
+    """Exponent k of the fit seconds = c counts^k."""
+    return float(np.polyfit(np.log(counts), np.log(seconds), 1)[0])
+
+
+def _interpreted_jobs(repeats: int) -> Iterator[Job]:
+    scene = shipped("lin-case1")
+    slow = timed(lambda: lin.solve_source(scene, tolerance=TOLERANCE), repeats)
+    fast = timed(lambda: solve_static(scene, engine="interpreted"), repeats)
+    note = "as one command-line solve runs it: set-up, interpreted kernels, result record; source: good guess, set-up"
+    unknowns = solve_static(scene, engine="interpreted").solver.unknowns
+    yield Job("interpreted solve, case 1", fast, _ratio(slow, fast), unknowns, peak_MB(), note)
+
+
+GROUPS: tuple[Callable[[int], Iterator[Job]], ...] = (
+    _interpreted_jobs,
+    _cold_jobs,
+    _coarse_jobs,
+    _warm_jobs,
+    _ensemble_jobs,
+    _size_jobs,
+    _refined_jobs,
+)
+
+
+def _child(repeats: int) -> None:
+    """Print one JSON object per job (the child process of ``run_bench``)."""
+    solve_static(shipped("lin-case1"), engine="compiled")
+    for group in GROUPS:
+        reset_peak()
+        for job in group(repeats):
+            print(json.dumps(asdict(job)), flush=True)
+
+
+# --- start-up, measured from outside
+
+
+def _launch(arguments: list[str], extra: dict[str, str] | None = None) -> tuple[float, subprocess.CompletedProcess[str]]:
+    """Wall clock of a Python process [s], and what it left."""
+    environment = {**os.environ, **SINGLE_THREAD, **(extra or {})}
+    path = [str(ROOT), environment.get("PYTHONPATH", "")]
+    environment["PYTHONPATH"] = os.pathsep.join(p for p in path if p)
+    begin = perf_counter()
+    done = subprocess.run(
+        [sys.executable, *arguments], capture_output=True, text=True, env=environment, check=False, timeout=300
+    )
+    return perf_counter() - begin, done
+
+
+def command_line_job() -> Job:
+    """First solve from the command line, process start to exit."""
+    arguments = ["-m", "compare", "solve", "lin-case1", "--json"]
+    seconds, done = _launch(arguments)
+    try:
+        solver = json.loads(done.stdout)["solver"]
+        unknowns, failed = int(solver["unknowns"]), done.returncode != 0
+    except (ValueError, KeyError, TypeError):
+        unknowns, failed = 0, True
+    if failed:
+        last = done.stderr.strip().splitlines()[-1:] or ["no message"]
+        return Job("first call, command line", None, None, None, None, f"not measured: {last[0][:120]}")
+    note = "python -m compare solve lin-case1 --json: interpreter, imports, solve and output"
+    return Job("first call, command line", seconds, None, unknowns, None, note)
+
+
+def startup_jobs() -> Iterator[Job]:
+    """Import time, and the time to compile the kernels into an empty cache, each in a process of its own."""
+    code = (
+        "from time import perf_counter as t; a = t()\n"
+        "from compare.scenes.catalogue import scene; from lowfi.statics.static import solve_static; b = t()\n"
+        "s = scene('lin-case1'); solve_static(s, engine={engine!r}); c = t(); solve_static(s, engine={engine!r})\n"
+        "print(b - a, c - b - (t() - c))"
+    )
+    _, done = _launch(["-c", code.format(engine="interpreted")])
+    note = "imports of a low-order solve (numpy, scipy and pydantic among them), after the interpreter's own start"
+    yield Job("imports", _number(done, 0), None, None, None, note)
+    with tempfile.TemporaryDirectory() as cache:
+        for job, note in (
+            ("compile the kernels", "first compiled solve less a second one, with an empty cache: once per machine"),
+            ("load the kernels", "the same with the cache filled: once per process that uses compiled kernels"),
+        ):
+            _, done = _launch(["-c", code.format(engine="compiled")], {"NUMBA_CACHE_DIR": cache})
+            yield Job(job, _number(done, 1), None, None, None, note)
+
+
+def _number(done: subprocess.CompletedProcess[str], place: int) -> float | None:
+    return float(done.stdout.split()[place]) if done.returncode == 0 else None
+
+
+def run_bench(progress: Callable[[str], None] | None = None, *, repeats: int = 15) -> list[Job]:
+    """All jobs; ``progress`` is called with each job's name when it is done; repeats: 1 for a quick look (small jobs).
+
+    Raises RuntimeError where the timing process fails.
+    """
+    jobs: list[Job] = []
+    code = f"from compare.costs.bench import _child; _child({repeats})"
+    _, done = _launch(["-c", code])
+    if done.returncode != 0:
+        raise RuntimeError(f"bench: the timing process failed: {done.stderr.strip().splitlines()[-1:]}")
+    found = [Job(**json.loads(line)) for line in done.stdout.splitlines()]
+    for job in (*found, command_line_job(), *startup_jobs()):
+        jobs.append(job)
+        if progress is not None:
+            progress(job.job)
+    return jobs

@@ -1,0 +1,1 @@
+"""The 3D reference checked by another program: decks, its answers, and the comparison."""

@@ -1,0 +1,159 @@
+"""CalculiX on a deck: running it, and reading what it printed."""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import json
+import os
+import re
+import resource
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from compare.errors import InputError
+
+#: Name of the deck and of its results in their folder.
+NAME = "deck"
+LONGEST = 7200.0
+
+
+@dataclass(frozen=True)
+class ContactForce:
+    """Resultant on the slave's faces of one contact: force ``(3,)`` [N], area [deck's unit, squared]."""
+
+    slave: str
+    force: tuple[float, float, float]
+    area: float
+
+    @property
+    def size(self) -> float:
+        """Its magnitude [N]."""
+        return float(sum(x * x for x in self.force) ** 0.5)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What CalculiX made of a deck: contact forces, displacements of the printed sets' nodes by set and node (deck's unit),
+    iterations, last correction of the displacements over the largest [%], seconds of processor time, date, version."""
+
+    contacts: tuple[ContactForce, ...]
+    moved: dict[str, dict[int, tuple[float, float, float]]]
+    iterations: int
+    correction: float
+    seconds: float
+    date: str
+    version: str
+
+
+def find_ccx() -> str:
+    """Path of CalculiX. Raises InputError where it is not installed."""
+    found = shutil.which("ccx")
+    if found is None:
+        raise InputError(
+            "this machine",
+            "ccx",
+            "not found",
+            "CalculiX on the path",
+            "install it (Debian: apt-get install calculix-ccx), or leave --run out",
+        )
+    return found
+
+
+def ccx_version(program: str) -> str:
+    """Version that CalculiX gives of itself."""
+    text = subprocess.run([program, "-v"], capture_output=True, text=True, check=False).stdout
+    found = re.search(r"[Vv]ersion\s+(\S+)", text)
+    return found.group(1) if found else "unknown"
+
+
+def digest(text: str) -> str:
+    """What a deck says, without comments and how the solver is to iterate, as 16 hexadecimal digits."""
+    said, control = [], False
+    for line in text.splitlines():
+        if line.startswith("*") and not line.startswith("**"):
+            control = line.startswith("*CONTROLS")
+        if not (control or line.startswith("**")):
+            said.append(line)
+    return hashlib.sha256("\n".join(said).encode()).hexdigest()[:16]
+
+
+def run(text: str, folder: Path) -> Outcome:
+    """Run a deck in a folder, one thread; a result of the same deck that is there already is read instead.
+
+    Raises InputError where CalculiX is missing, and ValueError, with its last words, where it does not converge.
+    """
+    program, key = find_ccx(), digest(text)
+    kept = folder / "run.json"
+    try:
+        facts = json.loads(kept.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        facts = {}
+    if facts.get("deck") != key:
+        facts = {"deck": key, **_run(program, text, folder)}
+        kept.write_text(json.dumps(facts), encoding="utf-8")
+    contacts, moved = read_dat((folder / f"{NAME}.dat").read_text(encoding="ascii"))
+    iterations, correction = read_cvg((folder / f"{NAME}.cvg").read_text(encoding="ascii"))
+    return Outcome(tuple(contacts), moved, iterations, correction, facts["seconds"], facts["date"], facts["version"])
+
+
+def _run(program: str, text: str, folder: Path) -> dict[str, Any]:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{NAME}.inp").write_text(text, encoding="ascii")
+    for old in folder.glob(f"{NAME}.[dcfs]*"):
+        old.unlink()
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    try:
+        done = subprocess.run(
+            [program, "-i", NAME],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=LONGEST,
+            env={**os.environ, "OMP_NUM_THREADS": "1"},
+        )
+    except subprocess.TimeoutExpired:
+        raise ValueError(f"CalculiX took longer than {LONGEST:.0f} s") from None
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode or "*ERROR" in done.stdout or "Job finished" not in done.stdout:
+        faults = [line.strip() for line in done.stdout.splitlines() if "*ERROR" in line] or done.stdout.split("\n")[-3:]
+        raise ValueError(f"CalculiX failed (code {done.returncode}): {' '.join(faults[:3])}")
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    today = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
+    return {"seconds": seconds, "date": today, "version": ccx_version(program)}
+
+
+def read_dat(text: str) -> tuple[list[ContactForce], dict[str, dict[int, tuple[float, float, float]]]]:
+    """Contact forces and printed displacements of the last time in a .dat file."""
+    contacts: dict[str, ContactForce] = {}
+    moved: dict[str, dict[int, tuple[float, float, float]]] = {}
+    blocks = [line for line in text.splitlines() if line.strip()]
+    k = 0
+    while k < len(blocks):
+        line = blocks[k]
+        slave = re.match(r"\s*statistics for slave set (\S+), master", line)
+        own = re.match(r"\s*displacements .* for set (\S+) and time", line)
+        if slave:
+            force = tuple(float(x) for x in blocks[k + 2].split()[:3])
+            area = float(blocks[k + 8].split()[0])
+            contacts[slave.group(1)] = ContactForce(slave.group(1), (force[0], force[1], force[2]), area)
+            k += 8
+        elif own:
+            rows: dict[int, tuple[float, float, float]] = {}
+            while k + 1 < len(blocks) and re.match(r"\s+\d+\s+[-\d]", blocks[k + 1]):
+                node, x, y, z = blocks[k + 1].split()
+                rows[int(node)] = (float(x), float(y), float(z))
+                k += 1
+            moved[own.group(1)] = rows
+        k += 1
+    return list(contacts.values()), moved
+
+
+def read_cvg(text: str) -> tuple[int, float]:
+    """Iterations of all increments, and the last correction of the displacements over the largest [%]."""
+    rows = [line.split() for line in text.splitlines() if re.match(r"\s+\d+\s+\d+\s+\d+\s+\d+", line)]
+    return len(rows), float(rows[-1][6])

@@ -1,0 +1,79 @@
+"""A few neighbouring balls cut out of a scene, with short pieces of screw and nut: small enough for whole bodies."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from compare.errors import InputError
+from meshes.helix import ball_layout
+from meshes.parts import Load, Scene, Support
+
+#: Nut beyond the outermost balls, and 3D screw beyond the nut, over the ball's radius.
+NUT, SHAFT = 3.0, 3.0
+
+
+def parse_balls(text: str, scene: Scene) -> tuple[int, int]:
+    """First and last ball (from 1) of ``3:5``. Raises InputError."""
+    allowed = f"FIRST:LAST with balls from 1 to {scene.ball_count}"
+    words = text.split(":")
+    if len(words) != 2 or not all(w.isascii() and w.isdigit() and len(w) < 10 for w in words):
+        raise InputError("command line", "--balls", text, allowed, "3:5 keeps balls 3, 4 and 5")
+    first, last = int(words[0]), int(words[1])
+    if not 1 <= first <= last <= scene.ball_count:
+        raise InputError("command line", "--balls", text, allowed, "3:5 keeps balls 3, 4 and 5")
+    return first, last
+
+
+def cut_scene(scene: Scene, first: int, last: int) -> Scene:
+    """Balls ``first`` to ``last`` (from 1) of a screw of one start, in a piece of nut and of screw around them.
+
+    Every load and support moves to the nearer end of the piece of screw (its station there), loads are reduced to the
+    balls' share; listed errors of ball radii keep their balls. Raises InputError for a bearing, a screw of several starts,
+    random errors (their draws depend on the number of balls) and prescribed displacements, which have no counterpart.
+    """
+    track, layout = scene.track, ball_layout(scene)
+    for found, key, value, allowed in (
+        (track.lead == 0.0, "track.lead", "0 mm", "a screw: a ring cannot be cut"),
+        (track.starts != 1, "track.starts", str(track.starts), "one start"),
+        (scene.errors.random, "errors", "random errors", "errors that are given"),
+        (any(v for s in scene.supports for _, v in s.fixed), "supports", "a prescribed displacement", "supports at zero"),
+    ):
+        if found:
+            raise InputError(scene.name, key, value, allowed, "write the small scene yourself and leave --balls out")
+    kept = slice(first - 1, last)
+    z, azimuth = layout.z[kept], layout.azimuth[kept]
+    r, middle = scene.balls.radius, float(0.5 * (z.min() + z.max()))
+    length = float(np.ptp(z)) + 2.0 * NUT * r
+    low, high = middle - length / 2.0 - SHAFT * r, middle + length / 2.0 + SHAFT * r
+    if low < 0.0 or high > scene.screw.length:
+        raise InputError(
+            scene.name, "--balls", f"{first}:{last}", "balls away from the screw's ends", "cut nearer to the nut's middle"
+        )
+    share = (last - first + 1) / scene.ball_count
+
+    def end(at: float) -> float:
+        return low if at <= middle else high
+
+    def scaled(v: tuple[float, float, float]) -> tuple[float, float, float]:
+        return share * v[0], share * v[1], share * v[2]
+
+    listed = tuple((n - first + 1, e) for n, e in scene.errors.balls.listed if first <= n <= last)
+    return replace(
+        scene,
+        name=f"{scene.name}-balls-{first}-{last}",
+        title=f"Balls {first} to {last} of: {scene.title}",
+        track=replace(track, phase=float(0.5 * (azimuth[0] + azimuth[-1]))),
+        nut=replace(scene.nut, position=middle, length=length),
+        balls=replace(scene.balls, azimuths=tuple(azimuth.tolist())),
+        errors=replace(scene.errors, balls=replace(scene.errors.balls, listed=listed)),
+        supports=tuple(Support(end(s.at), s.fixed) for s in scene.supports),
+        loads=tuple(Load(end(x.at), scaled(x.force), scaled(x.moment)) for x in scene.loads),
+        solid=replace(scene.solid, shaft=SHAFT * r, screw_held="ends"),
+        assumed=(
+            *scene.assumed,
+            f"Cut of balls {first} to {last}: nut {NUT:g} ball radii beyond the outermost balls, screw {SHAFT:g} beyond "
+            f"the nut; supports and loads moved to the nearer end, loads times {share:.4g}.",
+        ),
+    )

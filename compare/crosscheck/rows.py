@@ -1,0 +1,114 @@
+"""The 3D reference beside another program: contact by contact, each at its meshes, extrapolated, with both errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from compare.crosscheck.data import CrossData, CrossRun
+from compare.crosscheck.fit import Extrapolation, extrapolate
+from compare.measure import error_percent
+from compare.reference.runs import Reference
+from meshes.parts import SIDES
+from reports.records import Cell, Column
+
+#: Agreement aimed at, in per cent of the mean load.
+TARGET = 0.5
+
+
+@dataclass(frozen=True)
+class ContactRow:
+    """One contact: ball (from 1), side, loads [N] of the reference by level and of the other program by deck, both
+    extrapolated (the reference's finest where it has no limit), their uncertainties and differences in per cent of the
+    mean load of the reference's best."""
+
+    ball: int
+    side: str
+    levels: Mapping[int, float]
+    decks: Mapping[str, float]
+    ours: float
+    ours_percent: float | None
+    theirs: float
+    theirs_percent: float
+    difference: float
+
+    def cells(self) -> dict[str, Cell]:
+        """The row of a table."""
+        cells: dict[str, Cell] = {"ball": str(self.ball), "side": self.side}
+        cells |= {f"level {k}": v for k, v in self.levels.items()}
+        cells |= dict(self.decks)
+        return cells | {
+            "ours": self.ours,
+            "ours_percent": self.ours_percent,
+            "theirs": self.theirs,
+            "theirs_percent": self.theirs_percent,
+            "difference": self.difference,
+        }
+
+
+def series(data: CrossData) -> list[CrossRun]:
+    """The runs with small displacements and the contact stiffness of most, fewest nodes first."""
+    own = [r for r in data.runs if not r.nlgeom]
+    alike = [sum(r.stiffness == one.stiffness for r in own) for one in own]
+    most = own[int(np.argmax(alike))].stiffness
+    return sorted((r for r in own if r.stiffness == most), key=lambda r: r.nodes)
+
+
+def deck_label(run: CrossRun) -> str:
+    """Short name of a deck in a series: elements across the short half axis, growth."""
+    return f"b/h {run.b_over_h:g}, g {run.growth:g}"
+
+
+def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:
+    """Rows of all contacts that either program finds loaded."""
+    limit = limit or extrapolate(data.runs)
+    best = ours.load if ours.extrapolated is None else ours.extrapolated
+    mean = float(best[best > 0.0].mean())
+    rows = []
+    for i, s in zip(*np.nonzero((best > 0.0) | (limit.load > 1e-3 * mean)), strict=True):
+        own = None if ours.uncertainty is None else float(error_percent(ours.uncertainty[i, s], 0.0, mean))
+        rows.append(
+            ContactRow(
+                int(i) + 1,
+                SIDES[s],
+                {r.level: float(r.load[i, s]) for r in ours.runs},
+                {deck_label(r): float(r.load[i, s]) for r in series(data)},
+                float(best[i, s]),
+                own,
+                float(limit.load[i, s]),
+                float(error_percent(limit.uncertainty[i, s], 0.0, mean)),
+                float(error_percent(best[i, s], limit.load[i, s], mean)),
+            )
+        )
+    return rows
+
+
+def columns(data: CrossData, ours: Reference) -> list[Column]:
+    """Columns of the table of contacts."""
+    return [
+        Column("ball", "ball", "", "s"),
+        Column("side", "side", "", "s"),
+        *(Column(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
+        Column("ours", "reference, extrapolated", "N", ".2f"),
+        Column("ours_percent", "its uncertainty", "% of mean", ".2f"),
+        *(Column(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f") for r in series(data)),
+        Column("theirs", "CalculiX, extrapolated", "N", ".2f"),
+        Column("theirs_percent", "its uncertainty", "% of mean", ".2f"),
+        Column("difference", "difference", "% of mean", "+.2f"),
+    ]
+
+
+def agreement(name: str, rows: Sequence[ContactRow]) -> str:
+    """Worst and RMS difference in words, and whether they are more than both programs' uncertainties."""
+    worst = max(rows, key=lambda r: abs(r.difference))
+    rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))
+    met = "within" if abs(worst.difference) <= TARGET else "NOT within"
+    theirs = max(r.theirs_percent for r in rows)
+    beyond = sum(abs(r.difference) > np.hypot(r.theirs_percent, r.ours_percent or 0.0) for r in rows)
+    return (
+        f"{name}: the 3D reference differs from CalculiX by at most {worst.difference:+.2f} % of the mean load (ball "
+        f"{worst.ball} {worst.side}; RMS {rms:.2f} %), {met} {TARGET} %; CalculiX's own uncertainty is up to "
+        f"{theirs:.2f} %, and {beyond} of {len(rows)} contacts differ by more than both uncertainties."
+    )

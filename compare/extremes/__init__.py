@@ -1,0 +1,1 @@
+"""Numerical stability: models and formulations on stiff and extreme cases, counted."""

@@ -1,0 +1,463 @@
+"""Numerical stability: hard scenes against formulations, each converged or with the reason why not.
+
+The scenes are extreme on purpose (100 t of load, a shaft a thousand times too soft): the question is whether the
+equations are solved, not whether the model holds there. Most are scenes that a file may describe; where one is not (a
+bore that leaves too thin a wall) that is said beside it.
+
+The source's starts are those of ``lowfi.as_source.static``: the nominal state; a good guess, the screw moved along its
+axis as if all balls shared the axial load (without an axial load that is the nominal state); ten load steps from there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.measure import error_percent
+from compare.scenes.catalogue import scene as shipped
+from lowfi.as_source.static import Start, solve_source
+from lowfi.compliance.bodies import LADDER
+from lowfi.statics.elastic import solve_elastic
+from lowfi.statics.problem import build
+from lowfi.statics.result import StaticResult
+from lowfi.statics.static import ACCEPTED, solve_static
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
+from meshes.section import volume_ratio
+
+Array = NDArray[np.float64]
+
+OURS = "ours"
+SOURCE: dict[str, Start] = {
+    "source, nominal start": "nominal",
+    "source, good guess": "guess",
+    "source, load steps": "load steps",
+}
+#: Elastic bodies by model name: the same scenes must be solved with every backend.
+BACKENDS = {"refined model": "refined", "nut as a beam": "lin-nut"}
+FORMULATIONS = (OURS, *BACKENDS, *SOURCE)
+CONVERGED = "converged"
+#: The source's dense Jacobian is not attempted above this many unknowns.
+DENSE_LIMIT = 2000
+#: Global balance of forces and moments [-] that a converged row of ours must also meet.
+BALANCE = 1e-6
+#: Loads of two formulations that differ by less than this share of the largest load [%] are the same solution.
+SAME = 1e-4
+
+HELIX = "not held: screw motion along the helix: no support and no contact resists it, and the loads drive it"
+ROTATION = "not held: rotation about the screw's axis: no support and no contact resists it, and the loads drive it"
+TWO_BALLS = "not held: rigid motion in ux, uy, uz, rx, ry: no support and no contact resists it, and the loads drive it"
+
+
+@dataclass(frozen=True)
+class Case:
+    """One hard scene; ``expected`` is ``"converged"`` or the status that names the mechanism."""
+
+    name: str
+    group: str
+    scene: Scene
+    expected: str = CONVERGED
+
+
+@dataclass(frozen=True)
+class Row:
+    """One case solved by one formulation.
+
+    residual: largest unbalanced force over the largest force (None where nothing was solved, or there is no force);
+    round_off_bound: what double precision leaves of it at best (ours only); seconds include set-up;
+    difference_percent: largest difference of a load to ours, solved on the same partition, in per cent of the largest
+    load (None unless both converge); reason: the verdict in short, with what else a reader must know.
+    """
+
+    case: str
+    group: str
+    formulation: str
+    status: str
+    expected: str
+    converged: bool
+    iterations: int
+    residual: float | None
+    round_off_bound: float
+    seconds: float
+    unknowns: int
+    difference_percent: float | None
+    reason: str
+
+
+# --- the scenes
+
+
+def _load(base: Scene, force: tuple[float, float, float], moment: float = 0.0, at: float = 0.0) -> Scene:
+    return replace(base, loads=(Load(at, force, (moment, 0.0, 0.0)),))
+
+
+def _balls(base: Scene, oversize: float, half_width: float = 0.0, seed: int = 0) -> Scene:
+    drawn = BallErrors(oversize=oversize, sigma=half_width / math.sqrt(3.0), distribution="uniform")
+    return replace(base, errors=Errors(balls=drawn, seed=seed))
+
+
+def _materials(base: Scene, screw: float, nut: float, balls: float) -> Scene:
+    def scaled(m: Material, factor: float) -> Material:
+        return replace(m, youngs_modulus=m.youngs_modulus * factor)
+
+    return replace(
+        base,
+        screw=replace(base.screw, material=scaled(base.screw.material, screw)),
+        nut=replace(base.nut, material=scaled(base.nut.material, nut)),
+        balls=replace(base.balls, material=scaled(base.balls.material, balls)),
+    )
+
+
+def shaft_scaled(base: Scene, factor: float) -> Scene:
+    """The scene with the beam's stiffness scaled and every Hertz constant unchanged.
+
+    Stiffer: the screw's modulus times ``factor``, the balls softened by ``2 - 1/factor`` so that ball and screw keep
+    their contact modulus, and the nut stiffened like the screw (the parts of ``base`` share one material). Softer: no
+    modulus can do that (the ball would need a negative one), so a bore leaves ``factor`` of the section's area, and
+    ``factor (2 - factor)`` of its second moment; below about 0.2 that wall is thinner than the groove is deep, which a
+    scene file may not ask for.
+    """
+    if factor >= 1.0:
+        return _materials(base, factor, factor, 1.0 / (2.0 - 1.0 / factor))
+    outer = base.screw.outer_diameter * math.sqrt(volume_ratio(base))
+    return replace(base, screw=replace(base.screw, bore=outer * math.sqrt(1.0 - factor)))
+
+
+def conforming(base: Scene, ratio: float) -> Scene:
+    """Groove radii at ``ratio`` times the ball radius."""
+    radius = ratio * base.balls.radius
+    return replace(base, screw=replace(base.screw, groove_radius=radius), nut=replace(base.nut, groove_radius=radius))
+
+
+def with_balls(base: Scene, count: int) -> Scene:
+    """The screw of ``base`` with ``count`` balls at the same spacing; nut and screw grow with them [m]."""
+    step = (base.balls.azimuths[-1] - base.balls.azimuths[0]) / (len(base.balls.azimuths) - 1)
+    azimuths = tuple((i - (count - 1) / 2.0) * step for i in range(count))
+    length = max(base.nut.length, base.track.lead * count * step / (2.0 * math.pi) + 14e-3)
+    total = base.screw.length - base.nut.length + length
+    nut = replace(base.nut, length=length, position=total / 2.0)
+    screw = replace(base.screw, length=total)
+    return replace(base, balls=replace(base.balls, azimuths=azimuths), nut=nut, screw=screw)
+
+
+def with_lead(base: Scene, lead: float) -> Scene:
+    """The screw of ``base`` with another lead [m]: 0 is a bearing of 16 balls; below 6 mm with balls of 3 mm."""
+    if lead == 0.0:
+        ring = tuple(2.0 * math.pi * i / 16 for i in range(16))
+        return replace(base, track=replace(base.track, lead=0.0), balls=replace(base.balls, azimuths=ring))
+    long = replace(base, track=replace(base.track, lead=lead), nut=replace(base.nut, length=2.0 * lead + 14e-3))
+    if lead > 6e-3:
+        return long
+    ratio = base.screw.groove_radius / base.balls.radius
+    return conforming(replace(long, balls=replace(long.balls, radius=1.5e-3)), ratio)
+
+
+def _free(base: Scene) -> Scene:
+    """Held along and about the axis only, so that the balls carry any lateral load and moment."""
+    return replace(base, supports=(Support(0.0, (("uz", 0.0), ("rz", 0.0))),))
+
+
+def _offset(base: Scene, offset: float, oversize: float) -> Scene:
+    moved = Support(base.screw.length, (("ux", offset), ("uy", 0.0)))
+    return replace(_balls(base, oversize), supports=(*base.supports, moved))
+
+
+def _load_cases(base: Scene) -> Iterator[Case]:
+    for k in range(-2, 7):
+        yield Case(f"axial {10.0**k:g} N", "axial load", _load(base, (0.0, 0.0, 10.0**k)))
+    yield Case("axial -5000 N", "axial load", _load(base, (0.0, 0.0, -5000.0)))
+    for force in (1.0, 100.0, 5000.0):
+        yield Case(f"lateral {force:g} N", "lateral load", _load(_free(base), (force, 0.0, 0.0)))
+    for moment in (0.5, 50.0):
+        scene = _load(_free(base), (0.0, 0.0, 0.0), moment)
+        yield Case(f"moment {moment:g} N m", "moment only", scene)
+    clear = _load(_balls(base, -5e-6), (0.0, 0.0, 0.0), 0.01, at=0.3)
+    yield Case("moment 0.01 N m, clearance, clamped", "moment only", clear)
+    alone = _offset(with_balls(base, 1), -3e-3, -5e-6)
+    yield Case("offset -3 mm, away from one loose ball", "offset", replace(alone, loads=()))
+    for oversize in (0.0, 7e-6):
+        for force in (0.0, 5000.0):
+            name = f"offset 3 mm, {force:g} N, {'preloaded' if oversize else 'no preload'}"
+            yield Case(name, "offset", _load(_offset(base, 3e-3, oversize), (0.0, 0.0, force)))
+
+
+def _fit_cases(base: Scene) -> Iterator[Case]:
+    for gap in (5e-6, 50e-6):
+        for force in (0.01, 1.0, 5000.0):
+            scene = _load(_balls(base, -gap), (0.0, 0.0, force))
+            yield Case(f"clearance {gap * 1e6:g} um, {force:g} N", "clearance", scene)
+    for tight in (0.0, 1e-6, 7e-6, 20e-6):
+        for force in (0.0, 5000.0):
+            scene = _load(_balls(base, tight), (0.0, 0.0, force))
+            yield Case(f"preload {tight * 1e6:g} um, {force:g} N", "preload", scene)
+    for half in (5e-6, 20e-6):
+        for tight in (0.0, 7e-6):
+            for seed in (1, 2, 3):
+                name = f"random +-{half * 1e6:g} um, preload {tight * 1e6:g} um, seed {seed}"
+                yield Case(name, "random balls", _balls(base, tight, half, seed))
+
+
+def _stiffness_cases(base: Scene) -> Iterator[Case]:
+    factors = [10.0**k for k in (-3, -2, -1, 1, 2, 3)]
+    for f in factors:
+        yield Case(f"shaft x {f:g}, contacts unchanged", "shaft stiffness", shaft_scaled(base, f))
+    for f in (1e-3, 1e3):
+        name = f"screw modulus x {f:g}, its contacts with it"
+        yield Case(name, "shaft stiffness", _materials(base, f, 1.0, 1.0))
+    for f in factors:
+        yield Case(f"all moduli x {f:g}", "moduli", _materials(base, f, f, f))
+
+
+def _geometry_cases(base: Scene) -> Iterator[Case]:
+    for ratio in (1.01, 1.001, 1.0001, 1.00001):
+        close = conforming(base, ratio)
+        yield Case(f"r_G/r_B {ratio:g}, axial", "conformity", close)
+        yield Case(f"r_G/r_B {ratio:g}, lateral", "conformity", _load(_free(close), (1000.0, 0.0, 0.0)))
+    for count in (3, 10, 32, 100, 300, 1000):
+        yield Case(f"{count} balls", "ball count", with_balls(base, count))
+    for lead in (0.0, 5e-3, 7e-3, 20e-3, 40e-3):
+        yield Case(f"lead {lead * 1e3:g} mm", "lead", with_lead(base, lead))
+    for angle in (5, 15, 30, 45, 60, 75, 85):
+        turned = replace(base, track=replace(base.track, contact_angle=math.radians(angle)))
+        yield Case(f"contact angle {angle} deg", "contact angle", turned)
+        if angle in (5, 85):
+            held = replace(turned, supports=(Support(0.0, (("rz", 0.0),)),))
+            both = _load(held, (1000.0, 0.0, 100.0))
+            yield Case(f"contact angle {angle} deg, lateral", "contact angle", both)
+
+
+def _mechanism_cases(base: Scene) -> Iterator[Case]:
+    one = replace(base, balls=replace(base.balls, azimuths=(0.0,)))
+    for force in (0.01, 5000.0):
+        yield Case(f"one ball, {force:g} N", "one ball", _load(one, (0.0, 0.0, force)))
+    pushed = replace(_free(_balls(one, 1e-6)), loads=())
+    yield Case("one ball, squeezed, free to move off", "one ball", pushed)
+    ring = with_lead(base, 0.0)
+    rz = (Support(0.0, (("rz", 0.0),)),)
+    yield Case("one support: rotation", "support", replace(base, supports=rz))
+    yield Case("no support, no load", "support", replace(base, supports=(), loads=()))
+    yield Case("bearing, no support", "support", replace(ring, supports=()))
+    yield Case("no support", "support", replace(base, supports=()), HELIX)
+    held = (Support(0.0, (("ux", 0.0),)),)
+    yield Case("one support: lateral", "support", replace(base, supports=held), HELIX)
+    twist = (Load(0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 10.0)),)
+    yield Case("bearing under torque", "support", replace(ring, supports=(), loads=twist), ROTATION)
+    two = replace(base, supports=rz, balls=replace(base.balls, azimuths=(0.0, 0.5)))
+    yield Case("two balls, one support", "support", two, TWO_BALLS)
+
+
+def cases() -> list[Case]:
+    """All hard scenes, from the shipped ``lin-case1`` by replacement, in a fixed order."""
+    base = shipped("lin-case1")
+    groups = (_load_cases, _fit_cases, _stiffness_cases, _geometry_cases, _mechanism_cases)
+    return [replace(c, scene=replace(c.scene, name=c.name)) for group in groups for c in group(base)]
+
+
+# --- solving
+
+
+def run(case: Case, formulation: str) -> Row:
+    """Solve one case by one of ``FORMULATIONS``; a failure is a row, never an exception of the solvers.
+
+    Ours runs on the scene's own partition (a node at every contact). The source runs on its own 15 mm partition, with
+    the rigid arcs of our model for the flanks (``kinematics="arc"``), so that both solve the same equations.
+    """
+    if formulation in BACKENDS:
+        return _elastic(case, formulation)
+    return _ours(case) if formulation == OURS else _source(case, formulation, _on_source_partition(case.scene))
+
+
+@cache
+def _load_kernels() -> None:
+    """Load (or compile) the kernels of this process before anything is timed."""
+    solve_static(shipped("lin-case1"), engine="compiled")
+
+
+def _ours(case: Case) -> Row:
+    _load_kernels()
+    begin = perf_counter()
+    result = solve_static(case.scene, engine="compiled")
+    fault = _fault(result)
+    status = fault or result.status
+    s = result.solver
+    return Row(
+        case.name,
+        case.group,
+        OURS,
+        status,
+        case.expected,
+        status == CONVERGED,
+        s.iterations,
+        _finite(s.residual),
+        s.round_off_bound,
+        perf_counter() - begin,
+        s.unknowns,
+        0.0 if status == CONVERGED else None,
+        "; ".join((_short(status), *result.warnings)),
+    )
+
+
+def _elastic(case: Case, formulation: str) -> Row:
+    """A case with elastic bodies; where its dimensions leave no body (no land, no wall) it is not attempted."""
+    begin = perf_counter()
+    try:
+        result = solve_elastic(case.scene, backend=LADDER[BACKENDS[formulation]], engine="compiled")
+    except ValueError as error:
+        status = f"not attempted: {error}"
+        return Row(
+            case.name,
+            case.group,
+            formulation,
+            status,
+            case.expected,
+            False,
+            0,
+            None,
+            0.0,
+            perf_counter() - begin,
+            0,
+            None,
+            status,
+        )
+    status = _fault(result) or result.status
+    s = result.solver
+    return Row(
+        case.name,
+        case.group,
+        formulation,
+        status,
+        case.expected,
+        status == CONVERGED,
+        s.iterations,
+        _finite(s.residual),
+        s.round_off_bound,
+        perf_counter() - begin,
+        s.unknowns,
+        None,
+        "; ".join((_short(status), *result.warnings)),
+    )
+
+
+def _fault(result: StaticResult) -> str:
+    """What contradicts a solver's claim of convergence (nothing: an empty string)."""
+    if not result.converged:
+        return ""
+    s, balance = result.solver, result.equilibrium
+    if not (np.all(np.isfinite(result.load)) and np.all(np.isfinite(result.centreline))):
+        return "claims convergence, but loads or motions are not finite"
+    if not s.residual <= max(ACCEPTED, s.round_off_bound):
+        return f"claims convergence, but the residual is {s.residual:.1e}"
+    if balance is None or not max(balance.force_residual, balance.moment_residual) <= BALANCE:
+        return "claims convergence, but forces and moments on the screw do not balance"
+    return ""
+
+
+def _on_source_partition(scene: Scene) -> Scene:
+    return replace(scene, ingredients=replace(scene.ingredients, partition="source"))
+
+
+def dense_unknowns(scene: Scene) -> int:
+    """Unknowns of the source's formulation: two per ball's centre, four contact angles, and the free nodal motions."""
+    layout = ball_layout(scene)
+    problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    return 6 * layout.z.size + problem.unknowns
+
+
+def _source(case: Case, formulation: str, scene: Scene, ours: StaticResult | None = None) -> Row:
+    unknowns = dense_unknowns(scene)
+    iterations, residual, seconds, difference = 0, math.nan, 0.0, None
+    if unknowns > DENSE_LIMIT:
+        status = f"not attempted: dense Jacobian of {unknowns} unknowns"
+    elif scene.ingredients.screw == "rigid":
+        status = "not attempted: the source's equations are those of a beam"
+    else:
+        found = solve_source(scene, kinematics="arc", start=SOURCE[formulation])
+        status, iterations, residual, seconds = found.status, found.iterations, found.residual, found.seconds
+        if found.converged:
+            ours = ours if ours is not None else solve_static(scene, engine="compiled")
+            difference = _difference(found.load, ours) if ours.converged else None
+    return Row(
+        case.name,
+        case.group,
+        formulation,
+        status,
+        case.expected,
+        status == CONVERGED,
+        iterations,
+        _finite(residual),
+        0.0,
+        seconds,
+        unknowns,
+        difference,
+        _short(status) + _apart(difference),
+    )
+
+
+def _apart(difference: float | None) -> str:
+    if difference is None or difference <= SAME:
+        return ""
+    return f"; loads differ from ours by {difference:.3g} %: another root of the contact conditions (beyond the arc)"
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _difference(load: Array, ours: StaticResult) -> float:
+    top = float(ours.load.max(initial=0.0))
+    change = float(np.abs(load - ours.load).max())
+    return float(np.abs(error_percent(change, 0.0, top))) if top > 0.0 else 0.0
+
+
+def _short(status: str) -> str:
+    """The first clause of a status, and the second where the first only says that the screw is not held."""
+    parts = status.split(": ")
+    return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
+
+
+def _rows_of(case: Case) -> list[Row]:
+    rows = [_ours(case)]
+    scene = _on_source_partition(case.scene)
+    ours = solve_static(scene, engine="compiled") if dense_unknowns(scene) <= DENSE_LIMIT else None
+    return rows + [_elastic(case, f) for f in BACKENDS] + [_source(case, f, scene, ours) for f in SOURCE]
+
+
+def table(
+    progress: Callable[[int, int, str], None] | None = None, only: Sequence[str] | None = None, *, n_jobs: int = 2
+) -> list[Row]:
+    """Every case by every formulation, in the order of ``cases``; two processes share the work.
+
+    progress: called with the number of cases done, their total, and the name of the one just done; only: names of cases
+    or groups to run (all of them if None). Raises ValueError for a name that is neither.
+    """
+    picked = cases()
+    if only is not None:
+        known = {c.name for c in picked} | {c.group for c in picked}
+        unknown = [name for name in only if name not in known]
+        if unknown:
+            groups = ", ".join(sorted({c.group for c in picked}))
+            raise ValueError(f"no such case or group: {', '.join(unknown)}; groups: {groups}")
+        picked = [c for c in picked if c.name in only or c.group in only]
+    from joblib import Parallel, delayed
+
+    rows: list[Row] = []
+    workers = Parallel(n_jobs=min(n_jobs, max(1, len(picked))), return_as="generator")
+    done = workers(delayed(_rows_of)(c) for c in picked)
+    for i, (case, found) in enumerate(zip(picked, done, strict=True)):
+        rows += found
+        if progress is not None:
+            progress(i + 1, len(picked), case.name)
+    return rows
+
+
+def failures(rows: Sequence[Row]) -> list[Row]:
+    """Rows of ours whose status is not the expected one: converged, or the mechanism by name."""
+    own = [r for r in rows if r.formulation == OURS or r.formulation in BACKENDS]
+    return [r for r in own if r.status != r.expected and not r.status.startswith("not attempted")]

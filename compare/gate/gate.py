@@ -1,0 +1,275 @@
+"""The gate of continuous integration: hard printed values, closed forms, balance, two solvers, the 3D reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.gate import closed_forms
+from compare.measure import error_percent, load_error
+from compare.models.registry import DEFAULT
+from compare.models.study import Study
+from compare.printed.findings import Finding
+from compare.scenes import catalogue
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+Array = NDArray[np.float64]
+
+#: Limit [%] of the default model's largest error of the mean load: it guards against regressions.
+TIGHT = 2.0
+#: Limits [%] of rows that are exact but for round-off and root finding.
+EXACT = 1e-6
+
+
+@dataclass(frozen=True)
+class GateRow:
+    """One check: what, against what, error and limit in per cent, and whether it passed. Claims have no number."""
+
+    name: str
+    kind: str
+    value: float | None
+    reference: float | None
+    error_percent: float | None
+    limit_percent: float | None
+    passed: bool
+    detail: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """JSON-ready."""
+        return asdict(self)
+
+
+def number_row(name: str, kind: str, value: float, reference: float, limit: float, detail: str = "") -> GateRow:
+    """Row of a number against a reference with a limit in per cent."""
+    error = float(error_percent(value, reference))
+    return GateRow(name, kind, value, reference, error, limit, abs(error) <= limit, detail)
+
+
+def finding_row(finding: Finding, max_error: float) -> GateRow:
+    """Row of a printed entry: its own printed digits are the limit, and ``max_error`` on top."""
+    p = finding.printed
+    if p.value is None:
+        return GateRow(
+            f"{p.place}: {p.claim}",
+            f"claim, {p.cls}",
+            None,
+            None,
+            None,
+            None,
+            finding.agrees is not False,
+            finding.evidence,
+        )
+    label = f"{p.place}: {p.label}"
+    kind = f"printed, {p.cls}" if p.cls != "input" else "input, held by its scene"
+    if p.value == 0.0:  # no per cent of it: within its own tolerance or not
+        return GateRow(label, kind, finding.compared, 0.0, None, None, finding.agrees is True)
+    error = finding.error_percent
+    limit = min(max_error, abs(float(error_percent(p.value + p.tolerance, p.value))))
+    passed = bool(finding.agrees) and error is not None and abs(error) <= max_error
+    return GateRow(label, kind, finding.compared, p.value, error, limit, passed)
+
+
+def printed_rows(study: Study, max_error: float) -> list[GateRow]:
+    """Hard and as-printed entries and inputs of Lin's chapter 2, Table B.1, 4.3.2 and friction tables, and of Smith."""
+    from compare.evidence import rotary_linear as friction_values
+    from compare.evidence import screw as friction_screw_values
+    from compare.evidence.smith import every as smith_values
+    from compare.sections import cases, hertz, manufacturing
+    from compare.sections.errors import single_findings
+
+    found = [
+        *hertz.findings(study),
+        *cases.findings_241(study),
+        *single_findings(study),
+        *manufacturing.findings(study),
+        *friction_values.findings(study),
+        *friction_screw_values.findings(study),
+        *smith_values.findings(study),
+    ]
+    gated = [f for f in found if f.printed.cls in ("hard", "as-printed", "input") and f.agrees is not None]
+    return [finding_row(f, max_error) for f in gated]
+
+
+def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
+    """Closed forms on the source's screw."""
+    scene = study.scene("lin-case1")
+    limit = min(EXACT, max_error)
+    rows = [
+        number_row(f"{name} [{unit}]", "closed form", value, reference, limit)
+        for name, unit, value, reference in closed_forms.sphere_on_flat(scene, 225.0)
+    ]
+    for name, (value, reference) in (
+        ("rigid screw, axial load: load of every ball [N]", closed_forms.rigid_axial(scene)),
+        ("shaft as a cantilever: tip deflection [m]", closed_forms.cantilever(scene)),
+        ("two opposite balls, no lead: load [N]", closed_forms.two_opposite_balls(scene)),
+        ("7 um oversize, no load, rigid screw: load of a screw contact [N]", closed_forms.preload(scene, 7e-6)),
+    ):
+        rows.append(number_row(name, "closed form", value, reference, limit))
+    return rows
+
+
+def solver_rows(study: Study, max_error: float) -> list[GateRow]:
+    """Balance of every shipped scene, and both solvers on the same equations."""
+    from compare.sections.formulations import best_start
+
+    rows = []
+    limit = min(EXACT, max_error)
+    for name in catalogue.scene_names():
+        result = study.solve(name)
+        e = result.equilibrium
+        worst = max(e.force_residual, e.moment_residual) if e is not None else float("inf")
+        percent = float(error_percent(worst, 0.0, 1.0))
+        rows.append(
+            GateRow(
+                f"{name}: balance of the screw",
+                "balance",
+                worst,
+                0.0,
+                percent,
+                limit,
+                result.converged and percent <= limit,
+                result.status,
+            )
+        )
+    for name in ("lin-case1", "lin-case3-offset"):
+        theirs = best_start(study.scene(name), "arc")
+        e2 = load_error(study.solve(name).load, theirs.load)
+        rows.append(
+            GateRow(
+                f"{name}: energy solver against the source's Newton, same equations",
+                "two solvers",
+                None,
+                None,
+                e2.max_percent,
+                limit,
+                theirs.converged and e2.max_percent <= limit,
+                f"worst at ball {e2.ball} {e2.side}; {theirs.status}",
+            )
+        )
+    return rows
+
+
+def reference_rows(study: Study, max_error: float, loads: Mapping[str, Array] | None = None) -> list[GateRow]:
+    """The default model against the stored 3D references, case studies and screws that it was not made with: the worst
+    contact at ``max_error``, and the largest error of the mean load at ``TIGHT``.
+
+    Errors of a contact are per cent of its own load (of the mean for small loads); the reference's uncertainty is deducted,
+    at ``TIGHT`` no more than the limit itself: a coarse reference does not excuse everything.
+    ``loads``: of another model, by scene, to see whether the gate would catch it.
+    """
+    from compare.models.comparison import REFERENCED, gate_points
+    from compare.models.ladder import UNSEEN
+    from compare.reference.grid_summary import uncertainty_percent
+    from compare.reference.runs import reference
+
+    rows: list[GateRow] = []
+    for name in (*REFERENCED, *UNSEEN):
+        scene = study.scene(name)
+        found = reference(scene)
+        if found is None:
+            text = "no stored run of the 3D reference: run rollbench mesh-study"
+            rows.append(GateRow(f"{name}: 3D reference", "3D reference", None, None, None, max_error, False, text))
+            continue
+        own = (loads or {}).get(name)
+        load = study.solve(name, DEFAULT).load if own is None else own
+        bar = uncertainty_percent(found) or 0.0
+        points = gate_points(scene, found, max_error, load)
+        over = [p for p in points if p.exceeds]
+        for p in over:
+            text = f"reference's uncertainty {p.uncertainty_percent:.2f} %"
+            label = f"{p.scene}: ball {p.ball} {p.side} against the 3D reference"
+            rows.append(GateRow(label, "3D reference", None, None, p.error_percent, max_error, False, text))
+        if not over:
+            top = max(points, key=lambda p: abs(p.error_percent))
+            label = f"{name}: worst contact (ball {top.ball} {top.side}) against the 3D reference"
+            rows.append(GateRow(label, "3D reference", None, None, top.error_percent, max_error, True))
+        e = load_error(load, found.load)
+        tight = min(TIGHT, max_error)
+        rows.append(
+            GateRow(
+                f"{name}: largest error of the mean load (ball {e.ball} {e.side})",
+                "3D reference, tight",
+                None,
+                None,
+                e.max_percent,
+                tight,
+                e.max_percent - min(bar, tight) <= tight,
+                f"reference's uncertainty {bar:.2f} %",
+            )
+        )
+    return rows
+
+
+def source_rows(study: Study, max_error: float) -> list[GateRow]:
+    """The source's model beside it: worst contact per scene, over or under the line as it is.
+
+    The contacts beyond the line are named in the gate's data with their cause; the row fails only where that list is wrong.
+    """
+    from compare.models.comparison import REFERENCED, gate_points, known_exceedances
+    from compare.reference.runs import reference
+
+    rows: list[GateRow] = []
+    known = {(x.scene, x.ball, x.side) for x in known_exceedances()}
+    for name in REFERENCED:
+        scene = study.scene(name)
+        found = reference(scene)
+        if found is None:
+            continue
+        points = gate_points(scene, found, max_error)
+        over = {(p.scene, p.ball, p.side) for p in points if p.exceeds}
+        top = max(points, key=lambda p: abs(p.error_percent))
+        named = {k for k in known if k[0] == name}
+        wrong = [f"ball {b} {side} is beyond the line and not named" for _, b, side in sorted(over - named)]
+        wrong += [f"ball {b} {side} is named and no longer beyond the line" for _, b, side in sorted(named - over)]
+        side = "over" if over else "under"
+        label = (
+            f"{name}: the source's model, reported: {side} the line ({len(over)} of {len(points)} contacts beyond; worst "
+            f"ball {top.ball} {top.side})"
+        )
+        rows.append(
+            GateRow(label, "source's model", None, None, top.error_percent, max_error, not wrong, "; ".join(wrong[:3]))
+        )
+    return rows
+
+
+def run_gate(max_error: float, study: Study | None = None, step: Callable[[str], None] | None = None) -> list[GateRow]:
+    """All rows of the gate."""
+    study = study or Study()
+    del step
+    return [
+        *printed_rows(study, max_error),
+        *closed_form_rows(study, max_error),
+        *solver_rows(study, max_error),
+        *reference_rows(study, max_error),
+        *source_rows(study, max_error),
+    ]
+
+
+def as_table(rows: list[GateRow]) -> Table:
+    """For the terminal: failing rows first."""
+    from rich.table import Table
+
+    table = Table(title="gate", title_justify="left")
+    for heading in ("", "check", "kind", "value", "reference", "error %", "limit %"):
+        table.add_column(heading)
+
+    def show(x: float | None, form: str) -> str:
+        return "–" if x is None else format(x, form)
+
+    for row in sorted(rows, key=lambda r: r.passed):
+        table.add_row(
+            "ok" if row.passed else "FAIL",
+            row.name + (f" ({row.detail})" if row.detail and not row.passed else ""),
+            row.kind,
+            show(row.value, ".6g"),
+            show(row.reference, ".6g"),
+            show(row.error_percent, ".2e"),
+            show(row.limit_percent, ".2e"),
+        )
+    return table

@@ -1,0 +1,314 @@
+"""Low-order models beside the 3D reference: rows per contact, errors with the reference's own uncertainty, the gate."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
+from importlib import resources
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.errors import InputError
+from compare.measure import LoadError, error_percent, load_error
+from compare.models.registry import Options, run_model
+from compare.printed.findings import entry
+from compare.reference.convergence import pool
+from compare.reference.grid_summary import uncertainty_percent
+from compare.reference.runs import Reference, Run
+from lowfi.statics.result import StaticResult
+from meshes.parts import SIDES, Scene
+
+Array = NDArray[np.float64]
+
+#: Scenes whose reference runs come with the package.
+REFERENCED = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
+#: A contact below this share of the mean load is compared in per cent of the mean load, not of its own [-].
+SMALL = 0.1
+#: Printed errors (largest, RMS) and load ratio by scene.
+PRINTED = {
+    "lin-case1": ("case1_max_error", "case1_rms_error", "case1_ratio"),
+    "lin-case2": ("case2_max_error", "case2_rms_error", ""),
+}
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A low-order model as it takes part: name on the command line, label, model, changed ingredients."""
+
+    name: str
+    label: str
+    model: str
+    ingredients: tuple[tuple[str, Any], ...] = ()
+
+    def scene(self, scene: Scene) -> Scene:
+        """The scene with this contender's ingredients."""
+        return replace(scene, ingredients=replace(scene.ingredients, **dict(self.ingredients)))
+
+
+CONTENDERS = {
+    c.name: c
+    for c in (
+        Contender("refined", "refined model", "refined"),
+        Contender("lin", "the source's low-order model", "lin"),
+        Contender("lin-source-partition", "the source's model on its 15 mm partition", "lin", (("partition", "source"),)),
+        Contender("lin-printed-hertz", "the source's model, Hertz constants as printed", "lin", (("hertz", "as printed"),)),
+        Contender("mei", "Mei: axial bars, rigid nut", "mei"),
+        Contender("mei-nut", "Mei: axial bars, nut as a bar", "mei-nut"),
+    )
+}
+
+
+def suited(scene: Scene) -> list[Contender]:
+    """Contenders that can describe a scene: Mei's model knows axial loads without preload or lateral support only."""
+    axial = all(x.force[0] == x.force[1] == 0.0 and not any(x.moment) for x in scene.loads)
+    plain = axial and scene.errors.balls.oversize == 0.0 and len(scene.supports) == 1
+    any_scene = ("refined", "lin")
+    return [c for c in CONTENDERS.values() if c.model in any_scene or (plain and scene.ingredients.screw == "beam")]
+
+
+def contenders(names: tuple[str, ...]) -> list[Contender]:
+    """Contenders by name. Raises InputError for an unknown one."""
+    for name in names:
+        if name not in CONTENDERS:
+            raise InputError("command line", "--model", f'"{name}"', ", ".join(CONTENDERS), "name a low-order model")
+    return [CONTENDERS[name] for name in names]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity of one scene on one model against the reference, as ``rollbench compare --json`` prints it."""
+
+    scene: str
+    quantity: str
+    ball: int | None
+    side: str | None
+    unit: str
+    printed: float | None
+    model: str
+    value: float | None
+    reference: float | None
+    reference_error: float | None
+    error_percent: float | None
+    seconds: float | None
+
+    def as_json(self) -> dict[str, Any]:
+        """JSON-ready: no number that JSON does not know."""
+        return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(self).items()}
+
+
+@dataclass(frozen=True)
+class Loads:
+    """What a model says of a scene: loads ``(n, 4)`` [N], contact angles ``(n, 4)`` [deg], centreline (stations [m],
+    motions ``(k, 3)`` [m]), seconds."""
+
+    model: str
+    load: Array
+    angle: Array
+    stations: Array
+    line: Array
+    seconds: float | None
+
+
+def timed(contender: Contender, scene: Scene) -> tuple[StaticResult, float]:
+    """Result of a contender and the seconds of the call, interpreted; bodies of a geometry solved before are known then."""
+    own = contender.scene(scene)
+    start = perf_counter()
+    result = run_model(own, contender.model, Options(discretisation=False, engine="interpreted", estimate=False))
+    return result, perf_counter() - start
+
+
+def from_model(contender: Contender, scene: Scene) -> Loads:
+    """A low-order model's answer."""
+    result, seconds = timed(contender, scene)
+    line = result.centreline[:, :3]
+    return Loads(contender.name, result.load, np.degrees(result.contact_angle), result.centreline_z, line, seconds)
+
+
+def from_run(run: Run, name: str) -> Loads:
+    """The answer of one run of the 3D reference, cold."""
+    line = run.centreline
+    return Loads(name, run.load, run.angle, line[:, 0], line[:, 1:], run.setup_seconds + run.solve_seconds)
+
+
+def reference_answers(found: Reference, source: Run | None) -> list[Loads]:
+    """The reference on its levels, extrapolated, and on the source's mesh."""
+    out = [from_run(run, f"3D level {run.level}") for run in found.runs]
+    if source is not None:
+        out.insert(0, from_run(source, "3D source mesh"))
+    if found.extrapolated is not None:
+        out.append(replace(out[-1], model="3D extrapolated", load=found.extrapolated, seconds=None))
+    return out
+
+
+def rows(scene: Scene, answer: Loads, found: Reference) -> list[Row]:
+    """Loads and angles of every contact, the centreline, the load ratio, and the largest and RMS errors."""
+    return [*_contact_rows(scene, answer, found), *_line_rows(scene, answer, found), *_summary_rows(scene, answer, found)]
+
+
+def uncertainties_of(found: Reference, take: Callable[[Run], Array]) -> Array:
+    """Grid uncertainties of like quantities (any shape) with one order for all; nan with one level, or where one is
+    missing on a level."""
+    values = np.stack([take(run) for run in found.runs])
+    bars = np.full(values.shape[1:], np.nan)
+    known = np.isfinite(values).all(axis=0)
+    if known.any():
+        bars[known] = np.array([c.uncertainty for c in pool(values[:, known], found.sizes).each], dtype=float)
+    return bars
+
+
+def _bar(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
+    best, turns = found.best, uncertainties_of(found, lambda run: run.angle)
+    for i, s in np.ndindex(answer.load.shape):
+        value, ref = float(answer.load[i, s]), float(found.load[i, s])
+        if value == 0.0 and ref == 0.0:
+            continue
+        bar = None if found.uncertainty is None else float(found.uncertainty[i, s])
+        percent = float(error_percent(value, ref)) if ref > 0.0 else None
+        yield Row(scene.name, "load", i + 1, SIDES[s], "N", None, answer.model, value, ref, bar, percent, answer.seconds)
+        if value > 0.0 and ref > 0.0:
+            angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
+            yield Row(
+                scene.name,
+                "contact angle",
+                i + 1,
+                SIDES[s],
+                "deg",
+                None,
+                answer.model,
+                angle,
+                own,
+                _bar(float(turns[i, s])),
+                float(error_percent(angle, own)),
+                answer.seconds,
+            )
+
+
+def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
+    """Centreline at the reference's stations, in per cent of its largest displacement along that axis."""
+    line = found.best.centreline
+    for k, axis in enumerate("xyz"):
+        largest = float(np.abs(line[:, 1 + k]).max(initial=0.0))
+        values = np.interp(line[:, 0], answer.stations, answer.line[:, k])
+        bars = uncertainties_of(found, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
+        for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
+            yield Row(
+                scene.name,
+                f"centreline u{axis} at {1e3 * z:.4g} mm",
+                None,
+                None,
+                "um",
+                None,
+                answer.model,
+                1e6 * float(value),
+                1e6 * float(ref),
+                _bar(bar),
+                float(error_percent(value, ref, largest)),
+                answer.seconds,
+            )
+
+
+def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
+    e = load_error(answer.load, found.load)
+    keys = PRINTED.get(scene.name, ("", "", ""))
+
+    def printed(key: str) -> float | None:
+        return entry("lin-2.4.1", key).value if key and answer.model.startswith("lin") else None
+
+    bar = uncertainty_percent(found)
+    for name, unit, value, key in (
+        (f"largest error, of the mean load (ball {e.ball} {e.side})", "%", e.max_percent, ""),
+        ("RMS error, of the mean load", "%", e.rms_percent, ""),
+        ("largest error, of the own load", "%", e.own_max_percent, keys[0]),
+        ("RMS error, of the own load", "%", e.own_rms_percent, keys[1]),
+    ):
+        yield Row(scene.name, name, None, None, unit, printed(key), answer.model, value, 0.0, bar, value, answer.seconds)
+    ratio, own = load_ratio(answer.load), load_ratio(found.load)
+    yield Row(
+        scene.name,
+        "largest over smallest load, SL",
+        None,
+        None,
+        "",
+        printed(keys[2]),
+        answer.model,
+        ratio,
+        own,
+        ratio_uncertainty(found),
+        float(error_percent(ratio, own)),
+        answer.seconds,
+    )
+
+
+def load_ratio(load: Array) -> float:
+    """Largest over smallest load on the screw's left flanks; infinite where one has lost contact."""
+    smallest = float(load[:, 0].min())
+    return float(load[:, 0].max()) / smallest if smallest > 0.0 else float("inf")
+
+
+def ratio_uncertainty(found: Reference) -> float | None:
+    """Grid uncertainty of `load_ratio`: the relative ones of its two contacts, which may err in opposite senses; None with
+    one level or without a finite ratio."""
+    ratio = load_ratio(found.load)
+    if found.uncertainty is None or not np.isfinite(ratio):
+        return None
+    own = found.load[:, 0]
+    ends = [int(own.argmax()), int(own.argmin())]
+    return ratio * float(sum(found.uncertainty[k, 0] / own[k] for k in ends))
+
+
+@dataclass(frozen=True)
+class Exceedance:
+    """A contact of a scene whose low-order error is known to lie beyond the gate, with its cause."""
+
+    scene: str
+    ball: int
+    side: str
+    cause: str
+
+
+def known_exceedances() -> list[Exceedance]:
+    """Named exceedances of the gate, shipped as data."""
+    text = resources.files("compare").joinpath("references", "known_exceedances.toml").read_text(encoding="utf-8")
+    return [Exceedance(**row) for row in tomllib.loads(text).get("row", [])]
+
+
+@dataclass(frozen=True)
+class GatePoint:
+    """Error of one contact: per cent of its own reference load (of the mean where the load is small), the reference's
+    uncertainty in the same per cent, and whether the gate allows it."""
+
+    scene: str
+    ball: int
+    side: str
+    error_percent: float
+    uncertainty_percent: float
+    exceeds: bool
+
+
+def gate_points(scene: Scene, found: Reference, max_error: float, load: Array | None = None) -> list[GatePoint]:
+    """Every contact loaded in the reference or in ``load`` (the ``lin`` model's unless given), with the gate's verdict."""
+    if load is None:
+        load = timed(CONTENDERS["lin"], scene)[0].load
+    mean = float(found.load[found.load > 0.0].mean())
+    points = []
+    for i, s in zip(*np.nonzero((found.load > 0.0) | (load > 0.0)), strict=True):
+        own = float(found.load[i, s])
+        scale = own if own >= SMALL * mean else mean
+        error = float(error_percent(load[i, s], own, scale))
+        bar = 0.0 if found.uncertainty is None else float(error_percent(found.uncertainty[i, s], 0.0, scale))
+        points.append(GatePoint(scene.name, int(i) + 1, SIDES[int(s)], error, bar, abs(error) - bar > max_error))
+    return points
+
+
+def summary(contender: Contender, scene: Scene, found: Reference) -> tuple[LoadError, StaticResult, float]:
+    """Errors of a contender against the reference, its result and seconds."""
+    result, seconds = timed(contender, scene)
+    return load_error(result.load, found.load), result, seconds

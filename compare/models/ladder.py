@@ -1,0 +1,134 @@
+"""The ladder from the source's model to the refined one, rung by rung against the 3D reference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.measure import LoadError, error_percent, load_error
+from compare.models.comparison import REFERENCED
+from compare.models.model_form import Point, estimate, features
+from compare.models.registry import Options, run_model
+from compare.models.study import Study
+from compare.reference.grid_summary import uncertainty_percent
+from compare.reference.runs import Reference, bodies_path, reference, shipped_store
+from lowfi.compliance.bodies import forget
+from lowfi.statics.result import StaticResult
+from meshes.parts import Scene
+
+Array = NDArray[np.float64]
+
+#: Screws and a bearing that were not used while the refined model was developed: changed parts, and catalogue sizes.
+CHANGED = ("unseen-thin-nut", "unseen-short-nut", "unseen-hollow", "unseen-flange", "unseen-lead10")
+CATALOGUE = ("unseen-16x5", "unseen-25x5", "unseen-32x10", "unseen-40x10", "unseen-63x20", "unseen-four-point")
+UNSEEN = (*CHANGED, *CATALOGUE)
+#: Those of most contacts, whose finest level takes six minutes and 6 GB: two levels.
+LARGE = ("unseen-25x5", "unseen-40x10", "unseen-lead10")
+#: Rungs by model name, with what each adds.
+RUNGS = {
+    "lin": "the source's model: beam by C.8, rigid nut",
+    "lin-cell": "+ section of the grooved cell",
+    "lin-nut": "+ nut as a beam",
+    "refined": "+ kernels, flanks and balls (the default)",
+    "condensed": "bodies from the condensed 3D model",
+}
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One model on one scene against its reference: errors, the reference's uncertainty in per cent of the mean load,
+    seconds of the solve of a geometry that is new (libraries loaded, interpreted), sum of loads against the reference's
+    [%]."""
+
+    scene: str
+    model: str
+    result: StaticResult
+    error: LoadError
+    uncertainty: float | None
+    bias: float
+    seconds: float
+
+
+def finest_bodies(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> Path | None:
+    """File of the condensed bodies on the reference's finest level, where a store has it."""
+    for store in (shipped_store(),) if stores is None else stores:
+        path = bodies_path(store, scene, found.best)
+        if path.exists():
+            return path
+    return None
+
+
+def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None = None) -> list[Rung]:
+    """Every rung that a scene's stored data allow."""
+    rungs = []
+    for model in RUNGS:
+        options = Options(discretisation=False, engine="interpreted", estimate=False)
+        if model == "condensed":
+            path = finest_bodies(scene, found, stores)
+            if path is None:
+                continue
+            options = replace(options, condensed=path)
+        forget()
+        start = perf_counter()
+        result = run_model(scene, model, options)
+        seconds = perf_counter() - start
+        bias = float(error_percent(result.load.sum(), found.load.sum()))
+        rungs.append(
+            Rung(scene.name, model, result, load_error(result.load, found.load), uncertainty_percent(found), bias, seconds)
+        )
+    return rungs
+
+
+def ladder(study: Study, stores: Sequence[Path] | None = None, names: Sequence[str] = (*REFERENCED, *UNSEEN)) -> list[Rung]:
+    """Every rung of every scene that has a stored reference."""
+    rungs = []
+    for name in names:
+        scene = study.scene(name)
+        found = reference(scene, stores)
+        if found is not None:
+            rungs += climb(scene, found, stores)
+    return rungs
+
+
+def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
+    """What the model-form estimate rests on."""
+    return [
+        Point(
+            r.scene,
+            r.model,
+            round(r.error.max_percent, 3),
+            round(r.error.rms_percent, 3),
+            round(r.uncertainty or 0.0, 3),
+            {k: round(v, 4) for k, v in features(study.scene(r.scene), r.result.load).items()},
+        )
+        for r in rungs
+    ]
+
+
+def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
+    """The estimate of every scene made without it, beside the error that was measured."""
+    everything = points(study, rungs)
+    rows = []
+    for rung in rungs:
+        own = [p for p in everything if p.scene != rung.scene]
+        made = estimate(study.scene(rung.scene), rung.result, own)
+        if made.percent is not None:
+            rows.append(
+                {
+                    "scene": rung.scene,
+                    "model": rung.model,
+                    "measured": rung.error.max_percent,
+                    "expected": made.percent,
+                    "rms": rung.error.rms_percent,
+                    "expected_rms": made.rms_percent,
+                    "distance": made.distance,
+                    "nearest": made.nearest,
+                }
+            )
+    return rows

@@ -1,0 +1,270 @@
+"""Grid convergence by least squares after Eca and Hoekstra (J. Comput. Phys. 262 (2014) 104-130), alone and pooled.
+
+A quantity phi on cells of size h is fitted by phi_0 + alpha h^p, with equal weights and with weights 1 / h; the fit of the
+smaller standard deviation counts. Where its order p lies outside ``ORDERS``, phi_0 + alpha h, phi_0 + alpha h^2 and (below
+the range, from four levels on) phi_0 + alpha_1 h + alpha_2 h^2 take its place, the best of them. With delta = phi_1 - phi_0
+the error that the fit gives the finest level, sigma the fit's standard deviation, r_1 the residual of the finest level and
+Delta = (max - min) / (levels - 1), the uncertainty of phi_1 is
+
+    U = F |delta| + sigma + |r_1|                        where sigma < Delta,
+    U = 3 (sigma / Delta) (|delta| + sigma + |r_1|)      elsewhere,
+
+with F = 1.25 for an order in the range, else 3. Where this module differs from the source, ``observe`` and ``pool`` say
+so; both are tested for the share of noisy sequences whose truth U holds.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compare.reference.grid_fits import SEARCH, Fit, allowed, fixed, given, searched
+
+Array = NDArray[np.float64]
+
+#: Orders that are believed (the source's range): below, cells are too coarse to tell; above, it is chance.
+ORDERS = (0.5, 2.0)
+#: Safety factors: of an order in the range, and without one.
+SAFE, CAREFUL = 1.25, 3.0
+#: Changes below this share of the largest value are the last digit of stored values.
+ROUND_OFF = 1e-6
+#: Of the F test by which a scene's own values must contradict the order of the method before it is not believed for them:
+#: its contacts are neighbours and share scatter, and of twenty scenes one contradicts at 95 % by chance.
+CONTRADICTION = 0.99
+#: Orders of the interval that ``pool`` goes through for the largest uncertainty.
+STEPS = 16
+
+MONOTONE = "monotone"
+NOT_MONOTONE = "not monotone"
+OUT_OF_RANGE = "order out of range"
+HELD = "held (zero by a support or no load)"
+TOO_FEW = "fewer than three levels"
+LABELS = (MONOTONE, NOT_MONOTONE, OUT_OF_RANGE, HELD, TOO_FEW)
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """One quantity: ``values`` coarse to fine; ``label``, one of ``LABELS``: why it has an order of its own or none;
+    ``own_order``: what its own values give, believed or not (None where they give nothing); ``extrapolated``: value on
+    cells of no size, None where none is believed; ``uncertainty`` of the finest value, in the quantity's unit, None with
+    one level."""
+
+    values: tuple[float, ...]
+    label: str
+    own_order: float | None
+    extrapolated: float | None
+    uncertainty: float | None
+
+    @property
+    def order(self) -> float | None:
+        """The quantity's own order, where it is believed."""
+        return self.own_order if self.label == MONOTONE else None
+
+    @property
+    def text(self) -> str:
+        """The label with the order."""
+        if self.own_order is None:
+            return self.label
+        if self.label == MONOTONE:
+            return f"monotone, order {self.own_order:.2f}"
+        return f"order out of range (p {_shown(self.own_order)})"
+
+
+@dataclass(frozen=True)
+class Pooled:
+    """Quantities with one order: ``order`` where it is believed; ``fitted_order`` whatever it is and the ``interval`` that
+    the data allow (both None with fewer than three levels); standard deviation about the fit of all quantities together;
+    the convergence of each; ``by_method``: whether the order of the method stood in for their own."""
+
+    order: float | None
+    fitted_order: float | None
+    interval: tuple[float, float] | None
+    deviation: float | None
+    each: tuple[Convergence, ...]
+    by_method: bool = False
+
+    @property
+    def labels(self) -> dict[str, int]:
+        """Number of quantities by label, in the order of ``LABELS``."""
+        found = Counter(c.label for c in self.each)
+        return {label: found[label] for label in LABELS if found[label]}
+
+    @property
+    def text(self) -> str:
+        """The order in words, with the interval that the data allow."""
+        if self.fitted_order is None or self.interval is None:
+            return TOO_FEW if any(c.label == TOO_FEW for c in self.each) else HELD
+        low, high = self.interval
+        if self.by_method:
+            return f"of the method (own p {_shown(self.fitted_order)}, {low:.2g} to {high:.2g})"
+        if self.order is None:
+            return f"out of range: p {_shown(self.fitted_order)} ({low:.2g} to {high:.2g})"
+        return f"{self.order:.2f} ({low:.2g} to {high:.2g})"
+
+
+def _shown(p: float) -> str:
+    low, high = SEARCH
+    return f"below {low:g}" if p <= low else f"above {high:g}" if p >= high else f"= {p:.2f}"
+
+
+def representative_size(settings: Mapping[str, Any]) -> float:
+    """Relative cell size of a level from its mesh settings: a level refines all its sizes together, by the ratio of the
+    cells across a contact."""
+    return 1.0 / float(settings["b_over_h"])
+
+
+def observe(values: ArrayLike, sizes: ArrayLike) -> Convergence:
+    """Convergence of one quantity's ``values`` on cells of ``sizes`` (only their ratios count), coarse to fine.
+
+    Against the source: U is no smaller than by first order, with F = 1.25, as long as the values do not contradict first
+    order (F test), because a few noisy values easily show an order that is too high; and three levels, from which the
+    source refrains, leave the fit of an order no freedom to show scatter, so that the smallest standard deviation of the
+    fits of fixed order stands in for it. Two levels: a band of three times their difference, no order.
+    Raises ValueError for sizes that do not fall, or numbers of values and sizes that differ.
+    """
+    y, h = _checked(values, sizes)
+    n, column = len(h), y[:, 0]
+    given_ = tuple(float(v) for v in column)
+    if n == 1:
+        return Convergence(given_, TOO_FEW, None, None, None)
+    if n == 2:
+        return Convergence(given_, TOO_FEW, None, None, CAREFUL * abs(given_[1] - given_[0]))
+    if _still(column):
+        return Convergence(given_, HELD, None, given_[-1], 0.0)
+    label, order = _label(column, h)
+    free = [searched(y, h, weighted) for weighted in (False, True)]
+    good = [f for f in free if f.order is not None and ORDERS[0] <= f.order <= ORDERS[1]]
+    best = min(free, key=lambda f: f.deviation)
+    others = fixed(y, h, both=best.order is not None and best.order < ORDERS[0])
+    fit = min(good or others, key=lambda f: f.deviation)
+    sigma = fit.deviation if n > 3 or not good else min(f.deviation for f in others)
+    spread = float(np.ptp(column)) / (n - 1)
+    uncertainty = float(_bar(y, fit, sigma, SAFE if good else CAREFUL, spread)[0])
+    low, high = allowed(y, h, best)
+    if low <= 1.0 <= high:
+        first = min((f for f in others if f.form == "first order"), key=lambda f: f.deviation)
+        uncertainty = max(uncertainty, float(_bar(y, first, sigma, SAFE, spread)[0]))
+    limit = float(fit.limit[0]) if good and label == MONOTONE else None
+    return Convergence(given_, label, order, limit, uncertainty)
+
+
+def common_order(values: ArrayLike, sizes: ArrayLike) -> tuple[float, tuple[float, float]]:
+    """Order of the method, and the interval that the data allow (F test, 95 %), of quantities ``(levels, m)`` of many
+    scenes in one unit. Quantities that are the same on every level take no part.
+
+    Raises ValueError as ``observe``, and for fewer than three levels or nothing that moves.
+    """
+    y, h = _checked(values, sizes)
+    y = y[:, [not _still(column) for column in y.T]]
+    if len(h) < 3 or not y.size:
+        raise ValueError(f"{len(h)} levels of {y.shape[1]} moving quantities give no order")
+    free = min((searched(y, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
+    assert free.order is not None
+    return free.order, allowed(y, h, free)
+
+
+def pool(values: ArrayLike, sizes: ArrayLike, method: tuple[float, float] | None = None) -> Pooled:
+    """Convergence of many like quantities ``(levels, m)`` on cells of ``sizes``, coarse to fine, with one order for all.
+
+    phi_0 and alpha are each quantity's own; the order that all share is searched, with the interval of orders that the
+    data allow (F test, 95 %). So many degrees of freedom are left that sigma is known, which changes against the source:
+    U is the largest of 1.25 |delta| + sigma + |r_1| over all allowed orders within ``ORDERS``; where all of them lie above,
+    2 is taken, whose error is larger than the fit's own; where all lie below, the source's fits of fixed orders are,
+    with its factor of 3. sigma of a quantity is its own or that of all, whichever is larger: one or two residuals are
+    small by chance too often. The order is believed where it lies in the range, or above it by no more than chance allows
+    (then it is 2); values are extrapolated by it unless an order below the range is allowed too.
+
+    method: interval of orders of the method, from many scenes together (`common_order`); its lower end, at most 2, is
+    the least order that is looked at unless all orders that the quantities allow lie below it (F test,
+    ``CONTRADICTION``): where little but scatter is left between the levels they allow any order, and one that is too
+    low makes errors of scatter.
+
+    Two levels: a band of three times the difference, or three times the RMS difference of all where that is larger.
+    Quantities that are the same on every level are held: they take no part, and have no uncertainty.
+    Raises ValueError as ``observe``.
+    """
+    y, h = _checked(values, sizes)
+    n, m = y.shape
+    moving = np.array([not _still(column) for column in y.T], dtype=bool)
+    if n < 3 or not moving.any():
+        return _banded(y, moving)
+    data = y[:, moving]
+    free = min((searched(data, h, weighted) for weighted in (False, True)), key=lambda f: f.deviation)
+    assert free.order is not None
+    data_allow = interval = allowed(data, h, free)
+    order, by_method = free.order, False
+    if method is not None:
+        least = min(method[0], ORDERS[1])
+        if allowed(data, h, free, CONTRADICTION)[1] >= least:
+            interval, by_method = (least, max(method[1], least)), True
+            order = min(max(order, interval[0]), interval[1])
+    if interval[1] < ORDERS[0]:
+        fits, factor = [min(fixed(data, h, both=True), key=lambda f: f.deviation)], CAREFUL
+    else:
+        low, high = (min(max(p, ORDERS[0]), ORDERS[1]) for p in interval)
+        fits, factor = [given(data, h, float(p), free.weighted) for p in np.linspace(low, high, STEPS)], SAFE
+    bars, limits = np.zeros(m), y[-1].copy()
+    bars[moving] = np.max([_bar(data, f, np.maximum(f.own, f.deviation), factor) for f in fits], axis=0)
+    believed = min(order, ORDERS[1]) if order >= ORDERS[0] and (by_method or interval[0] <= ORDERS[1]) else None
+    extrapolate = believed is not None and interval[0] >= ORDERS[0]
+    if believed is not None:
+        limits[moving] = given(data, h, believed, free.weighted).limit
+    each = []
+    for k in range(m):
+        label, own = _label(y[:, k], h) if moving[k] else (HELD, None)
+        limit = float(limits[k]) if extrapolate or not moving[k] else None
+        each.append(Convergence(tuple(float(v) for v in y[:, k]), label, own, limit, float(bars[k])))
+    return Pooled(believed, free.order, data_allow, free.deviation, tuple(each), by_method)
+
+
+def _banded(y: Array, moving: NDArray[np.bool_]) -> Pooled:
+    """One or two levels, or nothing that moves: bands, no order."""
+    n, m = y.shape
+    if n == 1:
+        return Pooled(None, None, None, None, tuple(Convergence((float(v),), TOO_FEW, None, None, None) for v in y[0]))
+    difference = np.abs(y[-1] - y[-2])
+    floor = float(np.sqrt((difference[moving] ** 2).mean())) if moving.any() else 0.0
+    band = np.where(moving, CAREFUL * np.maximum(difference, floor), 0.0)
+    label = TOO_FEW if n == 2 else HELD
+    limits = [None if n == 2 else float(v) for v in y[-1]]
+    each = [Convergence(tuple(float(v) for v in y[:, k]), label, None, limits[k], float(band[k])) for k in range(m)]
+    return Pooled(None, None, None, None, tuple(each))
+
+
+def _checked(values: ArrayLike, sizes: ArrayLike) -> tuple[Array, Array]:
+    """Values ``(levels, m)`` and sizes over the finest."""
+    y, h = np.asarray(values, float), np.asarray(sizes, float)
+    y = y[:, None] if y.ndim == 1 else y
+    if h.ndim != 1 or len(y) != len(h) or not len(h) or not np.isfinite(y).all():
+        raise ValueError(f"{len(y)} levels of finite values and {h.size} sizes do not go together")
+    if not (np.diff(h) < 0.0).all() or h[-1] <= 0.0:
+        raise ValueError("sizes must fall from coarse to fine and be positive")
+    return y, h / h[-1]
+
+
+def _still(column: Array) -> bool:
+    """Whether a quantity is the same on every level, but for the last digit it was stored with."""
+    return float(np.ptp(column)) <= ROUND_OFF * float(np.abs(column).max())
+
+
+def _label(column: Array, h: Array) -> tuple[str, float | None]:
+    """Why a quantity on three or more levels has an order of its own or none, and the order."""
+    steps = np.diff(column)
+    if not ((steps > 0.0).all() or (steps < 0.0).all()):
+        return NOT_MONOTONE, None
+    p = searched(column[:, None], h).order
+    assert p is not None
+    return (MONOTONE if ORDERS[0] <= p <= ORDERS[1] else OUT_OF_RANGE), p
+
+
+def _bar(y: Array, fit: Fit, sigma: Array | float, factor: float, spread: float = np.inf) -> Array:
+    """U of every quantity's finest value ``(m,)``; spread: Delta, where sigma is judged by it."""
+    error, off = np.abs(y[-1] - fit.residual[-1] - fit.limit), np.abs(fit.residual[-1])
+    if np.max(sigma) < spread:
+        return np.asarray(factor * error + sigma + off)
+    return np.asarray(CAREFUL * sigma / spread * (error + sigma + off))

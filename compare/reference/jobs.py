@@ -1,0 +1,155 @@
+"""Runs of the 3D reference as jobs: what is missing, side by side where asked, each stored when it is done."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+
+from compare.errors import InputError
+from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
+from compare.reference.memory import reset_peak
+from compare.reference.runs import Run, Task, bodies_path, compute_with_bodies, groups, load, path_in, save, with_bodies
+from compare.reference.variants import VARIANTS
+from meshes.condensed import CondensedBodies
+from meshes.parts import Scene
+
+Step = Callable[[str], None]
+#: Seconds between signs of life.
+HEARTBEAT = 20.0
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Where jobs run: joblib's processes on this machine, or a Dask cluster at ``scheduler``; ``workers`` at once;
+    ``cache``: folder of meshes and condensed parts (None: none)."""
+
+    backend: str = "joblib"
+    scheduler: str | None = None
+    workers: int | None = None
+    cache: Path | None = None
+
+
+def plan(
+    scenes: Sequence[Scene],
+    levels: Sequence[int],
+    variants: Sequence[str] = (),
+    *,
+    source: bool = False,
+    ablate: bool = False,
+) -> list[Task]:
+    """Tasks of a study, dearest first: every level of every geometry, variants on their level, ablation on the coarsest."""
+    tasks = []
+    for group in groups(scenes):
+        own = tuple(group)
+        tasks += [Task(own, level, ablate=ablate and level == min(LEVELS)) for level in levels]
+        if source:
+            tasks.append(Task(own, SOURCE_LEVEL))
+        tasks += [Task(own[:1], VARIANTS[variant].level, variant) for variant in variants]
+        if any(VARIANTS[variant].refined for variant in variants):
+            tasks.append(Task(own[:1], PRODUCTION, "base"))  # what choices refined alone are compared with
+    return sorted(tasks, key=lambda task: -task.weight)
+
+
+def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
+    """What no store holds yet, task by task; an ablation is missing where a run has none."""
+    left = []
+    for task in tasks:
+        runs = [load(scene, task.level, task.variant, stores) for scene in task.scenes]
+        scenes = tuple(
+            scene for scene, run in zip(task.scenes, runs, strict=True) if run is None or (task.ablate and not run.without)
+        )
+        if scenes:
+            left.append(replace(task, scenes=scenes))
+        elif with_bodies(task) and not all(
+            run and any(bodies_path(store, scene, run).exists() for store in stores)
+            for scene, run in zip(task.scenes, runs, strict=True)
+        ):
+            left.append(task)
+    return left
+
+
+def perform(task: Task, store: Path) -> tuple[list[Run], CondensedBodies | None]:
+    """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way.
+
+    The record of peak memory starts anew, so that every run has its own.
+    """
+    reset_peak()
+    runs, bodies = compute_with_bodies(task)
+    keep(store, task, runs, bodies)
+    return runs, bodies
+
+
+def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies | None) -> None:
+    """Store the converged runs of a task, and its bodies. Raises InputError where the folder cannot be written to."""
+    for run, scene in zip(runs, task.scenes, strict=True):
+        if run.status == "converged":
+            save(store, scene, run)
+    if bodies is None:
+        return
+    path = bodies_path(store, task.scenes[0], runs[0])
+    try:
+        bodies.save(path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None
+
+
+def ensure(
+    tasks: Sequence[Task], store: Path, engine: Engine, step: Step, stores: Sequence[Path] = (), *, fresh: bool = False
+) -> list[Run]:
+    """Compute what neither ``store`` nor ``stores`` hold, or, fresh, everything; returns the runs that did not converge."""
+    from compare.reference import parallel
+
+    wanted = tasks if fresh else missing(tasks, (store, *stores))
+    left = [replace(task, cache=engine.cache) for task in wanted]
+    failed: list[Run] = []
+    if not left:
+        return failed
+    start, done, total = perf_counter(), 0.0, sum(task.weight for task in left)
+    step(f"3D reference: {len(left)} set-ups to compute, stored in {store}")
+    jobs = [(perform, (task, store)) for task in left]
+    finished = 0
+
+    def reached(index: int, made: tuple[list[Run], CondensedBodies | None]) -> None:
+        nonlocal done, finished
+        task = left[index]
+        runs, bodies = made
+        good = [(scene, run) for scene, run in zip(task.scenes, runs, strict=True) if run.status == "converged"]
+        if not all(path_in(store, scene, run).exists() for scene, run in good):
+            keep(store, task, runs, bodies)  # computed on a machine that does not share this folder
+        failed.extend(run for run in runs if run.status != "converged")
+        done += task.weight
+        finished += 1
+        spent = perf_counter() - start
+        rest = spent * (total - done) / done
+        bad = [f"{run.scene}: {run.status}" for run in runs if run.status != "converged"]
+        tail = f" (not stored: {'; '.join(bad)})" if bad else ""
+        ahead = f", about {rest:.0f} s left" if finished < len(left) else ""
+        step(" ".join(f"[{finished}/{len(left)}] {task.label}{tail}: {spent:.0f} s{ahead}".split()))
+
+    over = threading.Event()
+
+    def pulse() -> None:
+        while not over.wait(HEARTBEAT):
+            step(f"... {perf_counter() - start:.0f} s, {finished} of {len(left)} done")
+
+    threading.Thread(target=pulse, daemon=True).start()
+    try:
+        for number, made in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
+            reached(number, made)
+    finally:
+        over.set()
+    return failed
+
+
+def all_variants() -> tuple[str, ...]:
+    """Names of the variants of choices that no mesh level refines."""
+    return tuple(name for name, variant in VARIANTS.items() if not variant.refined)
+
+
+def refinements() -> tuple[str, ...]:
+    """Names of the variants that refine one choice of the finest level alone."""
+    return tuple(name for name, variant in VARIANTS.items() if variant.refined)

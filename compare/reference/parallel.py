@@ -1,0 +1,223 @@
+"""Independent jobs side by side: in this process, in processes of this machine (joblib), or on a Dask cluster.
+
+One job at a time unless more are asked for: a run of the 3D reference takes gigabytes, and its solvers use all cores.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import pickle
+import threading
+import traceback
+import warnings
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, closing, contextmanager
+from typing import Any
+
+from compare import __version__
+from compare.errors import InputError
+
+#: A job: a function without arguments, or a function and its arguments. What leaves this process must be picklable.
+Job = Callable[[], Any] | tuple[Callable[..., Any], Sequence[Any]]
+Step = Callable[[str], None]
+#: What comes back from a worker: the job's number, whether it went well, its pickled result or exception.
+Answer = tuple[int, bool, bytes]
+
+BACKENDS = ("joblib", "dask")
+#: Seconds to wait for a scheduler, and again for its first worker.
+PATIENCE = 5.0
+
+_ALONE = threading.Lock()
+
+
+def run(
+    jobs: Sequence[Job],
+    backend: str = "joblib",
+    scheduler: str | None = None,
+    workers: int | None = None,
+    step: Step = lambda _: None,
+) -> list[Any]:
+    """Results of independent jobs, in the order of the jobs; `step` hears of each when it is done. See `as_done`."""
+    results: list[Any] = [None] * len(jobs)
+    with closing(as_done(jobs, backend, scheduler, workers)) as finished:
+        for done, (number, result) in enumerate(finished, start=1):
+            results[number] = result
+            step(f"job {number + 1} done, {done} of {len(jobs)}")
+    return results
+
+
+def as_done(
+    jobs: Sequence[Job], backend: str = "joblib", scheduler: str | None = None, workers: int | None = None
+) -> Generator[tuple[int, Any], None, None]:
+    """Numbers (from 0) and results of independent jobs, as they are done; a generator that drops the rest when closed.
+
+    backend: "joblib" for this machine, "dask" for the cluster of `scheduler` (its address; None starts a cluster on this
+    machine). workers: jobs at the same time; None for one on this machine and one per worker process on a scheduler's
+    cluster. With several workers on this machine the cores are divided among their solvers' threads.
+    The first exception of a job is raised here, once, and jobs that have not begun are dropped; one that cannot travel
+    between processes becomes a RuntimeError with its message.
+    Raises InputError for an unknown backend, fewer than one worker, a package that is missing, a scheduler that does not
+    answer or has no workers or other versions, and for a worker that died.
+    """
+    if backend not in BACKENDS:
+        raise InputError("command line", "--backend", backend, " or ".join(BACKENDS), "leave it out for this machine")
+    if workers is not None and workers < 1:
+        raise InputError("command line", "--workers", str(workers), "1 or more", "every worker needs memory for a run")
+    if scheduler is not None and backend != "dask":
+        raise InputError("command line", "--scheduler", scheduler, "only with --backend dask", "add --backend dask")
+    calls = [job if isinstance(job, tuple) else (job, ()) for job in jobs]
+    if backend == "joblib" and (workers or 1) == 1:
+        return ((number, function(*arguments)) for number, (function, arguments) in enumerate(calls))
+    return _elsewhere(calls, backend, scheduler, workers or 0)
+
+
+def _elsewhere(
+    calls: list[tuple[Callable[..., Any], Sequence[Any]]], backend: str, scheduler: str | None, workers: int
+) -> Generator[tuple[int, Any], None, None]:
+    """Numbers and results of jobs in other processes."""
+    from joblib import delayed
+
+    tasks = [delayed(_call)(number, *call) for number, call in enumerate(calls)]
+    with _answers(tasks, backend, scheduler, workers) as answers:
+        for number, good, packed in answers:
+            value = pickle.loads(packed)
+            if not good:
+                raise value
+            yield number, value
+
+
+def _call(number: int, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
+    """Run one job in a worker; one at a time in a process, because gmsh has one state per process.
+
+    Results and exceptions travel as bytes: joblib waits forever for what cannot be made again on arrival.
+    """
+    with _ALONE:
+        try:
+            return number, True, pickle.dumps(function(*arguments))
+        except Exception as error:
+            note = f"In a worker: {traceback.format_exc()}"
+            try:
+                error.__cause__ = error.__context__ = None
+                error.add_note(note)
+                packed = pickle.dumps(error.with_traceback(None))
+                pickle.loads(packed)
+            except Exception:  # an exception that cannot travel, for whatever reason its class has: its words can
+                plain = RuntimeError(f"{type(error).__name__}: {error}")
+                plain.add_note(note)
+                packed = pickle.dumps(plain)
+            return number, False, packed
+
+
+@contextmanager
+def _answers(tasks: list[Any], backend: str, scheduler: str | None, workers: int) -> Iterator[Iterator[Answer]]:
+    """Answers of the workers as they come; jobs that have not begun when the context is left are dropped."""
+    from joblib import Parallel, cpu_count, parallel_config
+    from joblib.externals.loky.process_executor import BrokenProcessPool
+
+    lost: tuple[type[Exception], ...] = (BrokenProcessPool,)
+    options: dict[str, Any] = {"batch_size": 1, "return_as": "generator_unordered"}
+    with ExitStack() as stack:
+        if backend == "dask":
+            client, count = stack.enter_context(_cluster(scheduler, workers))
+            from distributed import KilledWorker
+
+            lost = (KilledWorker, CancelledError)
+            options |= {"pre_dispatch": count}
+            stack.enter_context(parallel_config(backend=_dask_backend(client)))
+        else:
+            options |= {"n_jobs": workers, "pre_dispatch": workers, "max_nbytes": None}  # no read-only arguments
+            threads = max(1, cpu_count() // workers)
+            stack.enter_context(parallel_config(backend="loky", inner_max_num_threads=threads))
+        answers = Parallel(**options)(tasks)
+        try:
+            yield answers
+        except lost as error:
+            raise InputError(
+                "command line",
+                "--workers",
+                f"a worker that died ({type(error).__name__})",
+                "as many as there is memory for",
+                "use fewer workers, those whose memory runs out are killed",
+            ) from error
+        finally:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # joblib tells how many jobs it drops
+                answers.close()
+
+
+@contextmanager
+def _cluster(scheduler: str | None, workers: int) -> Iterator[tuple[Any, int]]:
+    """A client of the scheduler, or of a cluster of its own on this machine, and the number of jobs at the same time."""
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise InputError(
+            "command line",
+            "--backend",
+            "dask without its packages",
+            "dask and distributed installed",
+            "pip install 'rollbench[cluster]'",
+        ) from None
+    place = "a cluster on this machine" if scheduler is None else scheduler
+
+    def refuse(reason: str, advice: str) -> InputError:
+        return InputError("command line", "--scheduler", f"{place}: {reason}", "a scheduler with workers", advice)
+
+    with ExitStack() as stack:
+        address: Any = scheduler
+        if scheduler is None:
+            address = stack.enter_context(
+                LocalCluster(n_workers=workers or 1, threads_per_worker=1, dashboard_address="127.0.0.1:0", memory_limit=0)
+            )
+        else:
+            try:
+                asyncio.run(asyncio.wait_for(_greet(scheduler), PATIENCE))
+            except Exception as error:  # nothing there, or something that is no scheduler
+                start = "start one with: dask scheduler; its address looks like tcp://host:8786"
+                raise refuse(f"no answer of a scheduler ({type(error).__name__})", start) from error
+        client = stack.enter_context(Client(address, timeout=PATIENCE, set_as_default=False))
+        try:
+            client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError:
+            raise refuse("no workers", f"start some with: dask worker {place}") from None
+        try:
+            versions = set(client.run(_version).values())
+        except Exception as error:
+            raise refuse(f"workers without rollbench ({error})", "install it where the workers run") from error
+        if versions != {__version__}:
+            found = ", ".join(sorted(versions))
+            raise refuse(f"workers of rollbench {found}", f"install version {__version__} where the workers run")
+        count = len(client.nthreads())
+        yield client, min(workers or count, count)
+
+
+async def _greet(scheduler: str) -> None:
+    """Return when the scheduler answers, else raise; a Client that found none would hold up the end of the process."""
+    from distributed.core import connect
+    from distributed.security import Security
+
+    comm = await connect(scheduler, **Security().get_connection_args("client"))
+    await comm.close()
+
+
+def _version() -> str:
+    return __version__
+
+
+def _dask_backend(client: Any) -> Any:
+    """joblib's backend for Dask that also hears of jobs whose worker died; joblib 1.6's own waits for them forever."""
+    from joblib._dask import DaskDistributedBackend
+
+    class Backend(DaskDistributedBackend):  # type: ignore[misc]
+        def effective_n_jobs(self, n_jobs: int) -> int:
+            return max(2, int(super().effective_n_jobs(n_jobs)))  # joblib runs the jobs of a single worker here
+
+        async def _collect(self) -> None:
+            while self._continue:
+                async for future, result in self.waiting_futures:
+                    del self._results[future]
+                    self._callbacks.pop(future)(result[1] if future.status == "error" else result)
+                await asyncio.sleep(0.01)
+
+    return Backend(client=client)

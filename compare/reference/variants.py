@@ -1,0 +1,183 @@
+"""Choices of the 3D reference, each varied alone: those that no mesh level refines on the coarsest level, those of the
+mesh refined one at a time on the finest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from compare.reference.levels import LEVELS, PRODUCTION
+from meshes.parts import Scene
+from meshes.solid import Dimensions, dimensions
+
+Change = Callable[[Scene], Scene]
+#: "modelling": an idealisation or a dimension that the source does not print; "numerical": a choice of the method beside
+#: the mesh; "scene": another boundary condition, which is the scene's own to state.
+Kind = Literal["modelling", "numerical", "scene"]
+#: Bound on the axial-torsional coupling of a grooved shaft (twist by an axial force over the geometric mean of both
+#: flexibilities, `hifi.cell.Homogenised.coupling`) that the beams beyond the 3D stretch drop;
+#: tests/unit/meshes/test_solid.py.
+COUPLING = 0.02
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A choice varied: what it is, the changed scene; ``refined``: mesh settings taken from `levels.BEYOND`, on the finest
+    level; ``choice``: variants of one choice count once."""
+
+    label: str
+    choice: str
+    kind: Kind
+    change: Change
+    refined: tuple[str, ...] = ()
+
+    @property
+    def level(self) -> int:
+        """Mesh level on which it is varied."""
+        return PRODUCTION if self.refined else min(LEVELS)
+
+
+@dataclass(frozen=True)
+class NotVaried:
+    """A choice that is not varied, and why."""
+
+    choice: str
+    reason: str
+
+
+def same(scene: Scene) -> Scene:
+    """The scene as it is."""
+    return scene
+
+
+def solid(**changes: Any) -> Change:
+    """Change of what only the 3D model reads."""
+    return lambda scene: replace(scene, solid=replace(scene.solid, **changes))
+
+
+def scaled(name: str, take: Callable[[Dimensions], float], factor: float, shift: float = 0.0) -> Change:
+    """Change of a dimension of the solid parts by a factor and a shift [m]."""
+    return lambda scene: solid(**{name: take(dimensions(scene)) * factor + shift})(scene)
+
+
+def longer(leads: float) -> Change:
+    """3D stretch longer by that many leads on each side."""
+    return lambda scene: scaled("shaft", lambda d: d.shaft, 1.0, leads * abs(scene.track.lead))(scene)
+
+
+def held_ring(half: Literal["inner", "outer"]) -> Change:
+    """Nut held at one half of the face that holds it. Raises ValueError where the whole nut is held elsewhere."""
+
+    def change(scene: Scene) -> Scene:
+        face = dimensions(scene).nut_held
+        if face not in ("left face", "right face"):
+            raise ValueError(f"the nut is held at its {face}, not at one face")
+        return solid(nut_held=f"{face}, {half} half")(scene)
+
+    return change
+
+
+def ends_in_plain_shaft(scene: Scene) -> Scene:
+    """The screw's groove ends where half the 3D stretch does; beyond, the shaft is plain."""
+    short = scaled("shaft", lambda d: d.shaft, 0.5)(scene)
+    return solid(shaft_diameter=scene.screw.outer_diameter)(short)
+
+
+def twisted(scene: Scene) -> Scene:
+    """Every support of the rotation about the axis turned by what the dropped coupling would turn the shaft up to the nut:
+    |c| F L / sqrt(EA GJ) with the sum of axial loads F and the sections of a plain shaft of the pitch radius less that
+    of the groove (its core: more than the grooved shaft twists)."""
+    e = scene.screw.material
+    core = scene.track.pitch_radius - scene.screw.groove_radius
+    area = np.pi * (core**2 - (scene.screw.bore / 2.0) ** 2)
+    polar = 0.5 * np.pi * (core**4 - (scene.screw.bore / 2.0) ** 4)
+    force = sum(abs(load.force[2]) for load in scene.loads)
+    rate = COUPLING * force / float(np.sqrt(e.youngs_modulus * area * e.shear_modulus * polar))
+
+    def turned(freedom: tuple[str, float], at: float) -> tuple[str, float]:
+        return (freedom[0], freedom[1] + rate * abs(at - scene.nut.position)) if freedom[0] == "rz" else freedom
+
+    supports = tuple(replace(s, fixed=tuple(turned(f, s.at) for f in s.fixed)) for s in scene.supports)
+    return replace(scene, supports=supports)
+
+
+LANDS, HOLE, WIDTH = "radius of the nut's lands", "hole along the meshed screw", "width of the nut's held face"
+LENGTH, PHASE = "length of the 3D stretch of shaft", "phase of the junction along the helix"
+BEYOND, TWIST = "where the screw's groove ends", "axial-torsional coupling of the shaft beyond"
+SIDES, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "where the nut is held"
+
+VARIANTS: dict[str, Variant] = {
+    "base": Variant(
+        "the scene alone: sockets on flanks that touch, contact grid by its own load", SIDES, "numerical", same
+    ),
+    "junction": Variant(
+        "3D shaft 20 mm longer on each side", LENGTH, "modelling", scaled("shaft", lambda d: d.shaft, 1.0, 20e-3)
+    ),
+    "junction-short": Variant("3D shaft of half the length", LENGTH, "modelling", scaled("shaft", lambda d: d.shaft, 0.5)),
+    "junction-phase": Variant("3D shaft half a lead longer on each side", PHASE, "modelling", longer(0.5)),
+    "land": Variant(
+        "nut lands 0.6 mm narrower in diameter",
+        LANDS,
+        "modelling",
+        scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, -0.6e-3),
+    ),
+    "land-wide": Variant(
+        "nut lands 0.6 mm wider in diameter",
+        LANDS,
+        "modelling",
+        scaled("nut_inner_diameter", lambda d: 2.0 * d.land, 1.0, 0.6e-3),
+    ),
+    "hole": Variant(
+        "hole along the screw of half the diameter", HOLE, "modelling", scaled("hole_diameter", lambda d: 2.0 * d.hole, 0.5)
+    ),
+    "held-outer": Variant("nut held at the outer half of its face's width", WIDTH, "modelling", held_ring("outer")),
+    "held-inner": Variant("nut held at the inner half of its face's width", WIDTH, "modelling", held_ring("inner")),
+    "shaft-plain": Variant(
+        "shaft beyond the 3D stretch plain, of the lands' diameter",
+        BEYOND,
+        "scene",
+        lambda s: solid(shaft_diameter=s.screw.outer_diameter)(s),
+    ),
+    "runout": Variant("groove of the screw ends at half the 3D stretch", BEYOND, "scene", ends_in_plain_shaft),
+    "finer-contact": Variant(
+        "cells of the contact, 4.2 for 3.2 per semi-axis", "contact's cells", "numerical", same, ("b_over_h",)
+    ),
+    "finer-patch": Variant("growth of a patch's cells, 1.5 for 1.62", "patch's cells", "numerical", same, ("growth",)),
+    "finer-own": Variant(
+        "sockets and cells of the submodels of one contact",
+        "submodels",
+        "numerical",
+        same,
+        ("own_cuts", "own_sizes", "own_ball_sizes"),
+    ),
+    "finer-bodies": Variant("cells of screw and nut", "coarse bodies", "numerical", same, ("fine", "coarse")),
+    "finer-sockets": Variant(
+        "sockets of the bodies cut 4 x 3 x 4 for 3 x 2 x 3", "coarse sockets", "numerical", same, ("cuts",)
+    ),
+    "modes": Variant("28 modes per patch for 14", MODES, "numerical", same, ("modes",)),
+    "finer-ball": Variant(
+        "cells and modes of the ball", "ball", "numerical", same, ("ball_fine", "ball_coarse", "ball_modes")
+    ),
+    "finer-cell": Variant("cell of the homogenised shaft", "homogenised shaft", "numerical", same, ("cell",)),
+    "nut-right": Variant("nut held at its right face", FIXING, "scene", solid(nut_held="right face")),
+    "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", solid(nut_held="outer surface")),
+}
+
+#: What a modelling uncertainty does not hold.
+NOT_VARIED = (
+    NotVaried(
+        "return gap of the nut's groove",
+        "the groove runs unbroken through the nut; deflectors that fill it between turns, or return tubes that pierce the "
+        "wall, are not meshed",
+    ),
+    NotVaried(
+        "run-out of the nut's groove",
+        "the groove leaves through both flat faces; filled ends, wipers and their counterbores are not meshed",
+    ),
+    NotVaried("chamfers and run-in of the lands", "edges of lands and faces are sharp"),
+    NotVaried("stiffness of what holds the nut and the screw", "held nodes do not move; a housing would"),
+    NotVaried("friction, large strains, contact of the second order in ball over groove radius", "left out of the model"),
+)

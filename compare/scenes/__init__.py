@@ -1,0 +1,1 @@
+"""Scene files: schema, units, reading, refusing, and the scenes that the package ships."""

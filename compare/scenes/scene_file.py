@@ -1,0 +1,214 @@
+"""Scene files: one TOML file is one load case; what cannot be read or built is refused in one line."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+import tomllib
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from compare.errors import SceneError
+from compare.scenes.checks import choice_faults, geometry_faults
+from compare.scenes.refusal import refuse, refuse_keys
+from compare.scenes.schema import (
+    BallKeys,
+    FrictionKeys,
+    MaterialKeys,
+    SceneKeys,
+    SideKeys,
+    SupportKeys,
+    TermKeys,
+    json_schema,
+)
+from meshes.parts import (
+    FREEDOMS,
+    BallErrors,
+    Balls,
+    Errors,
+    FourierTerm,
+    Friction,
+    Ingredients,
+    Load,
+    Material,
+    Motion,
+    Nut,
+    Scene,
+    Screw,
+    SideErrors,
+    Solid,
+    Support,
+    Track,
+)
+
+__all__ = ["json_schema", "load", "loads", "read_text", "read_toml", "scene_hash", "template"]
+
+MAX_BYTES = 16_000_000
+
+
+def load(path: str | Path) -> Scene:
+    """The scene in the file ``path``; its name is the file's stem. Raises SceneError."""
+    return loads(read_text(path), str(path))
+
+
+def loads(text: str, origin: str) -> Scene:
+    """The scene in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
+    raw = read_toml(text, origin)
+    try:
+        keys = SceneKeys.model_validate(raw)
+    except ValidationError as error:
+        refuse_keys(origin, error)
+    refuse(origin, raw, list(choice_faults(keys)))
+    scene = _scene(keys, Path(origin).stem)
+    refuse(origin, raw, list(geometry_faults(scene)))
+    return scene
+
+
+def read_text(path: str | Path) -> str:
+    """Text of a file, as UTF-8. Raises SceneError if it cannot be read or is not text."""
+    allowed = "a readable TOML file"
+    try:
+        if Path(path).is_dir():
+            raise SceneError(str(path), "file", "a directory", allowed, "name a file inside it")
+        with open(path, "rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        advice = "check the path, or see the shipped scenes with: rollbench list"
+        raise SceneError(str(path), "file", reason.lower(), allowed, advice) from None
+    if len(data) > MAX_BYTES:
+        value = f"more than {MAX_BYTES // 1_000_000} MB"
+        allowed = f"up to {MAX_BYTES // 1_000_000} MB"
+        raise SceneError(str(path), "file", value, allowed, "is this a scene file?")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        text, place = "\0", f"byte {error.start} is not UTF-8"
+    else:
+        place = "it contains NUL bytes"
+    if "\0" in text:
+        advice = f"{place}: save the scene as plain UTF-8 text"
+        raise SceneError(str(path), "file", "a binary file", "UTF-8 text", advice)
+    return text
+
+
+def template() -> str:
+    """A commented scene that loads: the screw of Lin 2.4.1.1, every optional key shown as a comment."""
+    return resources.files("compare").joinpath("template.toml").read_text(encoding="utf-8")
+
+
+def scene_hash(text: str) -> str:
+    """First 16 hexadecimal digits of the SHA-256 of a scene's text."""
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:16]
+
+
+def read_toml(text: str, origin: str) -> dict[str, Any]:
+    """Tables and keys of a TOML text; ``origin`` is the file named in errors. Raises SceneError."""
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        place, reason = "file", "brackets are nested too deeply"
+    except ValueError as error:  # TOMLDecodeError, and integers of thousands of digits
+        match = re.search(r"\s*\(at (.*)\)$", str(error))
+        place = match[1] if match else "file"
+        reason = str(error)[: match.start()] if match else str(error)
+    found = re.match(r"line (\d+)", place)
+    line = text.splitlines()[int(found[1]) - 1].strip() if found else "text that is not TOML"
+    advice = f'{reason[:1].lower()}{reason[1:]}; texts need double quotes, e.g. length = "800 mm"'
+    raise SceneError(origin, place, line or "an empty line", "TOML: [table] and key = value lines", advice)
+
+
+def _scene(keys: SceneKeys, name: str) -> Scene:
+    track, e = keys.track, keys.errors
+    default = keys.material
+    sides = {s: _side(getattr(e, s)) for s in ("SL", "SR", "NL", "NR")}
+    listed = tuple(sorted((int(k), v) for k, v in e.balls.listed.items()))
+    screw, nut, diameter = keys.screw, keys.nut, 2.0 * keys.balls.radius
+    return Scene(
+        name=name,
+        title=keys.title,
+        track=Track(**track.model_dump()),
+        screw=Screw(
+            length=screw.length,
+            outer_diameter=screw.outer_diameter,
+            groove_radius=screw.groove_radius or (screw.conformity or 0.0) * diameter,
+            material=_material(screw.material, default),
+            bore=screw.bore,
+        ),
+        nut=Nut(
+            position=nut.position,
+            length=nut.length,
+            outer_diameter=nut.outer_diameter,
+            groove_radius=nut.groove_radius or (nut.conformity or 0.0) * diameter,
+            material=_material(nut.material, default),
+            azimuth=nut.azimuth,
+        ),
+        balls=Balls(
+            keys.balls.radius, _material(keys.balls.material, default), _azimuths(keys.balls, track.starts, track.phase)
+        ),
+        errors=Errors(
+            balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution), seed=e.seed, **sides
+        ),
+        supports=tuple(_support(s) for s in keys.supports),
+        loads=tuple(Load(p.at, _vector(p.force), _vector(p.moment)) for p in keys.loads),
+        ingredients=Ingredients(**keys.ingredients.model_dump()),
+        solid=Solid(**keys.solid.model_dump()),
+        source=keys.source,
+        assumed=tuple(keys.assumed),
+        members=keys.members,
+        friction=None if keys.friction is None else _friction(keys.friction),
+        motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
+    )
+
+
+def _friction(keys: FrictionKeys) -> Friction:
+    screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
+    return Friction(screw, nut, tuple(keys.assumed), keys.coupling)
+
+
+def _material(own: MaterialKeys | None, default: MaterialKeys) -> Material:
+    own = own or default
+    modulus = default.youngs_modulus if own.youngs_modulus is None else own.youngs_modulus
+    ratio = default.poissons_ratio if own.poissons_ratio is None else own.poissons_ratio
+    if modulus is None or ratio is None:  # choice_faults has refused this
+        raise AssertionError("material without a value")
+    return Material(modulus, ratio)
+
+
+def _azimuths(balls: BallKeys, starts: int, phase: float) -> tuple[float, ...]:
+    """Azimuths of one start [rad]: as listed, or spread evenly about the nut's centre over the turns."""
+    if balls.azimuths is not None:
+        return tuple(balls.azimuths)
+    n = (balls.count or 0) // starts
+    spacing = 2.0 * math.pi * (balls.turns or 1.0) / n
+    return tuple(phase + (i - (n - 1) / 2.0) * spacing for i in range(n))
+
+
+def _side(side: SideKeys) -> SideErrors:
+    return SideErrors(
+        profile=tuple(side.profile),
+        profile_sigma=tuple(side.profile_sigma),
+        pitch=_terms(side.pitch),
+        pitch_along=side.pitch_along,
+        roundness=_terms(side.roundness),
+    )
+
+
+def _terms(terms: Sequence[TermKeys]) -> tuple[FourierTerm, ...]:
+    return tuple(FourierTerm(t.harmonic, t.sin, t.cos, t.sigma) for t in terms)
+
+
+def _support(support: SupportKeys) -> Support:
+    held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
+    held |= support.displace.model_dump(exclude_none=True)
+    return Support(support.at, tuple((name, held[name]) for name in FREEDOMS if name in held))
+
+
+def _vector(values: Sequence[float]) -> tuple[float, float, float]:
+    x, y, z = values
+    return x, y, z

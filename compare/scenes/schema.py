@@ -1,0 +1,308 @@
+"""Keys of a scene file: names, descriptions, units, ranges and defaults. Values come out in SI units."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from compare.scenes.quantity import Quantity, Rate, key
+from meshes.parts import NutHeld
+
+MAX_BALLS = 100_000
+
+
+Size = Annotated[float, Quantity("length", "0.01 mm", "100 m", "20 mm")]
+Radius = Annotated[float, Quantity("length", "0.01 mm", "1 m", "2.778 mm")]
+Bore = Annotated[float, Quantity("length", "0 mm", "100 m", "10 mm")]
+Station = Annotated[float, Quantity("length", "0 mm", "100 m", "400 mm")]
+Lead = Annotated[float, Quantity("length", "0 mm", "1 m", "20 mm")]
+Deviation = Annotated[float, Quantity("length", "-10 mm", "10 mm", "1 um")]
+Spread = Annotated[float, Quantity("length", "0 mm", "10 mm", "1 um")]
+Shift = Annotated[float, Quantity("length", "-1 m", "1 m", "300 um")]
+Turn = Annotated[float, Quantity("angle", "-200 mrad", "200 mrad", "1 mrad")]
+Azimuth = Annotated[float, Quantity("angle", "-1000000 deg", "1000000 deg", "-360 deg")]
+ContactAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "45 deg", above=True, below=True)]
+Modulus = Annotated[float, Quantity("pressure", "1 MPa", "1000000 GPa", "210 GPa")]
+Poisson = Annotated[float, Quantity("number", 0, 0.5, 0.28, below=True)]
+Conformity = Annotated[float, Quantity("number", 0.5, 50, 0.52, above=True)]
+Turns = Annotated[float, Quantity("number", 0, 10_000, 2, above=True)]
+Harmonic = Annotated[float, Quantity("number", 0, 10_000, 1)]
+Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
+Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
+Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
+Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
+Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
+Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
+Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
+Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
+
+
+class Table(BaseModel):
+    """A table of a scene file: no other keys, no silent conversions."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, validate_default=True)
+
+
+class MaterialKeys(Table):
+    """Isotropic elastic material. A part that gives only one of the two takes the other from [material]."""
+
+    youngs_modulus: Modulus | None = key("Young's modulus", None)
+    poissons_ratio: Poisson | None = key("Poisson's ratio", None)
+
+
+_MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}
+
+
+class TrackKeys(Table):
+    """Nominal path of the ball centres."""
+
+    pitch_radius: Size = key("radius of the helix of the ball centres", example="16.5 mm")
+    lead: Lead = key('advance of the helix per turn; "0 mm" is a ball bearing')
+    contact_angle: ContactAngle = key("nominal angle of the contact normal against the radius")
+    hand: Literal["right", "left"] = key("hand of the helix", "right", "right")
+    starts: Annotated[int, Field(ge=1, le=100)] = key(
+        "number of starts; start k is start 1 turned by k/starts of a revolution", 1, 1
+    )
+    phase: Azimuth = key("azimuth of the helix at the nut's centre", "0 deg", "0 deg")
+
+
+class ScrewKeys(Table):
+    """Screw shaft, or inner ring of a bearing."""
+
+    length: Size = key("length; stations run from 0 to it", example="800 mm")
+    outer_diameter: Size = key("outer diameter of the thread or of the shoulders", example="32 mm")
+    bore: Bore = key("diameter of the hole along the axis", "0 mm", "10 mm")
+    groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
+    conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
+    material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
+
+
+class NutKeys(Table):
+    """Nut, or outer ring of a bearing; held fixed."""
+
+    position: Station = key("station of the nut's centre along the screw", example="400 mm")
+    length: Size = key("length", example="54 mm")
+    outer_diameter: Size = key("outer diameter", example="48 mm")
+    groove_radius: Radius | None = key("radius of curvature of the groove (or conformity)", None, "3.254 mm")
+    conformity: Conformity | None = key("groove radius over ball diameter (or groove_radius)", None)
+    azimuth: Azimuth = key("angle between the axes of nut and screw; turns the nut's errors", "0 deg", "0 deg")
+    material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
+
+
+class BallKeys(Table):
+    """Balls: either count and turns, or the azimuths one by one."""
+
+    radius: Radius = key("nominal radius")
+    count: Count | None = key("number of balls over all starts, spread evenly (with turns)", None, 32)
+    turns: Turns | None = key("turns filled by the balls of each start, centred on the nut (zero lead: 1)", None)
+    azimuths: Annotated[list[Azimuth], Field(min_length=1, max_length=MAX_BALLS)] | None = key(
+        "unwrapped azimuths of the balls of one start, instead of count and turns", None, ["-90 deg", "90 deg"]
+    )
+    material: MaterialKeys | None = key("material of this part where it is not [material]", None, _MATERIAL)
+
+
+class BallErrorKeys(Table):
+    """Errors of the ball radii."""
+
+    oversize: Deviation = key("added to every ball's radius (preload if positive)", "0 um", "7 um")
+    listed: dict[str, Deviation] = key(
+        "added to the radius of single balls, by number from 1 (all balls of start 1 first)", {}, {"17": "1 um"}
+    )
+    sigma: Spread = key("standard deviation of random radius errors", "0 um", "1 um")
+    distribution: Literal["normal", "uniform"] = key("distribution of the random errors", "normal", "normal")
+
+
+class TermKeys(Table):
+    """One harmonic of an error along the track: sin * sin(harmonic * phi) + cos * cos(harmonic * phi)."""
+
+    harmonic: Harmonic = key("cycles per turn; may be a fraction")
+    sin: Deviation = key("amplitude of the sine", "0 um", "3 um")
+    cos: Deviation = key("amplitude of the cosine", "0 um", "3 um")
+    sigma: Spread = key("standard deviation of normal draws added to both amplitudes", "0 um", "1 um")
+
+
+Terms = Annotated[list[TermKeys], Field(max_length=1000)]
+
+
+class SideKeys(Table):
+    """Errors of one groove flank: screw left (SL), screw right (SR), nut left (NL), nut right (NR)."""
+
+    profile: Annotated[list[Deviation], Field(max_length=7)] = key(
+        "inward offset of the groove radius: coefficients of a polynomial in gamma / rad", [], ["3 um", "-1 um"]
+    )
+    profile_sigma: Annotated[list[Spread], Field(max_length=7)] = key(
+        "standard deviations of normal draws added to the coefficients of profile", [], ["1 um", "0 um"]
+    )
+    pitch: Terms = key("displacement of the groove centre along the screw", [], [{"harmonic": 1, "sin": "3 um"}])
+    pitch_along: Literal["section", "axis"] = key(
+        "direction of the pitch error: in the groove's section (Lin 2.27) or along the axis (Lin 4.1)", "section", "section"
+    )
+    roundness: Terms = key("displacement of the groove centre along the radius", [], [{"harmonic": 2, "cos": "5 um"}])
+
+
+class ErrorKeys(Table):
+    """Geometric errors; all are zero if left out."""
+
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = key("seed of every random error", 0, 2019)
+    balls: BallErrorKeys = key("errors of the ball radii", BallErrorKeys(), {"oversize": "7 um"})
+    SL: SideKeys = key("screw, left flank", SideKeys(), {"profile": ["3 um"]})
+    SR: SideKeys = key("screw, right flank", SideKeys(), {"profile": ["3 um"]})
+    NL: SideKeys = key("nut, left flank", SideKeys(), {"profile": ["3 um"]})
+    NR: SideKeys = key("nut, right flank", SideKeys(), {"profile": ["3 um"]})
+
+
+class DisplaceKeys(Table):
+    """Prescribed displacements and small rotations."""
+
+    ux: Shift | None = key("displacement along x", None)
+    uy: Shift | None = key("displacement along y", None)
+    uz: Shift | None = key("displacement along z", None)
+    rx: Turn | None = key("rotation about x", None)
+    ry: Turn | None = key("rotation about y", None)
+    rz: Turn | None = key("rotation about z", None)
+
+
+class SupportKeys(Table):
+    """Support of the screw at one station."""
+
+    at: Station = key("station along the screw", example="0 mm")
+    fix: Annotated[list[Freedom], Field(max_length=6)] = key("freedoms held at zero", [], ["ux", "uy", "uz"])
+    displace: DisplaceKeys = key("freedoms held at other values", DisplaceKeys(), {"ux": "300 um"})
+
+
+class LoadKeys(Table):
+    """Load on the screw at one station, applied on the axis."""
+
+    at: Station = key("station along the screw", example="0 mm")
+    force: Annotated[list[Force], Field(min_length=3, max_length=3)] = key(
+        "force along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"]
+    )
+    moment: Annotated[list[Moment], Field(min_length=3, max_length=3)] = key(
+        "moment about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
+    )
+
+
+class IngredientKeys(Table):
+    """Which parts of the low-order model are used."""
+
+    hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
+        "contact constants: own radii at the nominal angle, error-free parts, actual geometry, or as in Table B.1",
+        "nominal",
+        "actual",
+    )
+    screw: Literal["beam", "rigid"] = key("screw as Timoshenko beam or rigid", "beam", "rigid")
+    partition: Literal["nodal", "source", "uniform"] = key(
+        "beam nodes: at every contact, as the source (15 mm in the nut), or every element_length", "nodal", "source"
+    )
+    element_length: Element = key('length of the elements in the nut, for partition = "uniform"', "1 mm")
+    section: Literal["groove", "groove squared", "full"] = key(
+        "beam section: diameters scaled by k_r (Lin C.8), by k_r without the root, or full", "groove", "full"
+    )
+    arm: Literal["current", "nominal", "ball"] = key(
+        "lever arm of a contact force: current contact point, nominal contact point, or the ball's station",
+        "current",
+        "nominal",
+    )
+
+
+class SolidKeys(Table):
+    """What the 3D reference needs beyond the low-order model; a key left out stands for an assumption, which is printed."""
+
+    nut_inner_diameter: Size | None = key("diameter of the nut's lands; mirrors the screw's if left out", None, "34 mm")
+    hole_diameter: Size | None = key("hole along the meshed screw where it has no bore", None, "3 mm")
+    shaft: Station | None = key("length of 3D shaft beyond each face of the nut; a beam continues it", None, "20 mm")
+    shaft_diameter: Size | None = key(
+        "diameter of the plain shaft beyond the 3D stretch; the homogenised grooved shaft if left out", None, "31 mm"
+    )
+    nut_held: NutHeld | None = key(
+        "where the nut is held; its left face, or its outer surface at zero lead (low-order models hold the whole face)",
+        None,
+        "left face",
+    )
+    screw_held: Literal["ends", "bore"] | None = key(
+        "whether supports and loads reach the screw through its ends or through a stiff shaft in its bore", None, "ends"
+    )
+    nut: Literal["elastic", "rigid"] = key("nut elastic, or rigid beyond its contact patches", "elastic", "elastic")
+
+
+class FrictionKeys(Table):
+    """Coulomb friction of the balls on the grooves, for: rollbench friction. Static loads do not depend on it."""
+
+    coefficient: Coefficient = key("coefficient of friction of ball on groove; zero is allowed")
+    screw: Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
+    nut: Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
+    coupling: Literal["none", "ball"] = key(
+        "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone",
+        "ball",
+        "none",
+    )
+    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
+        "sentences on where the coefficients come from", [], ["Grease-lubricated steel, assumed."]
+    )
+
+
+class MotionKeys(Table):
+    """Which part turns and how fast, for: rollbench friction."""
+
+    speed: Turning = key("angular speed of the part that turns, about +z; negative: the other way")
+    turns: Literal["screw", "nut"] = key(
+        "the part that turns; the other one does not, and they move apart along the axis by the lead", "screw", "nut"
+    )
+
+
+class SceneKeys(Table):
+    """One load case of one ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
+
+    title: Sentence = key("one line saying what the scene is", example="Screw under 5 kN")
+    source: Annotated[str, Field(max_length=2000)] = key("where the numbers come from", "", "Lin 2019, 2.4.1.1")
+    assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
+        "sentences on what the source leaves open", [], ["The nut is rigid."]
+    )
+    members: Annotated[int, Field(ge=1, le=100_000)] = key("number of draws of the random errors", 1, 200)
+    material: MaterialKeys = key("material of every part that gives none", MaterialKeys(), _MATERIAL)
+    track: TrackKeys = key("path of the ball centres")
+    screw: ScrewKeys = key("screw shaft, or inner ring")
+    nut: NutKeys = key("nut, or outer ring")
+    balls: BallKeys = key("balls")
+    errors: ErrorKeys = key("geometric errors", ErrorKeys(), {"seed": 0})
+    supports: Annotated[list[SupportKeys], Field(max_length=1000)] = key(
+        "supports of the screw", [], [{"at": "0 mm", "fix": ["ux", "uy"]}]
+    )
+    loads: Annotated[list[LoadKeys], Field(max_length=1000)] = key(
+        "loads on the screw", [], [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
+    )
+    ingredients: IngredientKeys = key("parts of the low-order model", IngredientKeys(), {"screw": "rigid"})
+    solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_held": "left face"})
+    friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
+    motion: MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of a scene file, with description, unit, range and example of every key."""
+    schema = SceneKeys.model_json_schema()
+    found: dict[str, Any] = _without_null(schema)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "rollbench scene"} | {
+        k: v for k, v in found.items() if k != "title"
+    }
+
+
+def _without_null(node: Any) -> Any:
+    """Drop ``null`` (TOML has none) and pydantic's titles, and defaults that are whole tables."""
+    if isinstance(node, list):
+        return [_without_null(v) for v in node]
+    if not isinstance(node, dict):
+        return node
+    out: dict[str, Any] = {}
+    for name, value in node.items():
+        if name == "anyOf":
+            (kept,) = (v for v in value if v != {"type": "null"})
+            out |= {k: v for k, v in _without_null(kept).items() if k not in node}
+        elif name == "properties" or name == "$defs":
+            out[name] = {k: _without_null(v) for k, v in value.items()}
+        elif name == "default":
+            if value is not None and not isinstance(value, dict):
+                out[name] = value
+        elif not (name == "title" and isinstance(value, str)):
+            out[name] = value if name == "examples" else _without_null(value)
+    return out

@@ -1,0 +1,1 @@
+"""Formulations of the source, its misprints mended, kept for comparison: root finding, as printed."""

@@ -1,0 +1,357 @@
+"""The source's own formulation (Lin 2.25, 2.26, Appendix E), its misprints mended: a second, independent solver.
+
+Unknowns are ball centres, contact angles and all nodal motions of the screw; plain Newton on the equilibrium equations
+with the explicit Jacobian, dense. Kept to check the energy solver and to show where the source's iteration fails.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi import jit
+from lowfi.statics.mechanism import free_motions
+from lowfi.statics.problem import SIGNS, Problem, build, error_free
+from lowfi.statics.result import SolverReport, StaticResult
+from lowfi.statics.shape import rigid_transport, shape_polynomials
+from lowfi.statics.static import prepare
+from lowfi.statics.summary import assemble_result, failed_result
+from meshes.errors import specimen
+from meshes.helix import ball_layout, lead_angle
+from meshes.parts import Scene
+from meshes.section import BeamSection
+from meshes.surface import groove_profile
+
+Array = NDArray[np.float64]
+Kinematics = Literal["arc", "source"]
+Start = Literal["nominal", "guess", "load steps"]
+
+
+@dataclass(frozen=True)
+class SourceSolution:
+    """Outcome of the source's Newton: status, loads ``(N, 4)`` [N], angles ``(N, 4)`` [rad], centres ``(N, 2)`` [m],
+    nodal motions ``(n, 6)``, iterations, relative residual, seconds, number of unknowns."""
+
+    status: str
+    load: Array
+    contact_angle: Array
+    centre: Array
+    motion: Array
+    iterations: int
+    residual: float
+    seconds: float
+    unknowns: int
+
+    @property
+    def converged(self) -> bool:
+        """Whether the loads may be used."""
+        return self.status == "converged"
+
+
+def element_stiffness(length: float, s: BeamSection) -> Array:
+    """Standard Timoshenko element ``(12, 12)`` (Przemieniecki; mends Lin D.1, D.2)."""
+    phi = 12.0 * s.EI / (s.kGA * length**2)
+    c = s.EI / (length**3 * (1.0 + phi))
+    k = np.zeros((12, 12))
+    for u, r, sign in ((0, 4, 1.0), (1, 3, -1.0)):
+        i = [u, r, u + 6, r + 6]
+        k[np.ix_(i, i)] = c * np.array(
+            [
+                [12.0, sign * 6.0 * length, -12.0, sign * 6.0 * length],
+                [sign * 6.0 * length, (4.0 + phi) * length**2, -sign * 6.0 * length, (2.0 - phi) * length**2],
+                [-12.0, -sign * 6.0 * length, 12.0, -sign * 6.0 * length],
+                [sign * 6.0 * length, (2.0 - phi) * length**2, -sign * 6.0 * length, (4.0 + phi) * length**2],
+            ]
+        )
+    for u, value in ((2, s.EA / length), (5, s.GJ / length)):
+        k[np.ix_([u, u + 6], [u, u + 6])] = value * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    return k
+
+
+def beam_matrix(problem: Problem) -> Array:
+    """Dense stiffness of the screw, ``(6 n, 6 n)``."""
+    n = problem.nodes.size
+    k = np.zeros((6 * n, 6 * n))
+    for e, length in enumerate(np.diff(problem.nodes)):
+        k[6 * e : 6 * e + 12, 6 * e : 6 * e + 12] += element_stiffness(float(length), problem.section)
+    return k
+
+
+@dataclass
+class System:
+    """Everything of one scene that the equations need, laid out by contact."""
+
+    problem: Problem
+    kinematics: Kinematics
+    K: Array
+    free: NDArray[np.int64]
+    axes: Array
+
+    def motion_of_flank(self, side: int, gamma: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        """First freedom of each flank's nodes and M with its two derivatives, ``(N, 2, m)`` (Lin 2.17-2.21, E.13)."""
+        p = self.problem
+        if self.kinematics == "arc":
+            zero = np.zeros_like(p.B[:, side])
+            return 6 * p.node[:, side], p.B[:, side], zero, zero
+        layout = p.layout
+        a, a1, a2 = self.flank(side, gamma)
+        x = layout.centre + a[:, :1] * layout.radial + a[:, 1:] * layout.binormal
+        x1 = a1[:, :1] * layout.radial + a1[:, 1:] * layout.binormal
+        x2 = a2[:, :1] * layout.radial + a2[:, 1:] * layout.binormal
+        j = np.clip(np.searchsorted(p.nodes, x[:, 2], side="right") - 1, 0, p.nodes.size - 2)
+        length = np.diff(p.nodes)[j]
+        xi = (x[:, 2] - p.nodes[j]) / length
+        n0, n1, n2 = (shape_polynomials(xi, length, p.section, order) for order in range(3))
+        flat = np.array([1.0, 1.0, 0.0])
+
+        def arm(r: Array) -> Array:
+            return np.cross((r * flat)[:, None, :], self.axes)
+
+        def motion(n: Array, lever: Array | None) -> Array:
+            if lever is None:
+                return self.axes @ n[:, :3]
+            return self.axes @ n[:, :3] + lever @ n[:, 3:]
+
+        s1, s2 = (x1[:, 2] / length)[:, None, None], (x2[:, 2] / length)[:, None, None]
+        m0 = motion(n0, arm(x))
+        m1 = s1 * motion(n1, arm(x)) + arm(x1) @ n0[:, 3:]
+        m2 = s1**2 * motion(n2, arm(x)) + s2 * motion(n1, arm(x)) + 2.0 * s1 * (arm(x1) @ n1[:, 3:]) + arm(x2) @ n0[:, 3:]
+        return 6 * j, m0, m1, m2
+
+    def flank(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
+        """Flank profile A(gamma) from the nominal ball centre and its derivatives, ``(N, 2)`` each (Lin 2.3, 2.27)."""
+        drawn = self.problem.drawn
+        r, r1, r2 = groove_profile(gamma, drawn.radius[side], drawn.profile[side])
+        c, s = np.cos(gamma), np.sin(gamma)
+        sx, sz = SIGNS[side]
+        a = np.stack([sx * r * c, sz * r * s], -1) + drawn.centre[:, side]
+        a1 = np.stack([sx * (r1 * c - r * s), sz * (r1 * s + r * c)], -1)
+        a2 = np.stack([sx * ((r2 - r) * c - 2.0 * r1 * s), sz * ((r2 - r) * s + 2.0 * r1 * c)], -1)
+        return a, a1, a2
+
+
+def _contacts(
+    system: System, p: Array, gamma: Array, u: Array, side: int
+) -> tuple[Array, Array, Array, Array, Array, Array, NDArray[np.int64], Array, Array]:
+    """Normal n, tangent t, dt/dgamma, distance, force, dF/d delta and the motion matrices of one side's contacts."""
+    problem = system.problem
+    a, t, t1 = system.flank(side, gamma)
+    count = p.shape[0]
+    if side < 2:
+        dof, m0, m1, m2 = system.motion_of_flank(side, gamma)
+        own = u[dof[:, None] + np.arange(m0.shape[2])[None, :]]
+        a = a + np.einsum("nak,nk->na", m0, own)
+        t = t + np.einsum("nak,nk->na", m1, own)
+        t1 = t1 + np.einsum("nak,nk->na", m2, own)
+    else:
+        dof, m0, m1 = np.zeros(count, dtype=np.int64), np.zeros((count, 2, 0)), np.zeros((count, 2, 0))
+    d = p - a
+    dist = np.linalg.norm(d, axis=1)
+    n = d / dist[:, None]
+    delta = np.maximum(problem.drawn.ball_radius - dist, 0.0)
+    c = problem.C[:, side]
+    force = (delta / c) ** 1.5
+    return n, t, t1, dist, force, 1.5 * np.sqrt(delta / c) / c, dof, m0, m1
+
+
+def equations(system: System, x: Array, load: Array, *, jacobian: bool = True) -> tuple[Array, Array | None, Array]:
+    """Phi(x) of Lin 2.25 (contact conditions, balls, screw), its Jacobian (Appendix E), and the contact forces."""
+    problem = system.problem
+    count = problem.C.shape[0]
+    p, gamma, u = x[: 2 * count].reshape(count, 2), x[2 * count : 6 * count].reshape(count, 4), x[6 * count :]
+    phi = np.zeros(x.size)
+    jac = np.zeros((x.size, x.size)) if jacobian else None
+    balls = np.arange(count)
+    rows_p, rows_g, base = 2 * balls[:, None] + np.arange(2), 2 * count + 4 * balls, 6 * count
+    phi[base:] = system.K @ u - load
+    if jac is not None:
+        jac[base:, base:] = system.K
+    forces = np.zeros((count, 4))
+    eye = np.eye(2)
+    for side in range(4):
+        n, t, t1, dist, force, stiff, dof, m0, m1 = _contacts(system, p, gamma[:, side], u, side)
+        forces[:, side] = force
+        phi[rows_g + side] = np.einsum("na,na->n", n, t)
+        np.add.at(phi, rows_p, force[:, None] * n)
+        columns = base + dof[:, None] + np.arange(m0.shape[2])[None, :]
+        pull = force[:, None] * n
+        np.add.at(phi, columns, np.einsum("nak,na->nk", m0, pull))
+        if jac is None:
+            continue
+        project = (eye - n[:, :, None] * n[:, None, :]) / dist[:, None, None]
+        pt = np.einsum("nab,nb->na", project, t)
+        fp = force[:, None, None] * project - stiff[:, None, None] * n[:, :, None] * n[:, None, :]
+        nt = phi[rows_g + side]
+        fg = -force[:, None] * pt + (stiff * nt)[:, None] * n
+        g = rows_g + side
+        jac[g[:, None], rows_p] = pt
+        jac[g, g] = np.einsum("na,na->n", n, t1) - np.einsum("na,na->n", t, pt)
+        np.add.at(jac, (rows_p[:, :, None], rows_p[:, None, :]), fp)
+        jac[rows_p, g[:, None]] = fg
+        if side < 2:
+            jac[g[:, None], columns] = np.einsum("nak,na->nk", m1, n) - np.einsum("nak,na->nk", m0, pt)
+            fu = -fp @ m0
+            np.add.at(jac, (rows_p[:, :, None], columns[:, None, :]), fu)
+            np.add.at(jac, (columns[:, :, None], rows_p[:, None, :]), np.swapaxes(m0, 1, 2) @ fp)
+            by_gamma = np.einsum("nak,na->nk", m1, pull) + np.einsum("nak,na->nk", m0, fg)
+            np.add.at(jac, (columns, np.broadcast_to(g[:, None], columns.shape)), by_gamma)
+            np.add.at(jac, (columns[:, :, None], columns[:, None, :]), np.swapaxes(m0, 1, 2) @ fu)
+    return phi, jac, forces
+
+
+def initial_state(system: System, start: Start, fraction: float) -> Array:
+    """Nominal state, or the designer's guess: the screw shifted along its axis as if all balls shared the load."""
+    problem = system.problem
+    scene = problem.scene
+    count = problem.C.shape[0]
+    p, gamma = np.zeros((count, 2)), np.full((count, 4), scene.track.contact_angle)
+    u = problem.prescribed.copy()
+    if start != "nominal":
+        axial = fraction * float(problem.load[:, 2].sum())
+        rise = np.sin(scene.track.contact_angle) * np.cos(lead_angle(scene.track))
+        share = abs(axial) / (count * rise)
+        pair = problem.C[:, 0] + problem.C[:, 3]
+        shift = np.sign(axial) * float(pair.mean()) * share ** (2.0 / 3.0) / rise
+        u[:, 2] += np.where(problem.fixed[:, 2], 0.0, shift)
+        cosine = np.cos(lead_angle(scene.track))
+        p[:, 1] = 0.5 * shift * cosine
+    return np.concatenate([p.ravel(), gamma.ravel(), u.ravel()])
+
+
+def solve_source(
+    scene: Scene,
+    *,
+    kinematics: Kinematics = "source",
+    start: Start = "guess",
+    everything: bool = False,
+    member: int = 0,
+    tolerance: float = 1e-12,
+    most: int = 60,
+    hertz: Array | None = None,
+) -> SourceSolution:
+    """Solve a scene with the source's equations and plain Newton iteration (Lin 2.26).
+
+    kinematics: ``"source"``, lever arm and station follow the contact angle (Lin 2.18-2.21), or ``"arc"``, the same
+    rigid arcs as the energy solver, for which both must agree to round-off. start: nominal state, a designer's guess,
+    or ten load steps from that guess. hertz: constants C ``(N, 4)`` to use instead of the scene's.
+    A scene with a rigid screw is refused (ValueError): the source's equations are those of a beam.
+    """
+    begin = perf_counter()
+    if scene.ingredients.screw == "rigid":
+        raise ValueError("the source's formulation needs a beam screw")
+    layout = ball_layout(scene)
+    problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool), everything=everything)
+    if hertz is not None:
+        problem.C[:] = hertz
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    free_u = np.flatnonzero(~problem.fixed.ravel())
+    count = problem.C.shape[0]
+    free = np.concatenate([np.arange(6 * count), 6 * count + free_u])
+    system = System(problem, kinematics, beam_matrix(problem), free, axes)
+    steps = [1.0] if start != "load steps" else list(np.linspace(0.1, 1.0, 10))
+    x = initial_state(system, start, steps[0])
+    total, residual, status = 0, np.inf, "converged"
+    with np.errstate(all="ignore"):
+        for fraction in steps:
+            x, iterations, residual, status = newton(system, x, fraction * problem.load.ravel(), tolerance, most)
+            total += iterations
+            if status != "converged":
+                break
+        _, _, forces = equations(system, x, problem.load.ravel(), jacobian=False)
+    return SourceSolution(
+        status=status,
+        load=forces,
+        contact_angle=x[2 * count : 6 * count].reshape(count, 4),
+        centre=x[: 2 * count].reshape(count, 2),
+        motion=x[6 * count :].reshape(-1, 6),
+        iterations=total,
+        residual=residual,
+        seconds=perf_counter() - begin,
+        unknowns=free.size,
+    )
+
+
+def solve_source_result(scene: Scene, *, everything: bool = False, member: int = 0) -> StaticResult:
+    """``solve_source`` from the designer's guess, as the same result record as the other models.
+
+    With Hertz constants of error-free parts, as the source has them, where the scene asks for each contact's own radii.
+    """
+    scene = error_free(scene)
+    layout = ball_layout(scene)
+    use = np.ones(4, dtype=bool)
+    problem = build(scene, specimen(scene, layout, member), layout, use, everything=everything)
+    mechanism = free_motions(problem)
+    if mechanism.driven:
+        return failed_result(problem, "source", f"not held: {mechanism.text}", 0.0)
+    solution = solve_source(scene, everything=everything, member=member)
+    if not np.all(np.isfinite(solution.load)) or not np.all(np.isfinite(solution.motion)):
+        return failed_result(problem, "source", solution.status, solution.seconds)
+    prepared = prepare(problem, jit.kernels(jit.STATICS, compiled=False))
+    q, d, p, contact = prepared.state
+    q[:] = solution.motion
+    d[:] = q[1:] - np.einsum("nij,nj->ni", np.stack([rigid_transport(x) for x in np.diff(problem.nodes)]), q[:-1])
+    p[:] = solution.centre
+    contact[..., 0] = solution.load
+    contact[..., 1] = SIGNS[:, 0] * np.cos(solution.contact_angle)
+    contact[..., 2] = SIGNS[:, 1] * np.sin(solution.contact_angle)
+    report = SolverReport(
+        solution.iterations,
+        solution.iterations + 1,
+        solution.residual,
+        solution.seconds,
+        solution.unknowns,
+        problem.nodes.size - 1,
+        "numpy, dense",
+        "equilibrium equations of the source",
+    )
+    return assemble_result(prepared, "source", solution.status, report, ("nothing: all four sides are built",))
+
+
+def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
+    """Largest unbalanced force over the largest force; moments over the pitch radius, contact conditions over r_G."""
+    count = forces.shape[0]
+    arm = system.problem.scene.track.pitch_radius
+    weights = np.tile([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm], system.problem.nodes.size)
+    screw = (phi[6 * count :] * weights)[system.free[6 * count :] - 6 * count]
+    scale = max(float(np.abs(load * weights).max(initial=0.0)), float(forces.max(initial=0.0)))
+    if not scale > 0.0:
+        return float("inf")
+    unbalanced = max(float(np.abs(phi[: 2 * count]).max()), float(np.abs(screw).max(initial=0.0)))
+    skew = float(np.abs(phi[2 * count : 6 * count]).max()) / float(system.problem.drawn.radius.max())
+    return max(unbalanced / scale, skew)
+
+
+def newton(system: System, x: Array, load: Array, tolerance: float, most: int) -> tuple[Array, int, float, str]:
+    """Plain Newton (Lin 2.26): state, iterations, relative residual and status in words."""
+    best, stalled = np.inf, 0
+    residual = np.inf
+    for iteration in range(most + 1):
+        phi, jac, forces = equations(system, x, load)
+        residual = _measure(system, phi, forces, load) if np.all(np.isfinite(phi)) else np.inf
+        if residual <= tolerance:
+            return x, iteration, residual, "converged"
+        stalled = stalled + 1 if residual >= 0.5 * best else 0
+        best = min(best, residual)
+        if stalled >= 4 and residual < 1e-9:
+            return x, iteration, residual, "converged" if residual <= 1e-10 else f"stalled at {residual:.1e}"
+        if not np.all(np.isfinite(phi)):
+            return x, iteration, residual, "diverged: the iterate is not finite"
+        assert jac is not None
+        free = system.free
+        small = jac[np.ix_(free, free)]
+        scale = np.abs(small).max(axis=1)
+        if not np.all(np.isfinite(small)) or np.any(scale == 0.0):
+            return x, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
+        try:
+            step = np.linalg.solve(small / scale[:, None], -phi[free] / scale)
+        except np.linalg.LinAlgError:
+            return x, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
+        if not np.all(np.isfinite(step)) or float(np.abs(step).max()) > 1e6:
+            return x, iteration, residual, f"singular Jacobian at iteration {iteration + 1}"
+        x = x.copy()
+        x[free] += step
+    return x, most, residual, f"not converged after {most} iterations (residual {residual:.1e})"

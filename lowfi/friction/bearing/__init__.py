@@ -1,0 +1,1 @@
+"""Friction of balls in rotary bearings: one ball between rings, and bearings in pairs."""

@@ -1,0 +1,180 @@
+"""Friction torque of a four-point and of a double-row angular-contact bearing against the load's angle (Lin 4.3.1).
+
+Loads of all balls between a rigid inner and a rigid outer ring, then each ball's motion of least dissipation. A
+bearing is a ball screw of zero lead whose "screw" is the inner ring; friction then leaves the loads alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.groove import ScrewGroove, frame
+from lowfi.friction.screw.load import Cell, ScrewLoad, settle
+from lowfi.friction.screw.motion import ball_motion
+
+#: Contacts (SL, SR, NL, NR) that a row has: all, or those of one diagonal.
+ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (False, True, True, False)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of balls: axial place [m] and the contacts (SL, SR, NL, NR; S: inner ring) that its grooves have."""
+
+    place: float
+    contacts: tuple[bool, bool, bool, bool]
+
+
+@dataclass(frozen=True)
+class BearingCase:
+    """A bearing, inner ring turning and loaded, outer ring held; SI.
+
+    groove: lead 0; count: balls per row; force [N] in the plane of x and z at the angle from the axis z given to
+    ``solve_bearing``; clearance [m] of the ball's radius at each contact, negative for preload; tilt: whether the inner
+    ring may tilt; phase: azimuth of the first ball, as part of the distance between balls, 0 on x; arm [m]: axial place
+    where the force acts.
+    """
+
+    groove: ScrewGroove
+    count: int
+    rows: tuple[Row, ...]
+    force: float = 3000.0
+    clearance: float = 0.0
+    tilt: bool = False
+    phase: float = 0.0
+    arm: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse a helix and empty rows."""
+        if self.groove.lead != 0.0 or self.count < 1 or not self.rows:
+            raise ValueError("a bearing has zero lead, count >= 1 and at least one row")
+
+
+@dataclass(frozen=True)
+class BearingState:
+    """Loads (N, 4) [N], N balls of all rows in order, losses (N, 4) [W], friction torque [N m] on the inner ring.
+
+    points (N,): loaded contacts of each ball; converged: loads and every motion.
+    """
+
+    load: ScrewLoad
+    loss: Array
+    torque: float
+    points: NDArray[np.int64]
+    input_power: float
+    converged: bool
+
+
+def ring_rows(case: BearingCase) -> Array:
+    """Motion (N, 3, m) at each ball by the inner ring's translations x, y, z and, with tilt, rotations about x, y.
+
+    Rotations are scaled by the pitch radius, so that all unknowns are lengths [m].
+    """
+    radius, out = case.groove.pitch_radius, []
+    for row in case.rows:
+        for k in range(case.count):
+            turn = frame(case.groove, 2.0 * np.pi * (k + case.phase) / case.count)
+            move = np.eye(3)
+            if case.tilt:
+                at = radius * turn[0] + np.array([0.0, 0.0, row.place])
+                move = np.column_stack([move, np.cross(np.eye(3)[:2], at).T / radius])
+            out.append(turn @ move)
+    return np.array(out)
+
+
+def bearing_cell(case: BearingCase, angle: float) -> Cell:
+    """Balls and load of a bearing whose force makes ``angle`` [rad] with its axis."""
+    g, rows = case.groove, ring_rows(case)
+    has = np.repeat(np.array([r.contacts for r in case.rows]), case.count, axis=0)
+    force = case.force * np.array([np.sin(angle), 0.0, np.cos(angle)])
+    if case.tilt:
+        force = np.append(force, np.cross([0.0, 0.0, case.arm], force)[:2] / g.pitch_radius)
+    n = has.shape[0]
+    return Cell(
+        g,
+        np.full((n, 4), g.contact_angle),
+        np.where(has, -case.clearance, -2.0 * g.reach),
+        rows,
+        force,
+        np.zeros((n, 2)),
+        np.zeros((n, 2)),
+        np.zeros(rows.shape[2]),
+    )
+
+
+def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
+    """Loads, motions and friction torque with the force at ``angle`` [rad] from the axis; near: a similar state."""
+    load = settle(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.screw))
+    loss, good, power = np.zeros_like(load.force), load.converged, 0.0
+    for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):
+        ball = ball_motion(case.groove, load.force[k], load.angle[k])
+        loss[k] = ball.motion.friction.loss
+        power += ball.input_power
+        good = good and ball.motion.status != "failed"
+    speed = abs(case.groove.speed)
+    return BearingState(
+        load=load,
+        loss=loss,
+        torque=float(loss.sum()) / speed,
+        points=np.sum(load.force > 0.0, axis=1),
+        input_power=power,
+        converged=good,
+    )
+
+
+@dataclass(frozen=True)
+class TorqueCurve:
+    """Torque (n,) [N m] against the load's angle (n,) [rad] (Figure 4.7); four (n,): balls with more than two contacts.
+
+    ratio: largest over smallest torque.
+    """
+
+    angle: Array
+    torque: Array
+    four: NDArray[np.int64]
+    converged: NDArray[np.bool_]
+
+    @property
+    def ratio(self) -> float:
+        """Largest over smallest torque."""
+        return float(self.torque.max() / self.torque.min())
+
+
+def torque_curve(case: BearingCase, angle: Array) -> TorqueCurve:
+    """Figure 4.7 for one bearing: angles (n,) [rad] of the force from the axis, each the start of the next."""
+    states: list[BearingState] = []
+    for a in angle:
+        states.append(solve_bearing(case, float(a), states[-1] if states else None))
+    return TorqueCurve(
+        angle=np.asarray(angle, dtype=float),
+        torque=np.array([s.torque for s in states]),
+        four=np.array([int(np.sum(s.points > 2)) for s in states]),
+        converged=np.array([s.converged for s in states]),
+    )
+
+
+def four_point(**changes: object) -> BearingCase:
+    """Four-point bearing of Table 4.2 (E in kN/mm^2); mu = 0.1 is not printed; ``changes``: of the case."""
+    groove = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 210e9, 0.28, 0.1, 0.0, 20.0 * np.pi)
+    return replace(BearingCase(groove, 9, (Row(0.0, ALL),)), **changes)  # type: ignore[arg-type]
+
+
+def double_row(**changes: object) -> BearingCase:
+    """Double-row bearing of Table 4.2; rows 12 mm apart and back to back are not printed; ``changes``: of the case."""
+    groove = ScrewGroove(4e-3, 4.32e-3, 35e-3, 0.0, 0.25 * np.pi, 210e9, 0.28, 0.1, 0.0, 20.0 * np.pi)
+    rows = (Row(-6e-3, OTHER), Row(6e-3, DIAGONAL))
+    return replace(BearingCase(groove, 9, rows), **changes)  # type: ignore[arg-type]
+
+
+def vary(make: list[tuple[str, BearingCase]], angle: Array, ranges: tuple[float, ...]) -> list[tuple[str, float, float]]:
+    """Ratios of largest to smallest torque: rows of a case's label, end of the range of angles [rad], ratio."""
+    out = []
+    for label, case in make:
+        curve = torque_curve(case, angle)
+        for end in ranges:
+            part = curve.torque[curve.angle <= end * (1.0 + 1e-12)]
+            out.append((label, end, float(part.max() / part.min())))
+    return out

@@ -1,6 +1,0 @@
-"""Kernels of chains of balls in a subset of Python that numba compiles; see ``lowfi.friction.chain_engine``."""
-
-from .law import regularised
-from .motion import solve
-
-__all__ = ["regularised", "solve"]

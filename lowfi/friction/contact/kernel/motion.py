@@ -1,0 +1,232 @@
+"""Motion of least dissipation with contacts at rest: a falling regularising speed, then rest imposed exactly."""
+
+import numpy as np
+
+from lowfi.jit import kernel
+
+from .arrays import Array
+from .dissipation import dissipation
+from .minimum import column_units, descend, drive_speed, evaluate, residual, rolling_start, speeds_at
+
+#: Status: rest and slip exact; regularised only (a contact on the verge of slip); nothing drives the body.
+EXACT, REGULARISED, AT_REST = 0, 1, 2
+
+
+@kernel
+def friction_of(shape: Array, motion: Array, speed: float, forces: Array) -> None:
+    """Writes strength times the derivative of D by (vx, vz, spin) to forces (m, 3): friction is its opposite."""
+    for i in range(shape.shape[0]):
+        f = shape[i, 2]
+        d = dissipation(shape[i, 0], shape[i, 1], motion[i, 0], motion[i, 1], motion[i, 2], speed)
+        forces[i, 0], forces[i, 1], forces[i, 2] = f * d[1], f * d[2], f * d[3]
+
+
+@kernel
+def holds(shape: Array, force: Array) -> bool:
+    """Whether one contact, shape (1, 3), holds the generalised force (3,) at rest.
+
+    It does where D(v; 1 m/s) - force . v has a minimum: the force is then a gradient of D, inside the limit surface.
+    """
+    q = np.zeros(3)
+    drives = np.zeros((1, 3))
+    maps = np.zeros((1, 3, 3))
+    for j in range(3):
+        maps[0, j, j] = 1.0
+    left = descend(shape, maps, drives, force, 1.0, q, 1e-9, 100, 1e9)[2]
+    return bool(left <= 1e-6 * shape[0, 2])
+
+
+@kernel
+def resting_rows(shape: Array, maps: Array, motion: Array, rest: Array, units: Array) -> tuple[Array, Array]:
+    """Rows (3k, n) and motions (3k,) of the k contacts at rest, as surface speeds per unit of speed."""
+    n = maps.shape[2]
+    k = int(np.sum(rest))
+    rows, seen = np.zeros((3 * k, n)), np.zeros(3 * k)
+    k = 0
+    for i in range(shape.shape[0]):
+        if rest[i] > 0.0:
+            for r in range(3):
+                unit = shape[i, 0] if r == 2 else 1.0
+                seen[k] = unit * motion[i, r]
+                for j in range(n):
+                    rows[k, j] = unit * maps[i, r, j] / units[j]
+                k += 1
+    return rows, seen
+
+
+@kernel
+def slip_only(shape: Array, rest: Array) -> Array:
+    """``shape`` with no strength at the contacts at rest."""
+    out = shape.copy()
+    for i in range(shape.shape[0]):
+        if rest[i] > 0.0:
+            out[i, 2] = 0.0
+    return out
+
+
+@kernel
+def free_motion(slipping: Array, maps: Array, drives: Array, push: Array, basis: Array, q: Array, reach: float) -> int:
+    """Minimise without regularisation over q + span of the rows of ``basis`` (f, n); overwrites q (n,); steps."""
+    m, n, f = maps.shape[0], maps.shape[2], basis.shape[0]
+    part, pull, y = np.zeros((m, 3, f)), np.zeros(f), np.zeros(f)
+    for k in range(f):
+        for j in range(n):
+            pull[k] += basis[k, j] * push[j]
+            for i in range(m):
+                for r in range(3):
+                    part[i, r, k] += maps[i, r, j] * basis[k, j]
+    motion, _ = speeds_at(slipping, maps, drives, q)
+    count = descend(slipping, part, motion, pull, 0.0, y, 1e-13, 60, reach)[3]
+    for k in range(f):
+        for j in range(n):
+            q[j] += basis[k, j] * y[k]
+    return count
+
+
+@kernel
+def reactions(
+    slipping: Array,
+    maps: Array,
+    drives: Array,
+    push: Array,
+    rest: Array,
+    units: Array,
+    inverse: Array,
+    q: Array,
+    forces: Array,
+) -> float:
+    """Completes ``forces`` by what rest needs for balance; inverse (n, 3k): pseudo-inverse of the resting rows.
+
+    Where the reactions are not unique they are those nearest to the forces given. Returns what stays out of balance.
+    """
+    m, n = maps.shape[0], maps.shape[2]
+    grad, hess = np.zeros(n), np.zeros((n, n))
+    evaluate(slipping, maps, drives, push, 0.0, q, grad, hess)
+    motion, _ = speeds_at(slipping, maps, drives, q)
+    slip = forces.copy()
+    friction_of(slipping, motion, 0.0, slip)
+    k = 0
+    for turn in range(2):
+        for i in range(m):
+            if rest[i] == 0.0:
+                forces[i] = slip[i]
+            elif turn == 0:
+                for r in range(3):
+                    for j in range(n):
+                        grad[j] += maps[i, r, j] * forces[i, r]
+            else:
+                for r in range(3):
+                    unit = slipping[i, 0] if r == 2 else 1.0
+                    change = 0.0
+                    for j in range(n):
+                        change -= inverse[j, k] * grad[j] / units[j]
+                    forces[i, r] += change * unit
+                    k += 1
+    out = -push
+    for i in range(m):
+        for r in range(3):
+            for j in range(n):
+                out[j] += maps[i, r, j] * forces[i, r]
+    return residual(out, units)
+
+
+@kernel
+def rest_space(rows: Array, units: Array) -> tuple[Array, Array]:
+    """Pseudo-inverse (n, 3k) of the resting rows (3k, n), and the motions (f, n) that leave those contacts at rest."""
+    n = rows.shape[1]
+    left, size, right = np.linalg.svd(rows, True)
+    rank = 0
+    while rank < min(n, rows.shape[0]) and size[rank] > 1e-9 * size[0]:
+        rank += 1
+    inverse, basis = np.zeros((n, rows.shape[0])), np.zeros((n - rank, n))
+    for j in range(n):
+        for k in range(rank):
+            for r in range(rows.shape[0]):
+                inverse[j, r] += right[k, j] * left[r, k] / size[k]
+        for k in range(n - rank):
+            basis[k, j] = right[rank + k, j] / units[j]
+    return inverse, basis
+
+
+@kernel
+def lock(
+    shape: Array, maps: Array, drives: Array, push: Array, q: Array, forces: Array, rest: Array, still: float
+) -> tuple[bool, float, int]:
+    """Impose rest on contacts slower than ``still`` [m/s] and minimise over the others; overwrites q, forces, rest.
+
+    Returns whether that is the least dissipation (rest possible, every reaction inside its limit surface), the largest
+    force out of balance [N], and the steps.
+    """
+    m, n = maps.shape[0], maps.shape[2]
+    units = column_units(shape, maps)
+    motion, size = speeds_at(shape, maps, drives, q)
+    for i in range(m):
+        rest[i] = 1.0 if shape[i, 2] > 0.0 and size[i] < still else 0.0
+    slipping = slip_only(shape, rest)
+    inverse, basis = np.zeros((n, 0)), np.zeros((n, n))
+    for j in range(n):
+        basis[j, j] = 1.0
+    if np.sum(rest) > 0.0:
+        rows, seen = resting_rows(shape, maps, motion, rest, units)
+        inverse, basis = rest_space(rows, units)
+        for j in range(n):
+            for r in range(rows.shape[0]):
+                q[j] -= inverse[j, r] * seen[r] / units[j]
+    count = 0
+    if basis.shape[0] > 0:
+        count = free_motion(slipping, maps, drives, push, basis, q, 1e9 * still)
+    balance = reactions(slipping, maps, drives, push, rest, units, inverse, q, forces)
+    _, size = speeds_at(shape, maps, drives, q)
+    good = balance <= 1e-9 * np.sum(shape[:, 2])
+    for i in range(m):
+        if rest[i] > 0.0 and good:
+            good = size[i] <= 1e-6 * still and holds(shape[i : i + 1], forces[i])
+    return bool(good), balance, count
+
+
+@kernel
+def least_dissipation(
+    shape: Array, maps: Array, drives: Array, push: Array, warm: bool, q: Array, forces: Array, rest: Array, bounds: Array
+) -> tuple[int, float, int]:
+    """Motion of least dissipation; arguments as in ``evaluate``; writes q (n,), forces (m, 3), rest (m,), bounds (2,).
+
+    A regularising speed falls from a tenth of the drive's to 1e-6 times it (further, to 1e-10, where a contact is on
+    the verge of slip), each minimum the start of the next; then contacts at rest are locked. bounds: the least
+    dissipation less the work of push lies between them, by joint convexity in motion and speed. ``warm`` starts from q.
+    Returns the status, the largest force out of balance [N], and the Newton steps.
+    """
+    top = drive_speed(shape, drives)
+    if top == 0.0 and np.sum(np.abs(push)) == 0.0:
+        q[:] = 0.0
+        forces[:] = 0.0
+        rest[:] = 1.0
+        bounds[:] = 0.0
+        return AT_REST, 0.0, 0
+    if top == 0.0:
+        top = 1.0  # [m/s]: nothing but push drives, and no other speed is known
+    if not warm:
+        q[:] = rolling_start(shape, maps, drives)
+    n = q.shape[0]
+    grad, hess = np.empty(n), np.empty((n, n))
+    part, count, balance = 0.1, 0, 0.0
+    while part > 1e-10:
+        at_end = part <= 1.0001e-6
+        goal = 1e-11 if at_end else 1e-3
+        value, excess, balance, steps = descend(shape, maps, drives, push, part * top, q, goal, 200, 1e9 * top)
+        count += steps
+        if at_end:
+            bounds[0] = value - excess
+            motion, _ = speeds_at(shape, maps, drives, q)
+            friction_of(shape, motion, part * top, forces)
+            exact_q, exact_forces = q.copy(), forces.copy()
+            good, left, steps = lock(shape, maps, drives, push, exact_q, exact_forces, rest, 100.0 * part * top)
+            count += steps
+            if good:
+                q[:] = exact_q
+                forces[:] = exact_forces
+                bounds[1] = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)[0]
+                return EXACT, left, count
+        part *= 0.1
+    rest[:] = 0.0
+    bounds[1] = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)[0]
+    return REGULARISED, balance, count

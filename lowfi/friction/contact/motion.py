@@ -1,0 +1,161 @@
+"""Quasi-static motion of a body held by frictional contacts at given loads: the motion of least dissipation.
+
+Contact i sees the motion ``maps[i] @ q + drives[i]`` of the body relative to what it touches, q the unknown motion.
+The least of sum_i mu F_i D_i(v_i) - push . q is where friction and the other forces balance; it is convex, so that
+every balance is a minimum, rest included.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import root
+
+from lowfi.friction.contact.ellipse import Array, Contacts, Friction
+from lowfi.friction.contact.laws import Law, Sigmoid
+from lowfi.jit import CONTACT, kernels
+
+#: Meaning of ``Motion.status`` by the number the kernel returns.
+STATUS = ("exact", "regularised", "at rest")
+#: MINPACK's hybrid method, which is Matlab's fsolve but for details. Its first step is kept short: of single balls from
+#: random starts, that finds more roots than its default factor of 100.
+HYBRID = {"xtol": 1e-13, "factor": 0.1}
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Contacts (m,) of a body, its maps (m, 3, n) and drives (m, 3), and other forces push (n,) in units of W per q."""
+
+    at: Contacts
+    maps: Array
+    drives: Array
+    push: Array
+
+    def motion_at(self, q: Array) -> Array:
+        """Contact motions (m, 3): vx, vz [m/s], spin [rad/s]."""
+        return np.asarray(self.drives + self.maps @ q)
+
+    def units(self) -> Array:
+        """Surface speed per unit of each unknown (n,), over the loaded contacts; one where nothing moves."""
+        rows = self.maps * np.stack([np.ones_like(self.at.a), np.ones_like(self.at.a), self.at.a], axis=1)[:, :, None]
+        size = np.sqrt(np.sum(rows[self.at.strength > 0.0] ** 2, axis=(0, 1)))
+        return np.asarray(np.where(size > 0.0, size, 1.0))
+
+    def imbalance(self, friction: Friction) -> float:
+        """Largest generalised force [N] that friction and push leave, relative to nothing."""
+        wrench = np.column_stack([friction.force, friction.moment])
+        return float(np.max(np.abs((np.einsum("ir,irj->j", wrench, self.maps) + self.push) / self.units())))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Result of a search for the motion.
+
+    q (n,); motion (m, 3) at the contacts; friction on the body, reactions of contacts at rest included; rest (m,) bool;
+    imbalance: largest force out of balance [N]; bounds: the least dissipation less the work of push lies between
+    [W]; status: "exact" (balance with rest and slip exact), "regularised" (a contact on the verge of slip), "at rest"
+    (nothing drives), "failed" (no balance found); steps: iterations or calls.
+    """
+
+    q: Array
+    motion: Array
+    friction: Friction
+    rest: NDArray[np.bool_]
+    imbalance: float
+    bounds: tuple[float, float]
+    status: str
+    steps: int
+
+    @property
+    def loss(self) -> float:
+        """Total friction loss [W]."""
+        return float(np.sum(self.friction.loss))
+
+
+def least_dissipation(problem: Problem, start: Array | None = None, fast: bool = False) -> Motion:
+    """Motion of least dissipation; start: a motion (n,) to begin from, otherwise rolling as nearly as possible.
+
+    Any number of loaded contacts; motions that dissipate nothing at all stay where the start put them.
+    """
+    at = problem.at
+    m, n = at.a.shape[0], problem.maps.shape[2]
+    q = np.zeros(n) if start is None else np.array(start, dtype=float)
+    forces, rest, bounds = np.zeros((m, 3)), np.zeros(m), np.zeros(2)
+    shape = np.column_stack([at.a, at.b, at.strength])
+    maps, drives = np.ascontiguousarray(problem.maps, dtype=float), np.ascontiguousarray(problem.drives, dtype=float)
+    push = np.ascontiguousarray(problem.push, dtype=float)
+    code, left, steps = kernels(CONTACT, compiled=fast).least_dissipation(
+        shape, maps, drives, push, start is not None, q, forces, rest, bounds
+    )
+    total = float(np.sum(at.strength))
+    motion = problem.motion_at(q)
+    resting = rest > 0.0
+    motion[resting] = 0.0
+    return Motion(
+        q=q,
+        motion=motion,
+        friction=Friction(force=-forces[:, :2], moment=-forces[:, 2], loss=np.sum(forces * motion, axis=1)),
+        rest=resting,
+        imbalance=float(left),
+        bounds=(float(bounds[0]), float(bounds[1])),
+        status=STATUS[code] if left <= 1e-6 * total or code == 2 else "failed",
+        steps=int(steps),
+    )
+
+
+def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False) -> Motion:
+    """The source's way, kept for comparison: a root of the force balance under ``law`` by MINPACK's hybrid method.
+
+    start (n,). As Matlab's fsolve for Lin 3.19: fails from many starts near two-point contact and for sharp laws. A short
+    first step finds more roots than MINPACK's default.
+    """
+    units = problem.units()
+    scale = max(float(np.sum(problem.at.strength)), 1e-300)
+
+    def residual(p: Array) -> Array:
+        f = law.friction(problem.at, problem.motion_at(p / units), fast)
+        wrench = np.column_stack([f.force, f.moment])
+        return np.asarray((np.einsum("ir,irj->j", wrench, problem.maps) + problem.push) / (units * scale))
+
+    found = root(residual, np.asarray(start, dtype=float) * units, method="hybr", options=HYBRID)
+    q = np.asarray(found.x / units)
+    motion = problem.motion_at(q)
+    friction = law.friction(problem.at, motion, fast)
+    left = problem.imbalance(friction)
+    loss = float(np.sum(friction.loss))
+    return Motion(
+        q=q,
+        motion=motion,
+        friction=friction,
+        rest=np.zeros(motion.shape[0], dtype=bool),
+        imbalance=left,
+        bounds=(loss, loss),
+        status="exact" if left <= 1e-8 * scale else "failed",
+        steps=int(found.nfev),
+    )
+
+
+def balance_by_sharpening(problem: Problem, law: Sigmoid, start: Array, fast: bool = False) -> Motion:
+    """``balance_by_root`` for ever sharper sigmoids up to ``law``, each root the start of the next.
+
+    Not in the source: it finds the roots that its table prints where the plain search fails. The steps in sharpness
+    shrink after a failure; "failed" where they become tiny.
+    """
+    part, factor, calls = 0.05, 1.4, 0
+    q = np.asarray(start, dtype=float)
+    while True:
+        last = part >= 1.0
+        here = law if last else replace(law, sharpness=part * law.sharpness, map_spacing=None)
+        found = balance_by_root(problem, here, q, fast)
+        calls += found.steps
+        if found.status == "exact":
+            if last:
+                return replace(found, steps=calls)
+            q, factor = found.q, min(1.4, factor * factor)
+        else:
+            part, factor = part / factor, float(np.sqrt(factor))
+            if factor < 1.005:
+                return replace(found, steps=calls)
+        part = min(1.0, part * factor)

@@ -1,0 +1,184 @@
+"""Chains of balls in a linear bearing: quasi-static motion with friction, ball-to-ball contact as complementarity.
+
+Each ball moves so that the dissipation at its grooves is least (convex, Lin 3.25 is its gradient). Balls in reach of
+each other add 0 <= F, 0 <= v_(k+1) - v_k, F (v_(k+1) - v_k) = 0 (Lin 3.30, 3.31): the constraint v_k <= v_(k+1) of
+that minimisation, F its multiplier. Only the sliding friction mu F at ball-to-ball contact breaks the symmetry: its
+bound is the multiplier, which no energy gives.
+
+A solution always exists: F_k is the sum of the axial friction on balls 1 to k, no larger than the sum B of their bounds
+whatever friction the balls exert on each other, so that the multipliers F(G) of the convex problem with friction bounds
+mu G map [0, B]^(N-1) continuously into itself and have a fixed point F(G) = G (Brouwer). No chain jams with growing
+force. But there may be several solutions (two balls in two-point contact may part or jam, many in four-point contact have
+states besides): friction between balls makes the very forces that cause it.
+The answer then is the end of the path that begins without friction between balls, at the one solution of the convex
+problem with smoothed friction, and along which that friction rises and smoothing falls (``kernel.path``). Balls
+that all part without it do part.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.friction.linear.bearing import MOVING, Array, LinearBearing, directions, semi_axes
+from lowfi.friction.linear.kernel.band import FILLED, WIDTH
+from lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
+from lowfi.jit import LINEAR, kernels
+
+Mask = NDArray[np.bool_]
+Status = Literal["converged", "not converged"]
+#: Creeping speed of sticking contacts in units of the carriage's speed, and force out of balance per largest bound.
+CREEP = 1e-8
+TOLERANCE = 1e-12
+#: Spring to nominal rolling that settles motions without resistance, in units of the ball's friction bound.
+HOLD = 1e-11
+#: Forces out of balance up to this still count as converged (round-off where contacts stick).
+ACCEPTED = 1e-9
+#: Most Newton steps.
+STEPS = 50_000
+
+
+@dataclass(frozen=True)
+class ChainResult:
+    """Motion, forces and losses of N balls; SI.
+
+    velocity ``(N,)``, rotation ``(N, 2)`` (omega_x, omega_y); sliding, spin ``(N, 4)`` at the contacts; friction
+    ``(N, 4)``: axial force on the ball [N]; groove_loss ``(N, 4)``, ball_loss ``(N-1,)`` [W]; ball_force ``(N-1,)`` [N]
+    between neighbours; drive: force on the carriage [N]; residual: force out of balance over the largest friction bound
+    of a ball; lag: rate at which balls that press on each other still approach or part, over the creeping speed.
+    """
+
+    velocity: Array
+    rotation: Array
+    sliding: Array
+    spin: Array
+    friction: Array
+    groove_loss: Array
+    ball_force: Array
+    ball_loss: Array
+    drive: float
+    speed: float
+    iterations: int
+    residual: float
+    lag: float
+    status: Status
+
+    @property
+    def deviation(self) -> Array:
+        """Deviation epsilon ``(N,)`` of the velocities from half the carriage's, relative to it (Lin 3.42)."""
+        return np.asarray(2.0 * self.velocity / self.speed - 1.0)
+
+    @property
+    def loss(self) -> float:
+        """Total dissipation [W]."""
+        return float(self.groove_loss.sum() + self.ball_loss.sum())
+
+    @property
+    def power(self) -> float:
+        """Input power [W]: force on the carriage times its speed."""
+        return self.drive * self.speed
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Arrays of one chain as the kernels take them; ``scale``: largest friction bound of a ball [N]."""
+
+    bearing: LinearBearing
+    problem: Any
+    scale: float
+    sign: float
+
+    @property
+    def count(self) -> int:
+        """Number of balls."""
+        return int(self.problem[0].shape[0])
+
+
+def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> Chain:
+    """Chain of N balls with contact angles [rad] and normal loads [N], both ``(N, 4)``; zero load is no contact.
+
+    touching ``(N-1,)``: neighbours in reach of each other (d <= 2 R_B). Raises ValueError for bad shapes or values.
+    """
+    angles, loads = np.atleast_2d(np.asarray(angles, float)), np.atleast_2d(np.asarray(loads, float))
+    count = angles.shape[0]
+    if angles.shape != (count, 4) or loads.shape != (count, 4):
+        raise ValueError(f"angles and loads must both have shape (N, 4), not {angles.shape} and {loads.shape}")
+    if not (np.all(np.isfinite(angles)) and np.all(np.isfinite(loads)) and np.all(loads >= 0.0)):
+        raise ValueError("contact angles must be finite, loads finite and not negative")
+    closed = np.broadcast_to(np.asarray(touching, dtype=bool), (count - 1,)).astype(float)
+    bounds = bearing.mu * loads
+    scale = float(bounds.sum(axis=1).max())
+    sign = float(np.sign(bearing.speed))
+    n = directions(angles)
+    a, _ = semi_axes(bearing, loads)
+    contacts = np.empty((count, 4, 5))
+    contacts[..., :2] = n
+    contacts[..., 2] = MOVING * sign
+    contacts[..., 3] = bounds / scale if scale > 0.0 else 0.0
+    contacts[..., 4] = a / bearing.ball_radius
+    constants = bearing.hertz()
+    ratio = float(constants.C_b / constants.C_a)
+    shapes = np.ascontiguousarray(np.broadcast_to(np.array(contact_shape(ratio)), (count, 4, 4)))
+    hold = HOLD * np.maximum(contacts[..., 3].sum(axis=1), HOLD)
+    nominal = np.tile(np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 0.0]) * sign, (count, 1))
+    table = nodes(node_count(ratio)).table
+    return Chain(bearing, (contacts, shapes, table, closed, float(bearing.mu_balls), hold, nominal), scale, sign)
+
+
+def solve(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainResult:
+    """Motion and forces of the chain from a start x ``(N, 3)`` as in ``kernel.energy``, which has no influence.
+
+    A carriage at rest, or a chain without load, has no motion and no friction force (any force below the bound would
+    do). Lin (3.25)-(3.31) with exact Coulomb friction in place of the sigmoid (3.20). Checked for 2 to 200 balls at
+    mu_balls 0 to 0.5, contacts without load included; ``status`` tells where forces are not in balance. Where a ball
+    has motions without resistance (less than three contacts), forces are unique and these motions only roughly so.
+    """
+    count, nominal = chain.count, chain.problem[6]
+    push = np.zeros(count - 1)
+    drift = np.zeros((count, 3)) if start is None else np.asarray(start, dtype=float) - nominal
+    state = np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), drift
+    if chain.scale == 0.0 or chain.sign == 0.0:
+        return _result(chain, state, push, (0, 0.0), fast)
+    n = 4 * count
+    work = np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n)
+    done = kernels(LINEAR, compiled=fast).solve(chain.problem, state, push, work, CREEP, TOLERANCE, STEPS)
+    return _result(chain, state, push, done, fast)
+
+
+def _result(chain: Chain, state: Any, push: Array, done: tuple[int, float], fast: bool) -> ChainResult:
+    contacts, shapes, table, _, mu_balls, _, nominal = chain.problem
+    slips, pair, drift = state
+    speed = abs(chain.bearing.speed)
+    x = (nominal + drift) * speed
+    force, moment = np.zeros(slips.shape[:2]), np.zeros(slips.shape[:2])
+    law = kernels(LINEAR, compiled=fast).regularised
+    for j, i in np.ndindex(*force.shape):
+        _, f, m, *_ = law(slips[j, i, 0], slips[j, i, 1], shapes[j, i], table, CREEP)
+        force[j, i], moment[j, i] = f, m
+    bound = chain.scale * contacts[..., 3]
+    rub = np.hypot(pair[:, 1], pair[:, 2])
+    bite = np.divide(rub, np.hypot(rub, CREEP))
+    radius = chain.bearing.ball_radius
+    lam = np.maximum(push, 0.0)
+    iterations, residual = done
+    lag = float(np.max(np.abs(pair[lam > 0.0, 0]), initial=0.0)) / CREEP
+    good = max(residual, lag) <= ACCEPTED
+    return ChainResult(
+        velocity=x[:, 0],
+        rotation=x[:, 1:] / radius,
+        sliding=slips[..., 0] * speed,
+        spin=np.divide(slips[..., 1], contacts[..., 4], out=np.zeros_like(force), where=bound > 0.0) * speed / radius,
+        friction=-bound * force,
+        groove_loss=bound * (slips[..., 0] * force + slips[..., 1] * moment) * speed,
+        ball_force=chain.scale * lam,
+        ball_loss=mu_balls * chain.scale * lam * bite * rub * speed,
+        drive=float(-(bound * force * MOVING).sum()),
+        speed=chain.bearing.speed,
+        iterations=iterations,
+        residual=residual,
+        lag=lag,
+        status="converged" if good else "not converged",
+    )

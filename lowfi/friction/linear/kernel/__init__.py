@@ -1,0 +1,6 @@
+"""Kernels of chains of balls in a subset of Python that numba compiles; see ``lowfi.friction.linear.engine``."""
+
+from .law import regularised
+from .motion import solve
+
+__all__ = ["regularised", "solve"]

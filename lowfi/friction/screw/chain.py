@@ -1,0 +1,213 @@
+"""Motion of many balls of a ball screw with friction and ball-to-ball contact as a complementarity problem.
+
+Every ball's motion is in balance with the friction at its grooves and the forces of its neighbours: 0 <= F, 0 <= rate
+at which the gap may still close, F rate = 0, and sliding friction mu F between balls (Lin 3.73-3.77). Semismooth
+Newton on motions and forces together, with a falling regularising speed of friction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.arrays import groove_arrays, nominal_speed, plain_array, units
+from lowfi.friction.screw.groove import ScrewGroove
+from lowfi.friction.screw.kernel.arrays import Balls
+from lowfi.friction.screw.kernel.balance import Parts
+from lowfi.friction.screw.motion import helical_power
+from lowfi.jit import SCREW, kernels
+
+#: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
+SPEEDS = tuple(10.0 ** (-0.5 * k) for k in range(2, 15))
+#: Parts of the friction between balls, one after the other at the first of these speeds.
+PARTS = (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
+#: Force out of balance, as part of the largest friction bound of a ball: aimed at (root of the sum of squares), and
+#: what counts as converged (largest, relative to the largest ball-to-ball force where that is larger).
+GOAL, ACCEPTED = 1e-12, 2e-9
+#: The same between regularising speeds; most Newton steps, and those of first tries.
+COARSE, STEPS, SHORT = 1e-10, 60, 15
+#: A stage has failed where more than this is left; most halvings of stages.
+MISSED, DEPTH = 1e-8, 12
+#: Springs to the nominal motion per friction bound, for balls with contacts and without.
+HOLD, HOLD_IDLE = 1e-13, 1e-10
+#: Balls with less than this part of the largest load count as unloaded.
+NEGLIGIBLE = 1e-7
+
+
+@dataclass(frozen=True)
+class Chain:
+    """N balls in order of azimuth: contact forces and normals (N, 4), (N, 4, 3), and how neighbours may approach.
+
+    slack (N,): largest rate [rad/s] at which ball k may gain on ball k + 1, inf where they cannot touch; the last entry
+    is for the last ball against the first of a closed track. Balls without loads roll along at the nominal speed unless
+    pushed, and turn freely between their neighbours as spacers do: without friction there.
+    """
+
+    groove: ScrewGroove
+    force: Array
+    normals: Array
+    slack: Array
+
+
+@dataclass(frozen=True)
+class ChainMotion:
+    """Motions q (N, 4) [rad/s]; ball_force (N,) [N] of ball k on k + 1; friction on the balls (N, 4, 6) [N, N m].
+
+    ball_push (N, 3): all forces from neighbours on each ball in x3, y3, z3 [N]; groove_loss (N, 4), ball_loss (N,) by
+    sliding and closing_loss (N,) by gaps that close under force [W]; input_power [W]; left: largest force out of
+    balance [N]; violation: largest rate beyond the slack [rad/s]; from_start: whether the given start led here.
+    """
+
+    q: Array
+    ball_force: Array
+    wrench: Array
+    ball_push: Array
+    groove_loss: Array
+    ball_loss: Array
+    closing_loss: Array
+    input_power: float
+    left: float
+    violation: float
+    steps: int
+    converged: bool
+    from_start: bool = False
+
+    @property
+    def loss(self) -> float:
+        """Total dissipation [W]."""
+        return float(self.groove_loss.sum() + self.ball_loss.sum() + self.closing_loss.sum())
+
+
+def parts_of(count: int) -> Parts:
+    """Room for the residual of that many balls and its derivatives, see ``screw_kernels.balance``."""
+    return np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4))
+
+
+class Search:
+    """Arrays of one chain and the search for its balance.
+
+    Motions x (N, 4) are surface speeds per ``speed`` [m/s], forces f (N,) parts of ``bound`` [N], the largest friction
+    bound of a ball.
+    """
+
+    def __init__(self, chain: Chain, fast: bool = True) -> None:
+        """Scale everything; balls without loads neither drive nor rub."""
+        g = chain.groove
+        total = chain.force.sum(axis=1)
+        loaded = total > NEGLIGIBLE * float(total.max())
+        self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
+        self.kernels = kernels(SCREW, compiled=fast)
+        self.units, self.speed, self.groove = units(g), nominal_speed(g), groove_arrays(g)
+        self.bound = max(g.mu * float(total.max()), 1e-30)
+        self.allowed = np.isfinite(chain.slack)
+        slack = np.where(self.allowed, chain.slack, 0.0) * g.pair.closing / self.speed
+        self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), g.mu if g.mu_balls is None else g.mu_balls, 0.0)
+        self.balls: Balls = (
+            plain_array(np.where(loaded[:, None], chain.force, 0.0)),
+            plain_array(chain.normals[..., [0, 2]]),
+            np.where(loaded, HOLD, HOLD_IDLE),
+            slack,
+            self.allowed.astype(float),
+            self.mu,
+            g.mu / self.bound,
+        )
+        self.parts = parts_of(self.count)
+
+    def alone(self) -> Array:
+        """Scaled motions (N, 4) of the balls without neighbours."""
+        x = np.tile(self.groove[4], (self.count, 1))
+        self.kernels.alone(self.groove, self.balls, x)
+        return x
+
+    def solve(self, x: Array, f: Array, eps: float, goal: float, limit: int) -> tuple[Array, Array, float, int]:
+        """Newton from (x, f) at one regularising speed: motions, forces, what is left, steps; see the kernel."""
+        x, f = plain_array(x).copy(), plain_array(f).copy()
+        size, steps = self.kernels.newton(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
+        return x, f, float(size), int(steps)
+
+    def balanced(self, x: Array, f: Array) -> bool:
+        """Whether (x, f) counts as converged."""
+        self.kernels.residual(self.groove, self.balls, x, f, SPEEDS[-1], self.parts)
+        return bool(self.kernels.worst(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
+
+    def direct(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
+        """Newton at the last regularising speed, cut short unless it comes near; whether (x, f) counts as converged."""
+        x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
+        good = self.balanced(x, f)
+        if good and steps == SHORT:
+            x, f, _, more = self.solve(x, f, SPEEDS[-1], GOAL, STEPS)
+            steps += more
+        return x, f, good, steps
+
+    def by_stages(self, x: Array) -> tuple[Array, Array, int]:
+        """Newton from motions x, friction between balls rising at the first regularising speed, then that falling.
+
+        A stage that fails is halved, DEPTH times in all.
+        """
+        f, full, total = np.zeros(self.count), self.mu, 0
+        goals = [(part, SPEEDS[0]) for part in PARTS] + [(1.0, eps) for eps in SPEEDS[1:]]
+        goals.reverse()
+        at, tries = goals[-1], 0
+        while goals:
+            part, eps = goals[-1]
+            self.balls = (*self.balls[:5], part * full, self.balls[6])
+            x_new, f_new, size, steps = self.solve(x, f, eps, COARSE if eps > SPEEDS[-1] else GOAL, STEPS)
+            total += steps
+            if size > MISSED and tries < DEPTH and at != goals[-1]:
+                tries += 1
+                goals.append((0.5 * (at[0] + part), float(np.sqrt(at[1] * eps))))
+                continue
+            x, f, at = x_new, f_new, goals.pop()
+        return x, f, total
+
+
+def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None, fast: bool = True) -> ChainMotion:
+    """Motions and ball-to-ball forces; start: motions (N, 4) [rad/s] and forces (N,) [N] of a similar chain.
+
+    Newton at the last regularising speed from a start with contacts, then from the balls' motions without neighbours,
+    and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls is not determined.
+    ``fast`` takes the compiled kernels.
+    """
+    s = Search(chain, fast)
+    total = 0
+    if start is not None and np.any(start[1] > 0.0):
+        x, f, good, total = s.direct(start[0] * s.units / s.speed, start[1] / s.bound)
+        if good:
+            return _result(s, x, f, total, True)
+    alone = s.alone()
+    x, f, good, steps = s.direct(alone, np.zeros(s.count))
+    total += steps
+    if not good:
+        x, f, steps = s.by_stages(alone)
+        total += steps
+    return _result(s, x, f, total)
+
+
+def _result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
+    """Forces and losses at the solution, in SI."""
+    chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
+    good = s.balanced(x, f)
+    left, pair = float(np.max(np.abs(s.parts[0]))) * s.bound, g.pair
+    ahead = np.append(x[1:, 0], x[0, 0])
+    gap = np.where(s.allowed, s.groove[7] * (ahead - x[:, 0]) + s.balls[3], 0.0)
+    ball_force = s.bound * np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
+    wrench, loss, push, ball_loss = np.zeros((n, 4, 6)), np.zeros((n, 4)), np.zeros((n, 3)), np.zeros(n)
+    s.kernels.friction(s.groove, s.balls, x, eps, g.mu, wrench, loss)
+    s.kernels.meeting(s.groove, s.balls, x, ball_force, eps, pair.push, pair.slide, push, ball_loss)
+    return ChainMotion(
+        q=x * s.speed / s.units,
+        ball_force=ball_force,
+        wrench=wrench,
+        ball_push=push,
+        groove_loss=loss,
+        ball_loss=ball_loss,
+        closing_loss=ball_force * pair.closing * s.speed / g.radius * (x[:, 0] - ahead),
+        input_power=helical_power(g, chain.normals, wrench),
+        left=left,
+        violation=max(0.0, -float(np.min(gap))) * s.speed / pair.closing,
+        steps=steps,
+        converged=good,
+        from_start=from_start,
+    )

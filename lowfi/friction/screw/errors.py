@@ -1,0 +1,88 @@
+"""What a static load distribution with geometric errors means for ball-to-ball contact (Lin 4.3.2).
+
+The source argues from the loads: balls that lose contact stay behind, so that others run into them. Here each loaded
+ball moves with least dissipation at its static loads; how an unloaded one moves is a parameter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.groove import ScrewGroove
+from lowfi.friction.screw.motion import ball_motion
+from lowfi.statics.result import StaticResult
+from meshes.parts import Scene
+
+
+@dataclass(frozen=True)
+class Onset:
+    """How soon balls of a static state meet, N balls in order of azimuth.
+
+    omega (N,): orbits [rad/s]; loaded (N,): sum of contact forces [N]; gap: between neighbours at even spacing [rad];
+    meeting (N-1,): nut angle [rad] at which neighbours meet at these speeds (inf: never); converged: loads and motions.
+    """
+
+    omega: Array
+    loaded: Array
+    gap: float
+    meeting: Array
+    converged: bool
+
+    @property
+    def first(self) -> float:
+        """Nut angle [rad] at which the first neighbours meet."""
+        return float(self.meeting.min(initial=np.inf))
+
+
+def groove_of(scene: Scene, mu: float, nut_speed: float) -> ScrewGroove:
+    """The grooves of a scene as friction needs them: same groove radius and material on screw and nut, right hand.
+
+    Raises ValueError for other scenes.
+    """
+    screw, nut, balls = scene.screw, scene.nut, scene.balls
+    if screw.groove_radius != nut.groove_radius or screw.material != nut.material != balls.material:
+        raise ValueError("friction needs one groove radius and one material")
+    if scene.track.hand != "right" or scene.track.starts != 1:
+        raise ValueError("friction needs a right-hand screw with a single start")
+    return ScrewGroove(
+        balls.radius,
+        screw.groove_radius,
+        scene.track.pitch_radius,
+        scene.track.lead,
+        scene.track.contact_angle,
+        screw.material.youngs_modulus,
+        screw.material.poissons_ratio,
+        mu,
+        nut_speed,
+    )
+
+
+def contact_onset(
+    scene: Scene, result: StaticResult, mu: float = 0.1, nut_speed: float = 2.0 * np.pi, idle: float = 0.0
+) -> Onset:
+    """Onset of ball-to-ball contact from static loads (N, 4); idle: orbit of unloaded balls over the nominal one.
+
+    idle = 0: they do not move, as the source assumes; 1: they roll along. Speeds are those of the moment: where balls
+    go as they roll, and how loads follow, is ``screw_run``'s matter. Raises ValueError for balls that do not fit.
+    """
+    groove = groove_of(scene, mu, nut_speed)
+    order = np.argsort(result.azimuth)
+    load = result.load[order]
+    angle = np.where(np.isnan(result.contact_angle[order]), groove.contact_angle, result.contact_angle[order])
+    loaded = load.sum(axis=1)
+    omega = np.full(load.shape[0], idle * groove.nominal_orbit)
+    good = result.status == "converged"
+    for k in np.flatnonzero(loaded > 0.0):
+        ball = ball_motion(groove, load[k], angle[k])
+        omega[k] = ball.motion.q[0]
+        good = good and ball.motion.status != "failed"
+    gap = float(np.min(np.diff(result.azimuth[order]))) - groove.pair.spacing
+    if gap < 0.0:
+        raise ValueError("the balls of the scene overlap")
+    closing = (omega[:-1] - omega[1:]) / nut_speed
+    meets = closing > 1e-9
+    meeting = np.where(meets, gap / np.where(meets, closing, 1.0), np.inf)
+    return Onset(omega=omega, loaded=loaded, gap=gap, meeting=meeting, converged=good)

@@ -1,0 +1,216 @@
+"""Loads, motions and ball-to-ball forces of balls as one system of equations, and Newton's method on it.
+
+Unknown of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
+after all balls the screw's u (m,), in units of ``length`` too. Forces are in the unit of ``Balls``.
+"""
+
+from math import sqrt
+
+import numpy as np
+
+from lowfi.jit import kernel
+
+from .arrays import Array
+from .balance import REACH, couple, opening, room
+from .band import solve
+from .contacts import rubbing
+from .place import OWN_COLUMNS, OWN_ROWS, System, own
+
+#: Unknowns of a ball, half bandwidth.
+SIZE, HALF = 7, 12
+#: Longest step of positions as part of the groove's reach.
+FAR = 0.1
+#: (p (N, 2) [m], u (m,) [m], x (N, 4), f (N,)).
+Place = tuple[Array, Array, Array, Array]
+#: Right-hand side (7 N,) and (m,), band, columns by u (7 N, m), rows of the screw (m, 7 N), their corner (m, m).
+Matrix = tuple[Array, Array, Array, Array, Array, Array]
+
+
+@kernel
+def _together(system: System, at: Place, k: int, part: float, eps: float, start: int, matrix: Matrix) -> None:
+    """Adds what ball k and the next do to each other."""
+    groove, balls = system[1], system[2]
+    first, second, closing = groove[5], groove[6], groove[7]
+    x, f = at[2], at[3]
+    side, K = matrix[0], matrix[2]
+    n, ahead = f.shape[0], (k + 1) % f.shape[0]
+    row, other = SIZE * ((k - start) % n), SIZE * ((ahead - start) % n)
+    last = row == SIZE * (n - 1)
+    u, v, size = rubbing(groove, x[k], x[ahead], eps)
+    u, v = u / size, v / size
+    mu = balls[5][k]
+    bite = mu * max(f[k], 0.0)
+    for j in range(4):
+        side[row + 2 + j] += bite * (u * first[0, j] + v * first[1, j])
+        side[other + 2 + j] -= bite * (u * second[0, j] + v * second[1, j])
+    side[row + 2] += closing * f[k]
+    side[other + 2] -= closing * f[k]
+    slopes, blocks = np.zeros((n, 2)), np.empty((4, 5, 5))
+    side[row + 6], slopes[k, 0] = f[k], 1.0
+    if balls[4][k] > 0.0:
+        left = room(groove, balls, x, k)
+        both = max(sqrt(f[k] * f[k] + left * left), 1e-300)
+        side[row + 6] = f[k] + left - both
+        slopes[k, 0], slopes[k, 1] = 1.0 - f[k] / both, 1.0 - left / both
+    couple(groove, balls, x, f, slopes, eps, k, blocks)
+    for i in range(5):
+        for j in range(5):
+            K[row + 2 + i, HALF + j - i] += blocks[0, i, j]
+            K[other + 2 + i, HALF + j - i] += blocks[3, i, j]
+            if not last:
+                K[row + 2 + i, HALF + SIZE + j - i] += blocks[1, i, j]
+                K[other + 2 + i, HALF - SIZE + j - i] += blocks[2, i, j]
+    for which in range(2):
+        _pushed(system, which, row, other, (u, v, size), f[k], mu, part, matrix)
+
+
+@kernel
+def _pushed(
+    system: System,
+    which: int,
+    row: int,
+    other: int,
+    rub: tuple[float, float, float],
+    f: float,
+    mu: float,
+    part: float,
+    matrix: Matrix,
+) -> None:
+    """Adds the force in the groove's plane on the first or second ball of a pair; rub: sliding, direction and size."""
+    first, second, push, slide = system[1][5], system[1][6], system[5], system[6]
+    side, K = matrix[0], matrix[2]
+    u, v, size = rub
+    bite, sliding, joined = mu * max(f, 0.0), mu if f > 0.0 else 0.0, other > row
+    for c in range(2):
+        at, sign = (row + c, -1.0) if which == 0 else (other + c, 1.0)
+        s_u, s_v = sign * slide[which, 0, c], sign * slide[which, 1, c]
+        along = s_u * u + s_v * v
+        side[at] -= part * (f * push[which, c] + bite * along)
+        if which == 0 or joined:
+            K[at, HALF + row + 6 - at] -= part * (push[which, c] + sliding * along)
+        for j in range(4):
+            one = s_u * first[0, j] + s_v * first[1, j] - along * (u * first[0, j] + v * first[1, j])
+            two = s_u * second[0, j] + s_v * second[1, j] - along * (u * second[0, j] + v * second[1, j])
+            if which == 0 or joined:
+                K[at, HALF + row + 2 + j - at] -= part * bite / size * one
+            if which == 1 or joined:
+                K[at, HALF + other + 2 + j - at] += part * bite / size * two
+
+
+@kernel
+def assemble(system: System, at: Place, part: float, eps: float, start: int, matrix: Matrix) -> float:
+    """Writes residual and Jacobian with ball ``start`` first, a closed track cut open before it; root of the squares.
+
+    part: of the friction that moves balls and screw; the screw's forces besides friction are those of the cell.
+    """
+    cell, groove, balls, unit, length, rows = system[0], system[1], system[2], system[3], system[4], system[7]
+    p, u, x, f = at
+    side, side_u, K, columns, lines, corner = matrix
+    n, m, section, offset, pull = f.shape[0], u.shape[0], cell[3], cell[4], cell[6]
+    out, by, shift = np.empty(OWN_ROWS), np.empty((OWN_ROWS, OWN_COLUMNS)), np.empty(2)
+    side[:], K[:], columns[:], lines[:], corner[:] = 0.0, 0.0, 0.0, 0.0, 0.0
+    for q in range(m):
+        side_u[q] = -pull[q] / unit
+    for k in range(n):
+        row = SIZE * ((k - start) % n)
+        for c in range(2):
+            shift[c] = offset[k, c]
+            for q in range(m):
+                shift[c] += section[k, c, q] * u[q]
+        own(system, k, p[k], shift, x[k], part, eps, out, by)
+        for i in range(6):
+            side[row + i] += out[i] / unit
+            for j in range(6):
+                K[row + i, HALF + j - i] += by[i, j] * (length if j < 2 else 1.0) / unit
+            for q in range(m):
+                for c in range(2):
+                    columns[row + i, q] += by[i, 6 + c] * section[k, c, q] * length / unit
+        for j in range(4):
+            side[row + 2 + j] += balls[2][k] * (x[k, j] - groove[4][j])
+            K[row + 2 + j, HALF] += balls[2][k]
+        for q in range(m):
+            for r in range(3):
+                side_u[q] -= rows[k, r, q] * out[6 + r] / unit
+                for j in range(6):
+                    lines[q, row + j] -= rows[k, r, q] * by[6 + r, j] * (length if j < 2 else 1.0) / unit
+                for c in range(2):
+                    for o in range(m):
+                        corner[q, o] -= rows[k, r, q] * by[6 + r, 6 + c] * section[k, c, o] * length / unit
+    for k in range(n):
+        _together(system, at, k, part, eps, start, matrix)
+    return float(sqrt(np.sum(side * side) + np.sum(side_u * side_u)))
+
+
+@kernel
+def step(matrix: Matrix, start: int, length: float, d: Place) -> None:
+    """Overwrites the matrix by its factors and writes Newton's step to d; places that nothing holds stay."""
+    side, side_u, K, columns, lines, corner = matrix
+    n, m = d[3].shape[0], side_u.shape[0]
+    top = 0.0
+    for k in range(n):
+        top = max(top, K[SIZE * k, HALF], K[SIZE * k + 1, HALF])
+    for k in range(n):
+        K[SIZE * k, HALF] += 1e-12 * top
+        K[SIZE * k + 1, HALF] += 1e-12 * top
+    both = np.empty((SIZE * n, m + 1))
+    both[:, :m] = columns
+    both[:, m] = -side
+    solve(K, both, HALF)
+    if m > 0:
+        small, right = np.zeros((m, 3 * m + 1)), np.empty((m, 1))
+        for q in range(m):
+            right[q, 0] = -side_u[q] - np.sum(lines[q] * both[:, m])
+            for o in range(m):
+                small[q, m + o - q] = corner[q, o] - np.sum(lines[q] * both[:, o])
+            small[q, m] += 1e-12 * top
+        solve(small, right, m)
+        for q in range(m):
+            d[1][q] = right[q, 0] * length
+            both[:, m] -= both[:, q] * right[q, 0]
+    for k in range(n):
+        row = SIZE * ((k - start) % n)
+        d[0][k, 0], d[0][k, 1] = both[row, m] * length, both[row + 1, m] * length
+        for j in range(4):
+            d[2][k, j] = both[row + 2 + j, m]
+        d[3][k] = both[row + 6, m]
+
+
+@kernel
+def newton_joint(system: System, at: Place, part: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
+    """Newton from ``at``, overwritten, steps halved until the residual falls; what is left and the steps.
+
+    Ends at ``goal``, after ``limit`` steps, or where no step lets the residual fall.
+    """
+    p, u, x, f = at
+    n, m, length, reach = f.shape[0], u.shape[0], system[4], system[0][7]
+    matrix = (
+        np.empty(SIZE * n),
+        np.empty(m),
+        np.empty((SIZE * n, 3 * HALF + 1)),
+        np.empty((SIZE * n, m)),
+        np.empty((m, SIZE * n)),
+        np.empty((m, m)),
+    )
+    d = (np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
+    start = opening(system[1], system[2], x, f)
+    size = assemble(system, at, part, eps, start, matrix)
+    for count in range(limit):
+        if size <= goal:
+            return size, count
+        step(matrix, start, length, d)
+        moved = max(np.max(np.abs(d[0])), np.max(np.abs(d[1])) if m > 0 else 0.0)
+        part_of = min(1.0, REACH / max(np.max(np.abs(d[2])), 1e-300), FAR * reach / max(moved, 1e-300))
+        better = False
+        for _ in range(30):
+            trial = (p + part_of * d[0], u + part_of * d[1], x + part_of * d[2], f + part_of * d[3])
+            start = opening(system[1], system[2], trial[2], trial[3])
+            new = assemble(system, trial, part, eps, start, matrix)
+            if new < (1.0 - 0.1 * part_of) * size:
+                better = True
+                break
+            part_of *= 0.5
+        if not better:
+            return size, count + 1
+        p[:], u[:], x[:], f[:] = trial[0], trial[1], trial[2], trial[3]
+        size = new
+    return size, limit

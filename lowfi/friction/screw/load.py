@@ -1,0 +1,123 @@
+"""Contact loads of balls between a rigid screw and a rigid nut: minimum of a convex energy over all positions.
+
+Each ball moves in the plane of its groove section (x3 radial, z3 binormal), the screw by its free motions u, the nut
+stands. In-plane friction enters as forces on balls and screw that do not change while they settle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.arrays import plain_array
+from lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame
+from lowfi.friction.screw.kernel.arrays import Cell as Arrays
+from lowfi.friction.screw.kernel.load import State
+from lowfi.jit import SCREW, kernels
+
+#: Round-off limit of the search and what counts as converged, as parts of the sum of forces.
+GOAL, ACCEPTED = 1e-13, 1e-8
+STEPS = 600
+
+
+@dataclass(frozen=True)
+class Cell:
+    """N balls: groove angles (N, 4) [rad], interference (N, 4) [m] along each, screw's motion rows (N, 3, m) per u.
+
+    Rows are along x3, y3, z3; offset (N, 2): further displacement of the screw along x3, z3 [m]; force (m,): on the
+    screw along u; push (N, 2): on the balls along x3, z3 [N]; drag (m,): more force along u.
+    """
+
+    groove: ScrewGroove
+    angle: Array
+    interference: Array
+    rows: Array
+    force: Array
+    offset: Array
+    push: Array
+    drag: Array
+
+    @property
+    def section(self) -> Array:
+        """The rows along x3 and z3, (N, 2, m)."""
+        return self.rows[:, [0, 2]]
+
+
+@dataclass(frozen=True)
+class ScrewLoad:
+    """Contact forces (N, 4) [N], actual contact angles (N, 4) [rad], positions of balls (N, 2) and screw (m,) [m].
+
+    left: largest force out of balance [N]; converged: whether that is below 1e-8 of the sum of forces.
+    """
+
+    force: Array
+    angle: Array
+    ball: Array
+    screw: Array
+    left: float
+    steps: int
+    converged: bool
+
+
+def load_arrays(cell: Cell) -> Arrays:
+    """The cell as the kernels take it."""
+    start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
+    start, interference, C, section, offset, push, pull = map(
+        plain_array,
+        (start, cell.interference, cell.groove.constants.C, cell.section, cell.offset, cell.push, cell.force + cell.drag),
+    )
+    return start, interference, C, section, offset, push, pull, float(cell.groove.reach)
+
+
+def load_state(cell: Cell) -> State:
+    """Room for the state that the kernels write, see ``screw_kernels.load``."""
+    n, m = cell.angle.shape[0], cell.rows.shape[2]
+    return np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2))
+
+
+def _first_guess(cell: Cell) -> tuple[Array, Array]:
+    """Screw pressed along its load by about the approach of a fair share of it, balls half way."""
+    total = float(np.linalg.norm(cell.force))
+    count, m = cell.angle.shape[0], cell.rows.shape[2]
+    if total == 0.0 or m == 0:
+        return np.zeros((count, 2)), np.zeros(m)
+    approach = float(np.max(cell.groove.constants.C)) * (total / count) ** (2.0 / 3.0)
+    u = cell.force / total * 4.0 * (approach + max(0.0, -float(np.min(cell.interference))))
+    return 0.5 * (cell.section @ u), u
+
+
+def settle(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> ScrewLoad:
+    """Loads of the cell, from positions of balls (N, 2) and screw (m,) [m] if given; forces do not depend on the start.
+
+    Minimises sum (2/5) C^(-3/2) <approach>^(5/2) - force . u - push . p by Newton with line search, in the compiled
+    kernels if ``fast``.
+    """
+    load = float(np.linalg.norm(cell.force) + np.linalg.norm(cell.drag) + np.sum(np.abs(cell.push)))
+    p, u = _first_guess(cell) if start is None else (plain_array(start[0]).copy(), plain_array(start[1]).copy())
+    state = load_state(cell)
+    steps = int(kernels(SCREW, compiled=fast).settle(load_arrays(cell), load, p, u, state, GOAL, STEPS))
+    force, n = state[3], np.abs(state[4])
+    left = float(max(np.max(np.abs(state[0]), initial=0.0), np.max(np.abs(state[1]), initial=0.0)))
+    good = left <= ACCEPTED * (load + float(np.sum(force)))
+    if not good and start is not None:  # from afar a ball all but free may creep along a flat energy
+        return settle(cell, None, fast)
+    return ScrewLoad(force, np.arctan2(n[..., 1], n[..., 0]), p, u, left, steps, good)
+
+
+def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
+    """Motion (N, 3, m) along x3, y3, z3 by the screw's free translations, letters of ``free`` in order.
+
+    "z": along the axis; "x", "y": across, in fixed axes; "r": radially at every ball (a ball with its own screw).
+    Raises ValueError for other letters.
+    """
+    azimuth = np.asarray(azimuth, dtype=float)
+    if any(letter not in "xyzr" for letter in free):
+        raise ValueError(f'free motions of the screw are letters of "xyzr", not "{free}"')
+    out = np.zeros((azimuth.size, 3, len(free)))
+    for k, phi in enumerate(azimuth):
+        turn = frame(groove, float(phi))
+        for j, letter in enumerate(free):
+            out[k, :, j] = (1.0, 0.0, 0.0) if letter == "r" else turn[:, "xyz".index(letter)]
+    return out

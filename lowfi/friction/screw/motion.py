@@ -1,0 +1,174 @@
+"""Quasi-static motion of balls in a ball screw at given loads, and what its friction does to the loads (Lin 3.4.1).
+
+The motion of each ball is that of least dissipation. Its in-plane friction (the helix turns nut and screw against each
+other about y3) changes the contact loads through the ball's equilibrium: ``screw_coupled`` iterates both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from lowfi.friction.contact.ellipse import Array, Contacts, contacts
+from lowfi.friction.contact.laws import Law, Sigmoid
+from lowfi.friction.contact.motion import Motion, Problem, balance_by_root, least_dissipation
+from lowfi.friction.screw.arrays import plain_array
+from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, contact_axes
+from lowfi.friction.screw.load import Cell, ScrewLoad, screw_rows
+from lowfi.jit import SCREW, kernels
+
+#: What friction may change: nothing; the balls' places (as the source, 3.4.1); those and the screw's.
+Coupling = Literal["none", "ball", "ball and screw"]
+#: Change of friction [of the sum of contact forces] between rounds that counts as agreement, and most rounds.
+AGREED, ROUNDS = 1e-11, 100
+
+
+@dataclass(frozen=True)
+class BallMotion:
+    """A ball's contacts (4,), directions to them (4, 3), problem and motion of least dissipation; SI.
+
+    input_power [W]: of the body that drives, helical motion times friction; equals ``motion.loss``.
+    """
+
+    groove: ScrewGroove
+    at: Contacts
+    normals: Array
+    problem: Problem
+    motion: Motion
+
+    @property
+    def wrench(self) -> Array:
+        """Friction force and moment on the ball at each contact, in x3, y3, z3: (4, 6) [N, N m]."""
+        return contact_wrench(self.normals, self.motion.friction.force, self.motion.friction.moment)
+
+    @property
+    def input_power(self) -> float:
+        """Power [W] that nut and screw put in by their helical motions, from friction on them."""
+        return helical_power(self.groove, self.normals, self.wrench)
+
+
+def contact_wrench(normals: Array, force: Array, moment: Array) -> Array:
+    """Friction (..., 4, 6) in x3, y3, z3 of forces (..., 4, 2) along x, z and moments (..., 4) about y."""
+    axes = contact_axes(normals)
+    f = np.einsum("...r,...ri->...i", force, axes[..., :2, :])
+    return np.concatenate([f, moment[..., None] * axes[..., 2, :]], axis=-1)
+
+
+def helical_power(groove: ScrewGroove, normals: Array, wrench: Array) -> float:
+    """Power [W] that keeps nut and screw in helical motion against friction (..., 4, 6) on the balls.
+
+    The bodies' friction is the opposite of the balls', so that the drives push with it: velocity of the body's surface
+    at the contact times force, axis times moment.
+    """
+    body = np.where(ON_SCREW, groove.screw_speed, groove.nut_speed)
+    surface = groove.ball_radius * (normals @ groove.crosses[0].T) + groove.radius * np.array([0.0, 1.0, 0.0])
+    per_speed = np.sum(surface * wrench[..., :3], axis=-1) + wrench[..., 3:] @ groove.axis
+    return float(np.sum(body * per_speed))
+
+
+def screw_contacts(groove: ScrewGroove, force: Array) -> Contacts:
+    """Friction contacts (n,) of forces (..., 4), flattened; an unloaded one keeps a vanishing ellipse."""
+    h, four = groove.constants, np.reshape(force, (-1, 4)).astype(float)
+    a, b = np.empty_like(four), np.empty_like(four)
+    kernels(SCREW, compiled=True).semi_axes(four, plain_array(h.C_a), plain_array(h.C_b), a, b)
+    return contacts(a.ravel(), b.ravel(), four.ravel(), groove.mu)
+
+
+def ball_motion(
+    groove: ScrewGroove,
+    force: Array,
+    angle: Array,
+    push: Array | None = None,
+    start: Array | None = None,
+    fast: bool = True,
+) -> BallMotion:
+    """Motion of one ball at given contact forces (4,) [N] and contact angles (4,) [rad]; two to four of them loaded.
+
+    push (4,): other generalised forces on omega_B, omega_x, omega_y, omega_z [N m].
+    """
+    normals = groove.normals(angle)
+    maps, drives = groove.maps(normals)
+    at = screw_contacts(groove, np.asarray(force, dtype=float))
+    problem = Problem(at, maps, drives, np.zeros(4) if push is None else np.asarray(push, dtype=float))
+    return BallMotion(groove, at, normals, problem, least_dissipation(problem, start, fast))
+
+
+def source_law(groove: ScrewGroove, sharpness: float = 100.0) -> Sigmoid:
+    """The source's sigmoid for a ball screw: k_S and the relative spin of a diagonal pair (Lin 3.20, 3.70)."""
+    spin = abs(groove.speed) * float(np.cos(groove.lead_angle) * np.sin(groove.contact_angle))
+    return Sigmoid(sharpness, spin)
+
+
+def ball_motion_by_root(one: BallMotion, law: Law, start: Array | None = None, fast: bool = True) -> Motion:
+    """The source's way at the same loads, kept for comparison: a root of the balance under ``law`` (Lin 3.69, 3.71).
+
+    start (4,): rolling at the nominal contact angle where None. "failed" from many starts near two-point contact.
+    """
+    first = np.array([one.groove.nominal_orbit, 0.0, 0.0, 0.0]) if start is None else start
+    return balance_by_root(one.problem, law, first, fast)
+
+
+def ball_cell(
+    groove: ScrewGroove, deviation: Array, oversize: float, free: str, force: Array, offset: Array | None = None
+) -> Cell:
+    """One ball at azimuth 0: deviations (4,) of its groove angles [rad], oversize of its radius [m], free, force (m,).
+
+    offset (2,): displacement of the screw along x3, z3 [m], besides its free motions.
+    """
+    angle = np.asarray(groove.contact_angle + deviation, dtype=float)[None, :]
+    place = np.zeros((1, 2)) if offset is None else np.asarray(offset, dtype=float).reshape(1, 2)
+    return Cell(
+        groove,
+        angle,
+        np.full((1, 4), float(oversize)),
+        screw_rows(groove, np.zeros(1), free),
+        np.asarray(force, dtype=float),
+        place,
+        np.zeros((1, 2)),
+        np.zeros(len(free)),
+    )
+
+
+def feedback(cell: Cell, wrench: Array, extra: Array, coupling: Coupling) -> tuple[Array, Array]:
+    """Push on the balls (N, 2) and drag on the screw (m,) of friction (N, 4, 6) and other in-plane forces (N, 2)."""
+    push = wrench[:, :, [0, 2]].sum(axis=1) + extra
+    on_screw = wrench[:, ON_SCREW, :3].sum(axis=1)
+    drag = -np.einsum("nim,ni->m", cell.rows, on_screw)
+    if coupling == "none":
+        return np.zeros_like(push), np.zeros_like(drag)
+    return push, drag if coupling == "ball and screw" else np.zeros_like(drag)
+
+
+class Mixer:
+    """Anderson's acceleration of x = g(x) over the last few rounds, damped and begun anew where it takes many."""
+
+    def __init__(self, depth: int = 3, patience: int = 20) -> None:
+        """Depth: differences kept; patience: rounds after which steps are halved and the history dropped."""
+        self.depth, self.patience, self.rounds = depth, patience, 0
+        self.x, self.r = list[Array](), list[Array]()
+
+    def next(self, x: Array, g: Array) -> Array:
+        """Next iterate after x gave g."""
+        if self.rounds % self.patience == 0:
+            self.x, self.r = [], []
+        part = 0.5 ** (self.rounds // self.patience)
+        self.rounds += 1
+        self.x, self.r = [*self.x[-self.depth :], x], [*self.r[-self.depth :], g - x]
+        if len(self.x) == 1:
+            return np.asarray(x + part * (g - x))
+        dx, dr = np.diff(self.x, axis=0).T, np.diff(self.r, axis=0).T
+        share = np.linalg.lstsq(dr, self.r[-1], rcond=1e-8)[0]
+        return np.asarray(x + part * (g - x) - (dx + part * dr) @ share)
+
+
+def hold_screw(cell: Cell, load: ScrewLoad) -> Cell:
+    """The cell with its screw held where it settled: no freedoms left."""
+    return replace(
+        cell,
+        rows=np.zeros((cell.angle.shape[0], 3, 0)),
+        force=np.zeros(0),
+        drag=np.zeros(0),
+        offset=cell.offset + cell.section @ load.screw,
+    )

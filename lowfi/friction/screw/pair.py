@@ -1,0 +1,183 @@
+"""Two balls of a ball screw that touch: the case study of Lin 3.4.3 with every assumption a parameter.
+
+What the section does not print is the load state: clearance or oversize, how the 50 N reach the balls, which contact
+angles deviate. ``plain`` takes the text at its word, ``inferred`` is the state that the printed numbers imply.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.coupled import CoupledChain, Guess, coupled_chain
+from lowfi.friction.screw.groove import ScrewGroove
+from lowfi.friction.screw.load import Cell, screw_rows
+from lowfi.friction.screw.motion import Coupling, ball_motion
+
+#: Contact angles (SL, SR, NL, NR) that grow with theta: both of the screw; those of a groove shifted sideways.
+BOTH, SHIFTED = (1.0, 1.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
+#: Oversize of the ball radius [m] inferred from Table 3.7 (see ``inferred``).
+INFERRED_OVERSIZE = 1.7e-6
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two balls in touch, the first behind the second; SI.
+
+    theta: deviations of the contact angles of each ball [rad], times its pattern (SL, SR, NL, NR); oversize of the ball
+    radii [m], negative for clearance; free: the screw's free translations (see ``screw_rows``); force: on the screw
+    along each [N]; coupling of loads and friction.
+    """
+
+    groove: ScrewGroove
+    theta: tuple[float, float]
+    pattern: tuple[tuple[float, ...], tuple[float, ...]] = (BOTH, BOTH)
+    oversize: float = 0.0
+    free: str = "z"
+    force: tuple[float, ...] = (50.0,)
+    coupling: Coupling = "none"
+
+    def cell(self) -> Cell:
+        """The balls, half the spacing before and behind azimuth 0, and their loads."""
+        half, m = 0.5 * self.groove.pair.spacing, len(self.free)
+        angle = self.groove.contact_angle + np.array(self.theta)[:, None] * np.array(self.pattern)
+        return Cell(
+            self.groove,
+            angle,
+            np.full((2, 4), self.oversize),
+            screw_rows(self.groove, np.array([-half, half]), self.free),
+            np.array(self.force),
+            np.zeros((2, 2)),
+            np.zeros((2, 2)),
+            np.zeros(m),
+        )
+
+
+@dataclass(frozen=True)
+class PairResult:
+    """The balls apart and together."""
+
+    free: CoupledChain
+    touching: CoupledChain
+
+    @property
+    def force(self) -> float:
+        """Ball-to-ball force [N] (Table 3.7)."""
+        return float(self.touching.motion.ball_force[0])
+
+    @property
+    def friction_increase(self) -> float:
+        """Dissipation in contact over that of the balls apart, less one; nan without friction."""
+        return _over(self.touching.motion.loss, self.free.motion.loss) - 1.0
+
+    @property
+    def rubbing_ratio(self) -> float:
+        """Ball-to-ball loss over the losses of the balls apart; nan without friction."""
+        return _over(float(self.touching.motion.ball_loss.sum()), self.free.motion.loss)
+
+    @property
+    def closing(self) -> float:
+        """omega_B of the first ball less that of the second when apart [rad/s]; they meet where it is positive."""
+        q = self.free.motion.q
+        return float(q[0, 0] - q[1, 0])
+
+    @property
+    def load(self) -> Array:
+        """Sum of the contact forces (2,) of each ball in touch [N]."""
+        return np.asarray(self.touching.load.force.sum(axis=1))
+
+    @property
+    def converged(self) -> bool:
+        """Whether both states are."""
+        return self.free.converged and self.touching.converged
+
+
+def _over(part: float, whole: float) -> float:
+    return part / whole if whole > 0.0 else float("nan")
+
+
+def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
+    """Both states of the pair (Lin 3.69-3.76); force and rate are complementary, so that balls that part stay apart.
+
+    guess: forces and motion of two balls from which both states are sought, in place of none and of the balls apart.
+    """
+    cell, apart = pair.cell(), None if guess is None else replace(guess, ball_force=np.zeros(2))
+    free = coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)
+    return PairResult(free, coupled_chain(cell, np.array([0.0, np.inf]), pair.coupling, free, guess=guess))
+
+
+def table_3_6(**changes: object) -> ScrewGroove:
+    """Screw of Table 3.6 (Young's modulus in kN/mm^2: its unit is a misprint); ``changes``: other values."""
+    screw = ScrewGroove(2.778e-3, 0.56 * 2.0 * 2.778e-3, 16.5e-3, 20e-3, 0.25 * np.pi, 210e9, 0.28, 0.1, 2.0 * np.pi)
+    return replace(screw, **changes)  # type: ignore[arg-type]
+
+
+def plain(theta: float) -> Pair:
+    """The text as it stands: no clearance, 50 N along the axis, screw held otherwise, friction coupled to the loads."""
+    return Pair(table_3_6(), (0.0, theta), coupling="ball")
+
+
+def inferred(theta: float) -> Pair:
+    """Inferred, not printed: balls 1.7 um too large in radius, so that all four contacts carry load."""
+    return replace(plain(theta), oversize=INFERRED_OVERSIZE, coupling="none")
+
+
+def sliding_speed(pair: Pair) -> float:
+    """Sliding speed [m/s] at the ball-to-ball contact of a pair that touches."""
+    result, g = solve_pair(pair).touching, pair.groove
+    mu = g.mu if g.mu_balls is None else g.mu_balls
+    return float(result.motion.ball_loss[0]) / (mu * float(result.motion.ball_force[0]))
+
+
+def implied_load(pair: Pair, force: float, increase: float) -> float:
+    """Sum of contact forces of a ball [N] that a ball-to-ball force [N] and the friction increase it causes imply.
+
+    mu F v over the increase is the loss at the grooves of both balls; here four equal contacts of each cause it. Of the
+    pair only the kinematics enter: the sliding speed depends on its loads by per cents.
+    """
+    g = pair.groove
+    mu = g.mu if g.mu_balls is None else g.mu_balls
+    loss = 0.5 * mu * force * sliding_speed(pair) / increase
+    angle = np.full(4, g.contact_angle)
+
+    def excess(log_load: float) -> float:
+        return ball_motion(g, np.full(4, np.exp(log_load)), angle).motion.loss / loss - 1.0
+
+    return 4.0 * float(np.exp(brentq(excess, np.log(1e-3), np.log(1e5), xtol=1e-10)))
+
+
+@dataclass(frozen=True)
+class PairMap:
+    """Series over one or two assumptions: grids force [N], increase, rubbing, summed load of a ball [N]; converged."""
+
+    force: Array
+    increase: Array
+    rubbing: Array
+    load: Array
+    converged: Array
+
+
+def pair_map(pairs: list[list[Pair]]) -> PairMap:
+    """How force and friction increase depend on the assumptions: a grid of pairs, each solved on its own."""
+    found = [[solve_pair(p) for p in row] for row in pairs]
+    return PairMap(
+        force=np.array([[r.force for r in row] for row in found]),
+        increase=np.array([[r.friction_increase for r in row] for row in found]),
+        rubbing=np.array([[r.rubbing_ratio for r in row] for row in found]),
+        load=np.array([[r.load.mean() for r in row] for row in found]),
+        converged=np.array([[r.converged for r in row] for row in found]),
+    )
+
+
+def oversize_map(pair: Pair, oversize: Array, axial: Array) -> PairMap:
+    """Grid over oversize [m] (rows) and the force on the screw [N] (columns), spread over its free motions as given."""
+    total = float(np.linalg.norm(pair.force)) or 1.0
+    return pair_map(
+        [
+            [replace(pair, oversize=float(o), force=tuple(f / total * float(a) for f in pair.force)) for a in axial]
+            for o in oversize
+        ]
+    )

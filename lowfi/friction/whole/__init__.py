@@ -1,0 +1,1 @@
+"""Friction of a whole screw or bearing at the contact loads of a static model."""

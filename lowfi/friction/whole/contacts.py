@@ -1,0 +1,130 @@
+"""From a static load distribution to the contacts that friction acts in: forces, directions, ellipses, pressures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.path import SIGN_X, SIGN_Z
+from lowfi.hertz import contact_modulus, printed_hertz
+from lowfi.statics.problem import actual_hertz, drawn_hertz, nominal_curvatures, nominal_hertz, relative_curvatures
+from lowfi.statics.result import StaticResult
+from meshes.errors import Specimen, specimen
+from meshes.helix import BallLayout, ball_layout, groove_radii
+from meshes.parts import Errors, Scene
+from meshes.surface import printed_radii
+
+#: Part of a ball's largest contact force below which a contact keeps the ellipse of that part.
+FAINT = 1e-9
+
+
+@dataclass(frozen=True)
+class StaticContacts:
+    """Contacts of N balls (order SL, SR, NL, NR) as a static model leaves them; SI.
+
+    ball_radius (N,) with errors; force (N, 4), zero without contact; angle (N, 4), the nominal one without contact;
+    a, b (N, 4): long and short semi-axis; across (N, 4): whether the long one lies across the groove; layout: azimuths,
+    centres and section frames of the balls.
+    """
+
+    ball_radius: Array
+    force: Array
+    angle: Array
+    a: Array
+    b: Array
+    across: NDArray[np.bool_]
+    layout: BallLayout
+
+    @property
+    def normals(self) -> Array:
+        """Directions (N, 4, 3) from the ball's centre to its contacts in x3, y3, z3."""
+        return np.stack([SIGN_X * np.cos(self.angle), np.zeros_like(self.angle), SIGN_Z * np.sin(self.angle)], axis=-1)
+
+    @property
+    def frames(self) -> Array:
+        """Rows x3, y3, z3 of each ball's section in fixed axes (N, 3, 3)."""
+        return np.stack([self.layout.radial, self.layout.tangent, self.layout.binormal], axis=1)
+
+    @property
+    def pressure(self) -> Array:
+        """Pole pressure (N, 4) [Pa]."""
+        return np.asarray(1.5 * self.force / (np.pi * self.a * self.b))
+
+    @property
+    def axial_force(self) -> float:
+        """Force [N] along +z with which the normal contact forces push the screw."""
+        push = self.force[:, :2, None] * self.normals[:, :2]
+        return float(np.einsum("nsi,ni->", push, self.frames[:, :, 2]))
+
+
+def contacts_of(scene: Scene, result: StaticResult, member: int = 0) -> StaticContacts:
+    """Contacts of the solved scene with the Hertz constants that its ingredients name.
+
+    member: the specimen that ``result`` was solved for. Raises ValueError for a result that did not converge.
+    """
+    if not result.converged:
+        raise ValueError(f"no loads to take friction from: {result.status}")
+    layout = ball_layout(scene)
+    drawn = specimen(scene, layout, member)
+    force = np.maximum(result.load, 0.0)
+    angle = np.where(force > 0.0, np.nan_to_num(result.contact_angle), scene.track.contact_angle)
+    c_a, c_b, across = _ellipses(scene, drawn, angle)
+    cube = _cube(force)
+    return StaticContacts(drawn.ball_radius, force, angle, c_a * cube, c_b * cube, across, layout)
+
+
+def _cube(force: Array) -> Array:
+    """Cube roots of forces (N, 4), for the ellipses: a contact without load keeps a vanishing one."""
+    most = force.max(axis=1, keepdims=True)
+    return np.asarray(np.cbrt(np.maximum(force, np.maximum(FAINT * most, 1e-30))))
+
+
+def with_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts:
+    """The contacts at other forces (N, 4) [N] and contact angles (N, 4) [rad]; Hertz constants stay."""
+    grown = _cube(force) / _cube(at.force)
+    return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)
+
+
+def taken(at: StaticContacts, which: NDArray[np.int64]) -> StaticContacts:
+    """The contacts of some of the balls."""
+    full = at.layout
+    layout = BallLayout(*(getattr(full, f.name)[which] for f in fields(full)))
+    return StaticContacts(
+        at.ball_radius[which], at.force[which], at.angle[which], at.a[which], at.b[which], at.across[which], layout
+    )
+
+
+def _ellipses(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Constants of the semi-axes (N, 4) and whether the long one lies across the groove, as the scene's ``hertz`` says."""
+    kind, shape = scene.ingredients.hertz, angle.shape
+    if kind == "as printed":
+        c_a, c_b = _printed(scene)
+        return np.broadcast_to(c_a, shape), np.broadcast_to(c_b, shape), np.ones(shape, dtype=bool)
+    if kind == "actual":
+        h, curvature = actual_hertz(scene, drawn, angle), relative_curvatures(scene, drawn, angle)
+    else:
+        h = nominal_hertz(scene) if kind == "error-free" else drawn_hertz(scene, drawn)
+        curvature = nominal_curvatures(scene)
+    # curvatures come in ascending order: that of the groove's profile tells which one lies across
+    profile = 1.0 / drawn.ball_radius[:, None] - 1.0 / groove_radii(scene)
+    across = np.abs(curvature[..., 0] - profile) <= np.abs(curvature[..., 1] - profile)
+    return np.broadcast_to(h.C_a, shape), np.broadcast_to(h.C_b, shape), np.broadcast_to(across, shape)
+
+
+def _printed(scene: Scene) -> tuple[Array, Array]:
+    """Constants of the semi-axes (4,) with the faults of Table B.1."""
+    bare = replace(scene, errors=Errors())
+    drawn = specimen(bare, ball_layout(bare))
+    gamma, ball = np.full(scene.ball_count, scene.track.contact_angle), scene.balls.material
+    rows = []
+    for body, side in ((scene.screw, 0), (scene.nut, 3)):
+        steel = body.material
+        modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, steel.youngs_modulus, steel.poissons_ratio)
+        low, high = printed_radii(bare, drawn, side, gamma)[0]
+        one = printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
+        rows += 2 * [(one.C_a, one.C_b)]
+    table = np.array(rows)
+    return table[:, 0], table[:, 1]

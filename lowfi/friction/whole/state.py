@@ -1,0 +1,77 @@
+"""Friction of a whole screw or bearing at the loads that a static model gives: one call from scene to sums."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.whole.contacts import StaticContacts, contacts_of
+from lowfi.friction.whole.feedback import feed_back, seats_of
+from lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds
+from lowfi.friction.whole.torque import ScrewTorque, sum_up
+from lowfi.jit import cached
+from lowfi.statics.result import StaticResult
+from meshes.parts import Friction, Scene
+from meshes.parts import Motion as Drive
+
+#: Balls from which compiling the kernels (20 s, once) pays for a single solve, without feedback and with it.
+COMPILE_ABOVE, COUPLED_ABOVE = 1000, 8
+
+
+@dataclass(frozen=True)
+class FrictionState:
+    """Contacts, friction of every ball, sums, and closing speeds (N,) [m/s] of a scene at one pair of coefficients.
+
+    bare: the sums at the static loads, without feedback; unsettled: indices of balls whose feedback did not settle, in one
+    direction of motion or the other; change: of the friction fed back in the last round, as part of contact forces;
+    coupled: whether friction feeds back.
+    """
+
+    at: StaticContacts
+    balls: BallFriction
+    torque: ScrewTorque
+    closing: Array
+    bare: ScrewTorque
+    unsettled: tuple[int, ...]
+    change: float
+    coupled: bool
+
+    @property
+    def loaded(self) -> bool:
+        """Whether any contact carries load."""
+        return bool(np.any(self.at.force > 0.0))
+
+
+def feeds_back(scene: Scene, friction: Friction) -> bool:
+    """Whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
+    return friction.coupling == "ball" and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
+
+
+def will_compile(scene: Scene, friction: Friction) -> bool:
+    """Whether so many balls are solved that the kernels are compiled, unless machine code lies on disk (``cached``)."""
+    return scene.ball_count > (COUPLED_ABOVE if feeds_back(scene, friction) else COMPILE_ABOVE)
+
+
+def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0) -> FrictionState:
+    """Friction of a solved scene, fed back on the places of the balls where ``friction.coupling`` says so.
+
+    Friction of a ring runs along its groove and moves no ball. Arguments as for ``contacts_of`` and ``ball_friction``,
+    which say what they refuse.
+    """
+    at = contacts_of(scene, result, member)
+    coupled = feeds_back(scene, friction)
+    fast = will_compile(scene, friction) or (coupled and cached())
+    balls = ball_friction(scene, at, friction, drive, fast)
+    torque = bare = sum_up(scene, at, balls, drive)
+    unsettled: tuple[int, ...] = ()
+    change = 0.0
+    if coupled:
+        place = seats_of(scene, result, at, member)
+        there, back = (feed_back(scene, at, place, friction, d, fast) for d in (drive, replace(drive, speed=-drive.speed)))
+        at, balls = there.at, there.friction
+        torque = replace(sum_up(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power)
+        change = max(there.change, back.change)
+        unsettled = tuple(int(k) for k in np.flatnonzero(there.failed | back.failed))
+    return FrictionState(at, balls, torque, closing_speeds(scene, at, balls, drive), bare, unsettled, change, coupled)

@@ -1,0 +1,141 @@
+"""Torques, axial loads and efficiencies of a ball screw, and the torque of a bearing, from the friction of its balls.
+
+Virtual work, with Omega the angular speed of the screw against the nut, r = lead / (2 pi) (negative: left-hand) the
+advance per angle, T and F the torque and the axial load on the screw along +z, P the power lost: the balls roll along the
+helix, so that any state in balance obeys T Omega + F r Omega = P exactly, P taken at the true loads. Friction changes the
+contact loads by parts of the order of mu: with P at the loads without friction T = P / Omega - r F has an error of second
+order in mu, small in preloaded four-point contact, large in two-point contact; ``ball_feedback`` takes P at loads that know
+of friction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.path import ON_SCREW
+from lowfi.friction.whole.contacts import StaticContacts
+from lowfi.friction.whole.losses import BallFriction
+from meshes.helix import reduced_lead
+from meshes.parts import Motion as Drive
+from meshes.parts import Scene
+
+#: Axial load over the sum of contact forces below which it is round-off: no efficiency is made of it.
+ROUND_OFF = 1e-6
+
+
+@dataclass(frozen=True)
+class ScrewTorque:
+    """What the friction of all balls sums up to; SI, everything along +z.
+
+    speed: of the screw against the nut; ratio: advance per angle, lead / (2 pi), signed by the hand; load: external axial
+    load on the screw that the contacts carry; power: lost in the contacts; pull: axial force of friction on the screw,
+    which the loads do not know of; helical: what the drive of the screw, of the nut puts in per angle of its helical
+    motion, [N m]: moments and forces of all contacts about the axis, normal forces included; tilt: largest friction in
+    the plane of a ball's section over its largest contact force; carried: sum of all contact forces [N];
+    reverse_power: lost by the reversed motion, another one where friction feeds back on the loads.
+    """
+
+    speed: float
+    ratio: float
+    load: float
+    power: float
+    pull: float
+    helical: tuple[float, float]
+    tilt: float
+    carried: float
+    reverse_power: float
+
+    @property
+    def friction(self) -> float:
+        """Friction torque, the power lost per angle [N m]: it opposes the screw, its opposite the nut."""
+        return self.power / abs(self.speed)
+
+    @property
+    def on_screw(self) -> float:
+        """Torque [N m] about +z that drives the screw at this speed (negative: holds it back); the opposite on the nut."""
+        return self.power / self.speed - self.ratio * self.load
+
+    @property
+    def input_power(self) -> float:
+        """Power [W] that the contacts take from screw and nut: summed from forces and moments in space, not from losses."""
+        return self.helical[0] * self.speed
+
+    @property
+    def translating(self) -> bool:
+        """Whether there is an axial load beyond round-off and a lead to move it."""
+        return self.ratio != 0.0 and abs(self.load) > ROUND_OFF * self.carried
+
+    @property
+    def ideal(self) -> float:
+        """Torque [N m] that balances the axial load without friction."""
+        return abs(self.ratio * self.load)
+
+    @property
+    def forward(self) -> float:
+        """Torque [N m] that moves the screw against the axial load."""
+        with_load = self.load * self.ratio * self.speed > 0.0
+        return self.ideal + (self.reverse_power if with_load else self.power) / abs(self.speed)
+
+    @property
+    def backward(self) -> float:
+        """Torque [N m] that holds the screw back while the axial load drives it; negative: it must be driven."""
+        with_load = self.load * self.ratio * self.speed > 0.0
+        return self.ideal - (self.power if with_load else self.reverse_power) / abs(self.speed)
+
+    @property
+    def efficiency(self) -> tuple[float, float]:
+        """Forward (work on the load over work of the torque) and backward (the other way); nan without axial load.
+
+        Backward it is negative where the screw locks itself.
+        """
+        if not self.translating:
+            return float("nan"), float("nan")
+        return self.ideal / self.forward, self.backward / self.ideal
+
+    @property
+    def locking(self) -> bool:
+        """Whether the axial load cannot drive the screw."""
+        return self.translating and self.backward <= 0.0
+
+
+def sum_up(scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive, coupled: bool = False) -> ScrewTorque:
+    """Sums over all contacts of a scene whose screw or nut turns with ``drive``.
+
+    coupled: whether contact forces and friction together carry the axial load, or the contact forces alone.
+    """
+    normals, frames = at.normals, at.frames
+    friction = found.wrench(normals)
+    total = friction.copy()
+    total[..., :3] -= at.force[..., None] * normals
+    axial, moment = about_axis(at, total)
+    ratio = reduced_lead(scene.track)
+    speed = drive.speed if drive.turns == "screw" else -drive.speed
+    helical = moment + ratio * axial  # on the balls: the drives push with it
+    plane = friction[:, :, [0, 2]].sum(axis=1)
+    most = at.force.max(axis=1, initial=0.0)
+    loaded = most > 0.0
+    tilt = np.hypot(plane[loaded, 0], plane[loaded, 1]) / most[loaded]
+    pull = -np.einsum("nsi,ni->", friction[:, ON_SCREW, :3], frames[:, :, 2])
+    return ScrewTorque(
+        speed=speed,
+        ratio=ratio,
+        load=-at.axial_force - (float(pull) if coupled else 0.0),
+        power=found.power,
+        pull=float(pull),
+        reverse_power=found.power,
+        helical=(float(helical[:, ON_SCREW].sum()), float(helical[:, ~ON_SCREW].sum())),
+        tilt=float(tilt.max(initial=0.0)),
+        carried=float(at.force.sum()),
+    )
+
+
+def about_axis(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
+    """Axial forces [N] and moments about the axis [N m], (N, 4) each, of forces and moments (N, 4, 6) at the contacts."""
+    turn = at.frames
+    force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
+    moment = np.einsum("nsi,nij->nsj", wrench[..., 3:], turn)
+    arm = np.einsum("nsi,nij->nsj", at.ball_radius[:, None, None] * at.normals, turn) + at.layout.centre[:, None]
+    return force[..., 2], moment[..., 2] + np.cross(arm, force)[..., 2]

@@ -1,0 +1,310 @@
+"""Static load distribution with elastic bodies: the refined model, and every step between it and the source's.
+
+The same contact mechanics as `lowfi.statics.static`, but the flanks of screw and nut answer forces by a compliance matrix
+with a pluggable origin (`lowfi.compliance.bodies`, or a condensed 3D model read from a file).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from lowfi import jit
+from lowfi.compliance.bodies import REFINED, Backend, idealised
+from lowfi.compliance.imported import Condensed
+from lowfi.statics.elastic_system import Array, Elastic, Rebuild
+from lowfi.statics.mechanism import free_motions
+from lowfi.statics.problem import actual_hertz
+from lowfi.statics.result import SolverReport, StaticResult
+from lowfi.statics.selection import choose_sides, describe_left_out
+from lowfi.statics.shaft import flank_loads, node_motions
+from lowfi.statics.static import (
+    ACCEPTED,
+    NO_LOADS,
+    Engine,
+    Outcome,
+    Prepared,
+    contact_angles,
+    pick_engine,
+    pin,
+    prepare,
+    verdict,
+)
+from lowfi.statics.summary import Support, assemble_result, failed_result
+from meshes.errors import Specimen, specimen
+from meshes.helix import ball_layout
+from meshes.parts import Scene
+
+#: A flank that was left out counts as touching when it comes this near [m].
+MARGIN = 0.2e-6
+
+
+def run(elastic: Elastic, *, start: bool = True) -> Outcome:
+    """Solve from the linear start, or from the state as it is: status, iterations, evaluations, residual, scale."""
+    bodies, contacts, state, options = elastic.bodies, elastic.contacts, elastic.state, elastic.options
+    if start:
+        elastic.engine.start_forces(bodies, state, elastic.springs, options)
+    status, it, evaluations, residual, _, scale = elastic.engine.solve_forces(
+        bodies, contacts, state, options, elastic.arms, elastic.history
+    )
+    elastic.scale = scale
+    return status, it, evaluations, residual, scale
+
+
+def contacts_of(elastic: Elastic) -> tuple[Array, Array, Array]:
+    """Centres ``(N, 2)`` [m], contacts ``(N, 4, 5)`` of all flanks, and flank motions ``(N, 4, 2)`` [m] at the state."""
+    problem = elastic.problem
+    N = elastic.state[2].shape[0]
+    moved = flank_shifts(elastic)
+    pair = elastic.pair
+    if pair is None:
+        return elastic.state[2][:, :2].copy(), elastic.state[3].copy(), moved
+    a, b = pair
+    own = elastic.state[3][:, 0]
+    contact = np.zeros((N, 4, 5))
+    contact[:, a] = own
+    contact[:, b] = own
+    contact[:, b, 1:3] *= -1.0
+    p = np.zeros((N, 2))
+    shift = moved.copy()
+    single = np.zeros((4, 5))
+    for i in range(N):  # the centre follows from the motions of both flanks
+        elastic.engine.settle(
+            p[i],
+            shift[i],
+            problem.geometry[i],
+            problem.closure[i],
+            problem.drawn.ball_radius[i],
+            problem.drawn.profile,
+            elastic.options[3],
+            single,
+        )
+    return p, contact, moved
+
+
+def flank_forces(elastic: Elastic) -> Array:
+    """Forces ``(N, 4, 2)`` [N] of the balls on all flanks."""
+    pair, contact = elastic.pair, elastic.state[3]
+    pushes = contact[..., 0, None] * contact[..., 1:3]
+    if pair is None:
+        return np.asarray(pushes)
+    out = np.zeros((contact.shape[0], 4, 2))
+    out[:, pair[0]], out[:, pair[1]] = pushes[:, 0], -pushes[:, 0]
+    return out
+
+
+def flank_shifts(elastic: Elastic) -> Array:
+    """Motions ``(N, 4, 2)`` [m] of all built flanks at the state."""
+    N = elastic.state[2].shape[0]
+    screw, nut, v0, R = elastic.flanks.own
+    forces, out = flank_forces(elastic), np.zeros((N, 4, 2))
+    for G, sides in ((screw, (0, 1)), (nut, (2, 3))):
+        used = [s for s in sides if elastic.problem.use[s]]
+        out[:, used] = (G @ forces[:, used].ravel()).reshape(N, len(used), 2)
+    out[:, :2] += v0 + R @ elastic.state[1]
+    return out
+
+
+def round_off(elastic: Elastic, scale: float) -> float:
+    """Relative residual below which double precision cannot get: see `lowfi.statics.static.round_off_bound`."""
+    if scale == 0.0:
+        return 0.0
+    problem = elastic.problem
+    stiff = float((1.5 * np.cbrt(elastic.state[3][..., 0]) / problem.C.min()).max(initial=0.0))
+    lengths = float(np.abs(flank_shifts(elastic)).max()) + float(np.abs(elastic.flanks.v0).max(initial=0.0))
+    lengths += problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0
+    return float(8.0 * np.finfo(float).eps * lengths * stiff / scale)
+
+
+def untouched(elastic: Elastic) -> bool:
+    """Whether no flank that was left out comes near its ball, which every ball must show by carrying load.
+
+    A flank that was left out moves with its neighbour on the same ridge, up to their own elastic difference.
+    """
+    problem = elastic.problem
+    pair = elastic.pair
+    if pair is None:
+        return True
+    p, contact, shift = contacts_of(elastic)
+    if bool((contact[:, pair[0], 0] == 0.0).any()):
+        return False
+    for s in np.flatnonzero(~problem.use):
+        twin = int(s) ^ 1
+        w = problem.geometry[:, s, :2] + p - shift[:, twin]
+        gap = problem.geometry[:, s, 2] - problem.geometry[:, s, 3] - np.hypot(w[:, 0], w[:, 1])
+        if bool((gap < MARGIN).any()):
+            return False
+    return True
+
+
+def solve_with_hertz(elastic: Elastic) -> Outcome:
+    """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
+    outcome = run(elastic)
+    problem = elastic.problem
+    if problem.scene.ingredients.hertz != "actual" or outcome[0] not in (0, 1):
+        return outcome
+    iterations, evaluations = outcome[1], outcome[2]
+    for _ in range(12):
+        _, contact, _ = contacts_of(elastic)
+        gamma = np.where(contact[..., 0] > 0.0, contact_angles(contact[..., 1:3]), problem.scene.track.contact_angle)
+        updated = actual_hertz(problem.scene, problem.drawn, gamma).C
+        change = float(np.abs(updated / problem.C - 1.0).max())
+        problem.C[:] = updated
+        if elastic.pair is not None:
+            elastic.contacts[5][:, 4] = updated[:, list(elastic.pair)].sum(axis=1)
+        outcome = run(elastic, start=False)
+        iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
+        if change < 1e-13:
+            break
+    return outcome[0], iterations, evaluations, outcome[3], outcome[4]
+
+
+def follow_profile(elastic: Elastic, outcome: Outcome, rebuild: Rebuild) -> tuple[Elastic, Outcome]:
+    """Let the flanks turn about their centre of curvature at the current contact: `lowfi.statics.static.follow_profile`."""
+    more = np.zeros((elastic.state[2].shape[0], 4, 2))
+    iterations, evaluations = outcome[1], outcome[2]
+    for _ in range(6):
+        if outcome[0] not in (0, 1):
+            break
+        p, contact, shift = contacts_of(elastic)
+        force, problem = contact[..., 0], elastic.problem
+        w = -problem.drawn.centre + p[:, None, :] - shift
+        with np.errstate(divide="ignore", invalid="ignore"):
+            radius = np.where(force > 0.0, force / contact[..., 4], 0.0)
+        new = np.where(force[..., None] > 0.0, w - contact[..., 1:3] * radius[..., None], 0.0)
+        change = float(np.abs(new - more).max())
+        more = new
+        old = elastic
+        elastic = rebuild(more)
+        elastic.problem.C[:] = old.problem.C
+        for new_state, old_state in zip(elastic.state, old.state, strict=True):
+            new_state[:] = old_state
+        outcome = run(elastic, start=False)
+        iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
+        if change < 1e-13:
+            break
+    return elastic, (outcome[0], iterations, evaluations, outcome[3], outcome[4])
+
+
+def solve_elastic(
+    scene: Scene,
+    *,
+    backend: Backend = REFINED,
+    condensed: Condensed | None = None,
+    name: str = "refined",
+    engine: Engine = "auto",
+    everything: bool = False,
+    member: int = 0,
+    refine: int = 1,
+    drawn: Specimen | None = None,
+) -> StaticResult:
+    """Contact loads, contact angles and shaft motion of a scene in static equilibrium with elastic bodies.
+
+    backend: what answers the contact forces; condensed: compliance from a 3D model instead; name: of the model, for the
+    record; engine, everything, member, refine, drawn: as for `lowfi.statics.static.solve_static`. Raises ValueError for
+    bodies that the dimensions make impossible; a scene without equilibrium is named in ``status``.
+    """
+    with threadpool_limits(1, "blas"):  # small matrices: more threads only wait for one another
+        return _solve(scene, backend, condensed, name, engine, everything, member, refine, drawn)
+
+
+def _solve(
+    scene: Scene,
+    backend: Backend,
+    condensed: Condensed | None,
+    name: str,
+    engine: Engine,
+    everything: bool,
+    member: int,
+    refine: int,
+    drawn: Specimen | None,
+) -> StaticResult:
+    start = perf_counter()
+    layout = ball_layout(scene)
+    drawn = drawn if drawn is not None else specimen(scene, layout, member)
+    kernels = pick_engine(engine, scene.ball_count)
+    every = everything or drawn.profile.shape[1] > 0
+    use = np.ones(4, dtype=bool) if every else choose_sides(scene, drawn)
+    notes: tuple[str, ...] = ()
+    while True:
+        rebuild = Rebuild(scene, drawn, layout, use, None, backend, condensed, kernels, everything, refine)
+        problem = rebuild.problem()
+        mechanism = free_motions(problem)
+        if mechanism.driven:
+            return failed_result(problem, name, f"not held: {mechanism.text}", perf_counter() - start)
+        pinned = pin(problem, mechanism)
+        rebuild = replace(rebuild, held=(pinned.fixed, pinned.prescribed))
+        elastic = rebuild()
+        prepared_at = perf_counter()
+        outcome = solve_with_hertz(elastic)
+        if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
+            elastic, outcome = follow_profile(elastic, outcome, rebuild)
+        if np.all(use) or (outcome[0] == 0 and untouched(elastic)):
+            break
+        notes = ("two of the four sides may touch in the solution without them: solved again with all four",)
+        use = np.ones(4, dtype=bool)
+    bound = round_off(elastic, outcome[4])
+    if outcome[0] in NO_LOADS:
+        return failed_result(problem, name, verdict(outcome, bound), perf_counter() - start)
+    record, support = as_prepared(elastic)
+    report = SolverReport(
+        iterations=outcome[1],
+        evaluations=outcome[2],
+        residual=outcome[3],
+        seconds=perf_counter() - start,
+        unknowns=elastic.state[0].size + elastic.state[1].size,
+        elements=problem.nodes.size - 1,
+        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
+        formulation="convex energy, elastic bodies condensed to the contacts",
+        round_off_bound=bound,
+        setup_seconds=prepared_at - start,
+        notes=notes,
+    )
+    left = (*describe_left_out(record, mechanism, everything=everything), *_cut(elastic))
+    result = assemble_result(record, name, verdict(outcome, max(bound, ACCEPTED)), report, left, support)
+    source = idealised(backend, scene) if condensed is None else (condensed.describe(),)
+    return replace(result, assumed=(*result.assumed, *source, *elastic.assumed))
+
+
+def _cut(elastic: Elastic) -> tuple[str, ...]:
+    """What was done to keep the compliance positive."""
+    clipped = elastic.flanks.clipped
+    if clipped <= 1e-6:
+        return ()
+    return (f"negative compliance of the bodies, up to {100 * clipped:.2g} % of a contact's: cut away",)
+
+
+def as_prepared(elastic: Elastic) -> tuple[Prepared, Support]:
+    """The solved state in the form that results are made of: motions, contacts, reactions of the supports."""
+    problem = elastic.problem
+    record = prepare(problem, elastic.engine)
+    q, d, p, contact = record.state
+    used = [s for s in range(2) if problem.use[s]]
+    pushes = flank_forces(elastic)[:, used].transpose(1, 0, 2).reshape(-1, 2)
+    q[:] = node_motions(elastic.shaft, pushes, elastic.state[1], used)
+    d[:] = 0.0
+    p[:], contact[:], shifts = contacts_of(elastic)
+    nodal = np.zeros((problem.nodes.size, 6))
+    if problem.basis is None:
+        nodal = (elastic.shaft.times(q.ravel()) - problem.load.ravel() - flank_loads(problem, pushes, used)).reshape(-1, 6)
+    held = np.where(problem.fixed, nodal, 0.0)
+    record.scale = max(elastic.scale, float(np.abs(held[:, :3]).max(initial=0.0)))
+    return record, Support(held, shifts)
+
+
+def with_discretisation(scene: Scene, result: StaticResult, **options: Any) -> StaticResult:
+    """Add the beam's discretisation error: as `static.with_discretisation`, for ``solve_elastic`` with these options."""
+    if scene.ingredients.screw == "rigid" or not result.converged:
+        return result
+    if scene.ingredients.partition == "nodal":
+        other = solve_elastic(scene, refine=2, **options)
+    else:
+        nodal = replace(scene, ingredients=replace(scene.ingredients, partition="nodal"))
+        other = solve_elastic(nodal, **options)
+    loaded = other.load[other.load > 0.0]
+    measured = float(np.abs(result.load - other.load).max()), float(loaded.mean()) if loaded.size else 0.0
+    return replace(result, solver=replace(result.solver, discretisation=measured))

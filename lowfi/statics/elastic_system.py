@@ -1,0 +1,298 @@
+"""A scene with elastic bodies as arrays for the kernels: compliance at the flanks of screw and nut, balls, springs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.compliance.bodies import (
+    Backend,
+    BallCompliance,
+    ball_compliance,
+    body_compliance,
+    geometry_only,
+    grooved_section,
+)
+from lowfi.compliance.imported import Condensed
+from lowfi.compliance.modes import soft_modes
+from lowfi.statics.conformity import oblique_term
+from lowfi.statics.problem import Problem, build, nominal_hertz
+from lowfi.statics.shaft import Shaft, flank_response, shaft_of
+from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, reference_scale
+from meshes.errors import Specimen
+from meshes.helix import BallLayout
+from meshes.parts import Scene
+
+Array = NDArray[np.float64]
+
+#: Largest number of balls: compliance between all contacts is formed whole, so memory and set-up grow as its square.
+LARGEST = 250
+#: Number of balls from which on the bodies' soft modes serve the solution, instead of a dense factor.
+MODES_FROM = 24
+
+
+@dataclass(frozen=True)
+class Flanks:
+    """How the flanks of all balls move, ball by ball: four flanks each (d = 8 motions), or one pair's relative motion (2).
+
+    first, second: compliance [m/N] of screw and nut ``(4 N, 4 N)``, or of both together ``(2 N, 2 N)`` and nothing;
+    R ``(N, d, k)`` by the free motions, v0 ``(N, d)`` [m] by loads and prescribed displacements, work ``(k,)`` of the
+    loads; e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz; clipped: largest negative compliance cut away over
+    a contact's own. own: what the flanks' motions are found from again: compliance of screw and of nut on the built sides,
+    v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks.
+    """
+
+    first: Array
+    second: Array
+    R: Array
+    v0: Array
+    work: Array
+    e: Array
+    h: Array
+    clipped: float
+    own: tuple[Array, Array, Array, Array]
+
+
+@dataclass
+class Elastic:
+    """A problem ready for the kernels, in the order of `lowfi.statics.kernel.elastic.solve_forces`.
+
+    bodies, contacts, state, options, arms, history: its arguments; springs: those of `start_forces`; assumed: statements
+    about the bodies; scale: largest force of the last run [N].
+    """
+
+    problem: Problem
+    shaft: Shaft
+    flanks: Flanks
+    engine: ModuleType
+    bodies: tuple[Array, ...]
+    contacts: tuple[Array, ...]
+    state: tuple[Array, ...]
+    springs: Array
+    options: Array
+    arms: Array
+    history: Array
+    assumed: tuple[str, ...]
+    scale: float = 0.0
+
+    @property
+    def pair(self) -> tuple[int, int] | None:
+        """Sides of the one diagonal that the closed form serves, screw's first; None where all four flanks take part."""
+        if self.bodies[1].size:
+            return None
+        a = 0 if self.problem.use[0] else 1
+        return a, 3 - a
+
+
+def typical_force(problem: Problem) -> float:
+    """Force [N] at which small terms that depend on the contacts' size are taken: the mean share of load or squeeze."""
+    return max(reference_scale(problem)[0], 1e-6)
+
+
+def contact_compliance(problem: Problem) -> float:
+    """Tangent compliance [m/N] of a typical contact."""
+    return float(2.0 / 3.0 * np.mean(problem.C) / np.cbrt(typical_force(problem)))
+
+
+def by_ball(N: int, sides: Sequence[int]) -> NDArray[np.int64]:
+    """Places of (ball, side, axis) in arrays that go side after side, ``(N * sides * 2,)``."""
+    i, s, a = np.meshgrid(np.arange(N), np.asarray(sides), np.arange(2), indexing="ij")
+    return np.asarray(((s % 2) * N + i) * 2 + a, dtype=np.int64).ravel()
+
+
+def positive(G: Array) -> tuple[Array, float]:
+    """G without its negative eigenvalues, which would make the energy concave, and the largest one cut away [m/N]."""
+    if G.size == 0:
+        return G, 0.0
+    bump = 1e-10 * float(np.trace(G)) / len(G)
+    try:
+        np.linalg.cholesky(G + max(bump, 1e-300) * np.eye(len(G)))
+    except np.linalg.LinAlgError:
+        lam, V = np.linalg.eigh(G)
+        return (V * np.maximum(lam, 0.0)) @ V.T, float(-lam.min())
+    return G, 0.0
+
+
+def typical_axes(problem: Problem) -> tuple[float, float]:
+    """Semi-axes [m] of a typical contact, across the groove and along it."""
+    constants, grow = nominal_hertz(problem.scene), float(np.cbrt(typical_force(problem)))
+    return float(np.mean(constants.C_a)) * grow, float(np.mean(constants.C_b)) * grow
+
+
+def flanks_of(
+    problem: Problem, shaft: Shaft, backend: Backend, condensed: Condensed | None, layout: BallLayout, ball: BallCompliance
+) -> tuple[Flanks, tuple[str, ...]]:
+    """Motions of all flanks of a problem for a backend, with what balls add to the contacts' laws, and what is assumed for
+    the bodies."""
+    scene, N = problem.scene, layout.z.size
+    size = float(np.cbrt(typical_force(problem)))
+    oblique = oblique_term(nominal_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
+    pair = one_pair(problem)
+    e, h, assumed, G = np.zeros((N, 4)), np.zeros((N, 4)), [], []
+    v0, R = np.zeros((N, 2, 2)), np.zeros((N, 2, 2, shaft.work.size))
+    for screw in (True, False):
+        sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.use[s]]
+        body = body_compliance(scene, layout, screw, backend, typical_axes(problem))
+        assumed += [x for x in body.assumed if x not in assumed]
+        order = by_ball(N, sides)
+        slope = body.slope + ball.slope  # by the logarithm of F^(1/3), which its tangent at the typical force stands for
+        e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[sides] + slope / size
+        if condensed is not None:
+            for s in condensed.sides_of(sides):
+                e[:, s], h[:, s] = condensed.bodies.own_law(s)
+                e[:, s] += ball.e
+        own = body.G[np.ix_(order, order)]
+        if screw:
+            beam, moved, rigid = flank_response(shaft, sides)
+            order = by_ball(N, range(len(sides)))
+            own = own + beam[np.ix_(order, order)]
+            v0[:, [s % 2 for s in sides]] = moved[order].reshape(N, len(sides), 2)
+            R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)
+        if condensed is not None:
+            own = condensed.correct(scene, layout, sides, own, backend)
+        G.append(own)
+    if pair is not None:
+        first, clipped = positive(G[0] + G[1])
+        second, d = np.zeros((0, 0)), 2
+        s = pair[0] % 2
+        start, free = v0[:, s], R[:, s]
+    else:
+        (first, low), (second, high) = positive(G[0]), positive(G[1])
+        clipped, d = max(low, high), 8
+        start, free = np.zeros((N, 4, 2)), np.zeros((N, 4, 2, R.shape[3]))
+        start[:, :2], free[:, :2] = v0, R
+    flanks = Flanks(
+        np.ascontiguousarray(first),
+        np.ascontiguousarray(second),
+        np.ascontiguousarray(free.reshape(N, d, -1)),
+        np.ascontiguousarray(start.reshape(N, d)),
+        shaft.work,
+        e,
+        h,
+        clipped / contact_compliance(problem),
+        (G[0], G[1], v0, R),
+    )
+    return flanks, tuple(assumed)
+
+
+def one_pair(problem: Problem) -> tuple[int, int] | None:
+    """The diagonal pair in use, screw's side first, where it is the only one and the flanks are arcs."""
+    if problem.drawn.profile.shape[1] or np.all(problem.use):
+        return None
+    a = 0 if problem.use[0] else 1
+    return a, 3 - a
+
+
+def pair_data(problem: Problem, pair: tuple[int, int], e: Array, h: Array) -> Array:
+    """Rows of `lowfi.statics.kernel.elastic_balls.pair_balls`, ``(N, 7)``."""
+    a, b = pair
+    geometry = problem.geometry
+    D = geometry[:, b, :2] - geometry[:, a, :2]
+    size = np.hypot(D[:, 0], D[:, 1])
+    both = geometry[:, a, 4] + geometry[:, b, 4]
+    return np.column_stack([D, size, problem.closure[:, a], both, e[:, a] + e[:, b], h[:, a] + h[:, b]])
+
+
+def ready(
+    problem: Problem,
+    backend: Backend,
+    kernels: ModuleType,
+    layout: BallLayout,
+    condensed: Condensed | None = None,
+    *,
+    tolerance: float = TOLERANCE,
+) -> Elastic:
+    """Arrays for the kernels. Raises ValueError for more than ``LARGEST`` balls or impossible dimensions of the bodies."""
+    N = layout.z.size
+    if N > LARGEST:
+        raise ValueError(f"{N} balls: elastic bodies are limited to {LARGEST}; use the model lin")
+    if problem.drawn.profile.shape[1] and not np.all(problem.use):
+        raise AssertionError("uneven flanks are solved with all four sides")
+    shaft = shaft_of(problem)
+    axes = typical_axes(problem)
+    ball = ball_compliance(problem.scene, axes, backend) if condensed is None else condensed.ball(problem.scene, axes)
+    flanks, assumed = flanks_of(problem, shaft, backend, condensed, layout, ball)
+    pair = one_pair(problem)
+    local = np.zeros((N, 4, 3))
+    local[..., 0] = flanks.e
+    local[..., 1] = ball.g * np.array([1.0, ball.sign, ball.sign, 1.0])
+    local[..., 2] = flanks.h
+    rows = np.zeros((N, 7))
+    if pair is not None:  # one diagonal alone: nothing to couple with
+        local[..., 0] += 2.0 * ball.g**2
+        rows = pair_data(problem, pair, local[..., 0], flanks.h)
+    force, stiffness = reference_scale(problem)
+    modes = [np.zeros((0, 0))] * 2
+    if N >= MODES_FROM:
+        modes = [soft_modes(G, contact_compliance(problem)) for G in (flanks.first, flanks.second)]
+    bodies = (flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *modes)
+    contacts = (problem.geometry, problem.closure, local, problem.drawn.ball_radius, problem.drawn.profile, rows)
+    state = (np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5)))
+    furthest = float(problem.drawn.ball_radius.max())
+    options = np.array([tolerance, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, force_floor(problem), furthest])
+    return Elastic(
+        problem,
+        shaft,
+        flanks,
+        kernels,
+        bodies,
+        contacts,
+        state,
+        spring_rows(problem, pair, stiffness),
+        options,
+        shaft.arms,
+        np.zeros(MAX_ITERATIONS + 1),
+        assumed,
+    )
+
+
+def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float) -> Array:
+    """Linear springs between opposite flanks, ``(N, 1, 2)`` for one pair or ``(N, 2, 8)``."""
+    w = problem.geometry[..., :2] / np.maximum(problem.geometry[..., 2:3], 1e-30)
+    root = np.sqrt(stiffness)
+    if pair is not None:
+        return np.ascontiguousarray(root * w[:, pair[0], None, :])
+    rows = np.zeros((w.shape[0], 2, 4, 2))
+    for s in range(2):
+        if problem.use[s] and problem.use[3 - s]:
+            rows[:, s, s], rows[:, s, 3 - s] = root * w[:, s], -root * w[:, s]
+    return rows.reshape(-1, 2, 8)
+
+
+@dataclass(frozen=True)
+class Rebuild:
+    """Builds a problem anew with other lever arms; held: freedoms of the nodes and their values, ``(n, 6)`` each."""
+
+    scene: Scene
+    drawn: Specimen
+    layout: BallLayout
+    use: NDArray[np.bool_]
+    held: tuple[NDArray[np.bool_], Array] | None
+    backend: Backend
+    condensed: Condensed | None
+    engine: ModuleType
+    everything: bool
+    refine: int
+
+    def __call__(self, more: Array | None = None) -> Elastic:
+        """The problem, ready; ``more``: see `lowfi.statics.problem.build`."""
+        problem = self.problem(more)
+        return ready(problem, self.backend, self.engine, self.layout, self.condensed)
+
+    def problem(self, more: Array | None = None) -> Problem:
+        """The problem with the backend's section."""
+        found = build(
+            self.scene,
+            self.drawn,
+            self.layout,
+            self.use,
+            everything=self.everything,
+            refine=self.refine,
+            more=more,
+            section=grooved_section(geometry_only(self.scene), True) if self.backend.section == "cell" else None,
+        )
+        return found if self.held is None else replace(found, fixed=self.held[0], prescribed=self.held[1])

@@ -1,0 +1,19 @@
+"""Kernels of the static model in a subset of Python that numba compiles; see ``lowfi.jit`` for the two engines."""
+
+from .ball import settle
+from .elastic import solve_forces, start_forces
+from .elastic_balls import contact_law, evaluate_balls, rest
+from .newton import ensemble, evaluate, linear_start, solve
+
+__all__ = [
+    "contact_law",
+    "ensemble",
+    "evaluate",
+    "evaluate_balls",
+    "linear_start",
+    "rest",
+    "settle",
+    "solve",
+    "solve_forces",
+    "start_forces",
+]

@@ -1,0 +1,216 @@
+"""One ball in its grooves: its centre eliminated from the contact energy (2 x 2), for up to four contacts.
+
+Packed rows, one per side SL, SR, NL, NR:
+geometry (4, 9): nominal w = (x3, z3) of the ball from the groove's centre, its size, nominal approach [m], Hertz
+constant C [m/N^(2/3)], 1 or 0 whether the flank takes part, groove radius [m], and the signs s_x, s_z of
+the contact direction;
+contact (4, 5): force [N], unit normal m (ball to groove), F' = dF/d delta and F kt [N/m].
+"""
+
+from math import sqrt
+
+from lowfi.jit import kernel
+
+from .arrays import Array
+from .contact import arc, flank
+
+WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)
+FORCE, MX, MZ, KN, KT = range(5)
+
+
+@kernel
+def start_centre(p: Array, shift: Array, geometry: Array, closure: Array) -> int:
+    """Starting centre: two-contact solutions of the diagonal pairs that close, else the mean shift of the flanks.
+
+    With D = o_a - o_b between opposite groove centres the interference is its nominal value ``closure`` (2,) plus
+    |D + v_a - v_b| - |D|, and the pair shares it as C_a : C_b (exact for circular flanks). Writes p (2,), relative to
+    the nominal centre; returns how many pairs close.
+    """
+    count = 0
+    x, z = 0.0, 0.0
+    for a in range(2):
+        b = 3 - a
+        if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
+            continue
+        dx, dz = geometry[b, WX] - geometry[a, WX], geometry[b, WZ] - geometry[a, WZ]
+        vx, vz = shift[a, 0] - shift[b, 0], shift[a, 1] - shift[b, 1]
+        dist0 = sqrt(dx * dx + dz * dz)
+        dist = sqrt((dx + vx) * (dx + vx) + (dz + vz) * (dz + vz))
+        if dist <= 1e-30 or dist0 <= 1e-30:
+            continue
+        change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
+        total = closure[a] + change
+        if total > 0.0:
+            # from b's groove centre along D + v by the size of w_b that gives b its share of the interference; the
+            # turn of that direction is (v - D/|D| change)/|D + v|: no difference of unit vectors
+            nx, nz = dx / dist0, dz / dist0
+            share = geometry[b, HERTZ] / (geometry[a, HERTZ] + geometry[b, HERTZ])
+            more, size = total * share - geometry[b, APPROACH], geometry[b, SIZE]
+            x += shift[b, 0] + ((dx + vx) * more + (vx - nx * change) * size) / dist + (nx * size - geometry[b, WX])
+            z += shift[b, 1] + ((dz + vz) * more + (vz - nz * change) * size) / dist + (nz * size - geometry[b, WZ])
+            count += 1
+    if count > 0:
+        p[0], p[1] = x / count, z / count
+        return count
+    n = 0
+    for s in range(4):
+        if geometry[s, USE] != 0.0:
+            x += shift[s, 0]
+            z += shift[s, 1]
+            n += 1
+    p[0], p[1] = x / max(n, 1), z / max(n, 1)
+    return 0
+
+
+@kernel
+def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -> tuple[float, float, float, float]:
+    """Approach, normal and curvature term of the ball at (ux, uz) from its nominal place on one flank, arc or not."""
+    if profile.shape[0] == 0:
+        return arc(ux, uz, geometry[WX], geometry[WZ], geometry[SIZE], geometry[APPROACH])
+    return flank(ux, uz, geometry[WX], geometry[WZ], r_ball, geometry[RADIUS], profile, geometry[SX], geometry[SZ])
+
+
+@kernel
+def touch(px: float, pz: float, shift: Array, geometry: Array, r_ball: float, profile: Array, contact: Array) -> float:
+    """Contact forces and stiffnesses with the ball's centre at p; returns the energy [J] (Lin 2.14 integrated)."""
+    energy = 0.0
+    for s in range(4):
+        contact[s, FORCE] = 0.0
+        if geometry[s, USE] == 0.0:
+            continue
+        delta, mx, mz, kt = meet(px - shift[s, 0], pz - shift[s, 1], geometry[s], r_ball, profile[s])
+        contact[s, MX], contact[s, MZ] = mx, mz
+        if delta > 0.0:
+            c = geometry[s, HERTZ]
+            x = delta / c
+            root = sqrt(x)
+            contact[s, FORCE] = x * root
+            energy += 0.4 * c * x * x * root
+            contact[s, KN] = 1.5 * root / c
+            contact[s, KT] = x * root * kt
+    return energy
+
+
+@kernel
+def net_force(contact: Array) -> tuple[float, float]:
+    """Size of the net force on the ball and the largest single force [N]."""
+    gx, gz, scale = 0.0, 0.0, 0.0
+    for s in range(4):
+        f = contact[s, FORCE]
+        if f > 0.0:
+            gx += f * contact[s, MX]
+            gz += f * contact[s, MZ]
+            scale = max(scale, f)
+    return sqrt(gx * gx + gz * gz), scale
+
+
+@kernel
+def newton_step(contact: Array) -> tuple[float, float, float]:
+    """Newton step of the centre and the slope of the energy along it; zero where singular."""
+    gx, gz, hxx, hxz, hzz = 0.0, 0.0, 0.0, 0.0, 0.0
+    for s in range(4):
+        f = contact[s, FORCE]
+        if f > 0.0:
+            mx, mz, kn, kt = contact[s, MX], contact[s, MZ], contact[s, KN], contact[s, KT]
+            gx += f * mx
+            gz += f * mz
+            hxx += kn * mx * mx + kt * mz * mz
+            hzz += kn * mz * mz + kt * mx * mx
+            hxz += (kn - kt) * mx * mz
+    bump = 1e-14 * (hxx + hzz)
+    hxx += bump
+    hzz += bump
+    det = hxx * hzz - hxz * hxz
+    if det <= 0.0:
+        return 0.0, 0.0, 0.0
+    sx, sz = -(hzz * gx - hxz * gz) / det, -(hxx * gz - hxz * gx) / det
+    return sx, sz, gx * sx + gz * sz
+
+
+@kernel
+def settle(
+    p: Array, shift: Array, geometry: Array, closure: Array, r_ball: float, profile: Array, tiny: float, contact: Array
+) -> float:
+    """Equilibrium of one ball at given motions of its flanks: minimises its contact energy over its centre.
+
+    shift (4, 2): motion of the flanks [m]; closure (2,): nominal interference of the diagonal pairs [m]; r_ball [m];
+    profile (4, d): see ``contact.flank``; tiny [N]: forces below it count as none. Fills p (2,) [m] and ``contact``;
+    returns the energy [J]. The energy is convex for r_G >= r_B: the forces at the minimum are unique.
+    """
+    start_centre(p, shift, geometry, closure)
+    energy = touch(p[0], p[1], shift, geometry, r_ball, profile, contact)
+    best = 1e300
+    for _ in range(100):
+        net, scale = net_force(contact)
+        if scale <= tiny:
+            for k in range(4):
+                contact[k, FORCE] = 0.0
+            return 0.0
+        if net <= 2e-15 * scale or (net <= 1e-11 * scale and net >= 0.5 * best):
+            break  # balanced, or at the round-off floor
+        best = min(best, net)
+        sx, sz, slope = newton_step(contact)
+        if slope == 0.0:
+            break
+        t = 1.0
+        new = energy
+        for _ in range(40):
+            new = touch(p[0] + t * sx, p[1] + t * sz, shift, geometry, r_ball, profile, contact)
+            if new <= energy + 1e-4 * t * slope or abs(t * slope) <= 1e-13 * energy:
+                break
+            t *= 0.5
+        p[0] += t * sx
+        p[1] += t * sz
+        energy = new
+    return energy
+
+
+@kernel
+def block(contact: Array, s: int) -> tuple[float, float, float]:
+    """Stiffness h_s = F' m m^T + F kt t t^T of contact s: (xx, xz, zz) [N/m]."""
+    if contact[s, FORCE] <= 0.0:
+        return 0.0, 0.0, 0.0
+    mx, mz, kn, kt = contact[s, MX], contact[s, MZ], contact[s, KN], contact[s, KT]
+    return kn * mx * mx + kt * mz * mz, (kn - kt) * mx * mz, kn * mz * mz + kt * mx * mx
+
+
+@kernel
+def reduced_hessian(contact: Array, out: Array) -> None:
+    """Hessian of the ball's energy by the motion of its screw flanks, its centre eliminated: out (4, 4) [N/m].
+
+    With H the sum of the blocks h_s: -h_s H^-1 h_t off the diagonal and h_s H^-1 (H - h_s) on it (the others summed,
+    not subtracted: no cancellation). Order SL x, SL z, SR x, SR z.
+    """
+    for s in range(4):
+        out[s, 0], out[s, 1], out[s, 2], out[s, 3] = 0.0, 0.0, 0.0, 0.0
+    nxx, nxz, nzz = block(contact, 2)
+    oxx, oxz, ozz = block(contact, 3)
+    nxx, nxz, nzz = nxx + oxx, nxz + oxz, nzz + ozz
+    axx, axz, azz = block(contact, 0)
+    bxx, bxz, bzz = block(contact, 1)
+    txx, txz, tzz = nxx + axx + bxx, nxz + axz + bxz, nzz + azz + bzz
+    det = txx * tzz - txz * txz
+    if det <= 0.0:
+        return
+    ixx, ixz, izz = tzz / det, -txz / det, txx / det
+    for s in range(2):
+        if contact[s, FORCE] <= 0.0:
+            continue
+        if s == 0:
+            hxx, hxz, hzz = axx, axz, azz
+            rxx, rxz, rzz = bxx, bxz, bzz
+        else:
+            hxx, hxz, hzz = bxx, bxz, bzz
+            rxx, rxz, rzz = axx, axz, azz
+        a00, a01 = hxx * ixx + hxz * ixz, hxx * ixz + hxz * izz
+        a10, a11 = hxz * ixx + hzz * ixz, hxz * ixz + hzz * izz
+        o, t = 2 * s, 2 - 2 * s
+        oxx, oxz, ozz = nxx + rxx, nxz + rxz, nzz + rzz
+        out[o, o] = a00 * oxx + a01 * oxz
+        out[o, o + 1] = a00 * oxz + a01 * ozz
+        out[o + 1, o] = a10 * oxx + a11 * oxz
+        out[o + 1, o + 1] = a10 * oxz + a11 * ozz
+        out[o, t] = -(a00 * rxx + a01 * rxz)
+        out[o, t + 1] = -(a00 * rxz + a01 * rzz)
+        out[o + 1, t] = -(a10 * rxx + a11 * rxz)
+        out[o + 1, t + 1] = -(a10 * rxz + a11 * rzz)

@@ -1,0 +1,365 @@
+"""Regularised Newton with line search on the convex energy of screw and balls (seed audit; Lin 2.23-2.25).
+
+E(q) = beam(q) - f q + sum over balls of min over the centre of the contact energies. One unknown motion (6) per node;
+banded Cholesky, so the cost is linear in the number of balls.
+"""
+
+from math import sqrt
+
+import numpy as np
+
+from lowfi.jit import kernel
+
+from .arrays import Array, Arrays, Contacts
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, reduced_hessian, settle
+from .banded import solve_banded
+from .beam import add_element, element_force, positions
+
+CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
+
+
+@kernel
+def evaluate(beam: Arrays, contacts: Contacts, state: Arrays, out: Arrays) -> tuple[float, float]:
+    """Energy and gradient at the state; fills out = (gradient (n, 6), hessians (N, 4, 4)); returns energy and scale.
+
+    beam = (lengths, sections, fixed, load); contacts = (node, B, geometry, closure, r_ball, profile, tiny), see
+    ``ball``; state = (q, d, p, contact). The scale [N] is the largest force met: applied, in an element, or of
+    a contact.
+    """
+    lengths, sections, _, load = beam
+    node, B, geometry, closure, r_ball, profile, tiny = contacts
+    q, d, p, contact = state
+    gradient, hessians = out
+    positions(q, d, lengths)
+    energy, scale = 0.0, 0.0
+    for i in range(q.shape[0]):
+        for k in range(6):
+            gradient[i, k] = -load[i, k]
+            energy -= load[i, k] * q[i, k]
+            if k < 3:
+                scale = max(scale, abs(load[i, k]))
+    f = np.empty(6)
+    for e in range(lengths.shape[0]):
+        element_force(d[e], lengths[e], sections[e], f)
+        for k in range(6):
+            energy += 0.5 * f[k] * d[e, k]
+            gradient[e, k] -= f[k]
+            gradient[e + 1, k] += f[k]
+            if k < 3:
+                scale = max(scale, abs(f[k]))
+        gradient[e, 3] += lengths[e] * f[1]
+        gradient[e, 4] -= lengths[e] * f[0]
+    shift = np.zeros((4, 2))
+    flat = q.ravel()
+    grad = gradient.ravel()
+    m = B.shape[3]
+    for i in range(r_ball.shape[0]):
+        for s in range(2):
+            if geometry[i, s, USE] != 0.0:
+                start = 6 * node[i, s]
+                x, z = 0.0, 0.0
+                for k in range(m):
+                    x += B[i, s, 0, k] * flat[start + k]
+                    z += B[i, s, 1, k] * flat[start + k]
+                shift[s, 0], shift[s, 1] = x, z
+        energy += settle(p[i], shift, geometry[i], closure[i], r_ball[i], profile, tiny, contact[i])
+        reduced_hessian(contact[i], hessians[i])
+        for s in range(4):
+            scale = max(scale, contact[i, s, FORCE])
+        for s in range(2):
+            f = contact[i, s, FORCE]
+            if f > 0.0:
+                start = 6 * node[i, s]
+                fx, fz = f * contact[i, s, MX], f * contact[i, s, MZ]
+                for k in range(m):
+                    grad[start + k] -= fx * B[i, s, 0, k] + fz * B[i, s, 1, k]
+    return energy, scale
+
+
+@kernel
+def assemble(band: Array, beam: Arrays, contacts: Contacts, hessians: Array, shift: float, arm: float) -> None:
+    """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
+    lengths, sections, fixed, _ = beam
+    node, B = contacts[0], contacts[1]
+    band[:, :] = 0.0
+    for e in range(lengths.shape[0]):
+        add_element(band, e, lengths[e], sections[e])
+    m = B.shape[3]
+    hb = np.empty((2, m))
+    for i in range(node.shape[0]):
+        for s in range(2):
+            for t in range(2):
+                if hessians[i, 2 * s, 2 * t] == 0.0 and hessians[i, 2 * s + 1, 2 * t + 1] == 0.0:
+                    continue
+                for a in range(2):
+                    for k in range(m):
+                        hb[a, k] = (
+                            hessians[i, 2 * s + a, 2 * t] * B[i, t, 0, k]
+                            + hessians[i, 2 * s + a, 2 * t + 1] * B[i, t, 1, k]
+                        )
+                rows, cols = 6 * node[i, s], 6 * node[i, t]
+                for j in range(m):
+                    b0, b1 = B[i, s, 0, j], B[i, s, 1, j]
+                    row = rows + j
+                    for k in range(m):
+                        col = cols + k
+                        if row >= col:
+                            band[col, row - col] += b0 * hb[0, k] + b1 * hb[1, k]
+    n, width = band.shape
+    for i in range(n):
+        band[i, 0] += shift * (1.0 if i % 6 < 3 else arm * arm)
+    for i in range(n):
+        if fixed[i // 6, i % 6]:
+            for w in range(width):
+                band[i, w] = 0.0
+            for w in range(1, min(width, i + 1)):
+                band[i - w, w] = 0.0
+            band[i, 0] = 1.0
+
+
+@kernel
+def residual_of(gradient: Array, fixed: Array, scale: float, arm: float) -> float:
+    """Largest free component of the gradient over the scale [N]; moments divided by ``arm`` [m]."""
+    worst = 0.0
+    for i in range(gradient.shape[0]):
+        for k in range(6):
+            if not fixed[i, k]:
+                worst = max(worst, abs(gradient[i, k]) / (1.0 if k < 3 else arm))
+    return worst / scale if scale > 0.0 else worst
+
+
+@kernel
+def advance(q: Array, d: Array, lengths: Array, q0: Array, d0: Array, step: Array, t: float) -> None:
+    """State at q0 + t step, in element deformations: the strain of the step is taken from the step alone."""
+    for k in range(6):
+        q[0, k] = q0[k] + t * step[0, k]
+    for e in range(d.shape[0]):
+        x = lengths[e]
+        d[e, 0] = d0[e, 0] + t * (step[e + 1, 0] - step[e, 0] - x * step[e, 4])
+        d[e, 1] = d0[e, 1] + t * (step[e + 1, 1] - step[e, 1] + x * step[e, 3])
+        for k in range(2, 6):
+            d[e, k] = d0[e, k] + t * (step[e + 1, k] - step[e, k])
+
+
+@kernel
+def slope_along(gradient: Array, step: Array, fixed: Array) -> float:
+    """Directional derivative of the energy."""
+    total = 0.0
+    for i in range(step.shape[0]):
+        for k in range(6):
+            if not fixed[i, k]:
+                total += gradient[i, k] * step[i, k]
+    return total
+
+
+@kernel
+def line_search(
+    beam: Arrays, contacts: Contacts, state: Arrays, out: Arrays, step: Array, energy: float, slope: float, limit: float
+) -> tuple[float, float, int]:
+    """Step length along ``step``: shrunk on overshoot, stretched while the slope does not change (open gaps).
+
+    Returns the energy, scale, and the number of evaluations; the state is left at the accepted point.
+    """
+    q, d = state[0], state[1]
+    fixed = beam[2]
+    q0, d0 = q[0].copy(), d.copy()
+    low, high, t = 0.0, 0.0, 1.0
+    new, scale = energy, 0.0
+    evaluations = 0
+    while evaluations < 60:
+        advance(q, d, beam[0], q0, d0, step, t)
+        new, scale = evaluate(beam, contacts, state, out)
+        evaluations += 1
+        ahead = slope_along(out[0], step, fixed)
+        if ahead > 0.0:
+            if ahead <= 0.5 * abs(slope) and new <= energy:
+                break
+            if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
+                break
+            high = t
+            t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
+        else:
+            if ahead >= 0.9 * slope or high > 0.0 or t > limit:
+                break
+            low = t
+            t *= 4.0
+    return new, scale, evaluations
+
+
+@kernel
+def solve(
+    beam: Arrays, contacts: Contacts, state: Arrays, options: Array, history: Array
+) -> tuple[int, int, int, float, float, float]:
+    """Minimise the energy from the given state; returns status, iterations, evaluations, residual, energy, scale.
+
+    options (7,): tolerance, largest number of iterations, reference stiffness [N/m], arm [m], largest motion [m] before
+    the screw counts as not held, half bandwidth, and the least force [N] that residuals are measured by. history (max
+    iterations + 1,): residual per step.
+    The regularisation is proportional to the residual, so it vanishes at the solution and convergence stays fast.
+    """
+    tolerance, most, stiffness, arm, bound = options[0], int(options[1]), options[2], options[3], options[4]
+    q, d = state[0], state[1]
+    lengths, fixed, node = beam[0], beam[2], contacts[0]
+    n = q.shape[0]
+    # a screw bent by moments alone, or pushed off its last contact, has no force left to compare with
+    floor = options[6]
+    f = np.empty(6)
+    for e in range(lengths.shape[0]):
+        element_force(d[e], lengths[e], beam[1][e], f)
+        for k in range(3, 6):
+            floor = max(floor, abs(f[k]) / arm)
+    out = (np.empty((n, 6)), np.zeros((node.shape[0], 4, 4)))
+    band = np.empty((6 * n, int(options[5]) + 1))
+    energy, scale = evaluate(beam, contacts, state, out)
+    if floor == 0.0:
+        floor = 1e-3 * scale  # only displacements are given, and they may meet no resistance in the end
+    scale = max(scale, floor)
+    residual = residual_of(out[0], fixed, scale, arm)
+    history[0] = residual
+    evaluations, stalled, factor = 1, 0, 1e-3
+    status, it = ITERATIONS, 0
+    best = residual
+    if residual <= tolerance:
+        return CONVERGED, 0, 1, residual, energy, scale
+    for it in range(1, most + 1):
+        step = np.empty((n, 6))
+        solved = False
+        for _ in range(12):
+            shift = factor * stiffness * min(1.0, residual)
+            assemble(band, beam, contacts, out[1], shift, arm)
+            for i in range(n):
+                for k in range(6):
+                    step[i, k] = 0.0 if fixed[i, k] else -out[0][i, k]
+            solved = solve_banded(band, step.ravel())
+            if solved:
+                break
+            factor *= 100.0
+        if not solved:
+            status = SINGULAR
+            break
+        slope = slope_along(out[0], step, fixed)
+        if residual < 1e-7:
+            q0, d0 = q[0].copy(), d.copy()
+            advance(q, d, lengths, q0, d0, step, 1.0)
+            energy, scale = evaluate(beam, contacts, state, out)
+            evaluations += 1
+        else:
+            energy, scale, used = line_search(beam, contacts, state, out, step, energy, slope, 1e12)
+            evaluations += used
+        scale = max(scale, floor)
+        residual = residual_of(out[0], fixed, scale, arm)
+        history[it] = residual
+        factor = max(1e-3, factor * 0.1)
+        if residual <= tolerance:
+            status = CONVERGED
+            break
+        moved = 0.0
+        for i in range(n):
+            moved = max(moved, sqrt(q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2))
+        if moved > bound:
+            status = NOT_HELD
+            break
+        stalled = stalled + 1 if residual >= 0.5 * best else 0
+        best = min(best, residual)
+        if stalled >= 2 and residual <= 1e-9:
+            break
+    return status, it, evaluations, residual, energy, scale
+
+
+@kernel
+def ensemble(
+    beam: Arrays,
+    contacts: Contacts,
+    state: Arrays,
+    options: Array,
+    radii: Array,
+    closures: Array,
+    geometries: Array,
+    forces: Array,
+    statuses: Array,
+    residuals: Array,
+) -> int:
+    """Solve many specimens of one screw from the same start; they differ in ball radii [m] and groove centres.
+
+    radii (M, N), closures (M, N, 2), geometries (M, N, 4, 9) replace those of ``contacts``; forces (M, N, 4),
+    statuses (M,), residuals (M,) are filled. Returns the total number of iterations.
+    """
+    node, B, _, _, _, profile, tiny = contacts
+    q, d, contact = state[0], state[1], state[3]
+    q0, d0 = q.copy(), d.copy()
+    history = np.empty(int(options[1]) + 1)
+    total = 0
+    for member in range(radii.shape[0]):
+        q[:], d[:] = q0, d0
+        own = (node, B, geometries[member], closures[member], radii[member], profile, tiny)
+        status, it, _, residual, _, _ = solve(beam, own, state, options, history)
+        statuses[member], residuals[member] = status, residual
+        for i in range(contact.shape[0]):
+            for s in range(4):
+                forces[member, i, s] = contact[i, s, FORCE]
+        total += it
+    return total
+
+
+@kernel
+def linear_start(beam: Arrays, contacts: Contacts, state: Arrays, options: Array) -> bool:
+    """Start of the iteration: equilibrium of the screw on linear springs (reference stiffness) in place of contacts.
+
+    Overwrites the motions and element deformations of ``state``; False (state untouched) where they cannot be found. No
+    flank goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn
+    first, as those of a contact angle near zero under an axial load.
+    """
+    lengths, sections, fixed, load = beam
+    geometry, limit = contacts[2], contacts[4].max()
+    q, d = state[0], state[1]
+    stiffness, arm = options[2], options[3]
+    n, count = q.shape[0], contacts[0].shape[0]
+    hessians = np.zeros((count, 4, 4))
+    for i in range(count):
+        for s in range(2):
+            if geometry[i, s, USE] != 0.0:
+                wx, wz = geometry[i, s, WX], geometry[i, s, WZ]
+                size = max(geometry[i, s, SIZE], 1e-30)
+                hessians[i, 2 * s, 2 * s] = stiffness * wx * wx / (size * size)
+                hessians[i, 2 * s, 2 * s + 1] = stiffness * wx * wz / (size * size)
+                hessians[i, 2 * s + 1, 2 * s] = hessians[i, 2 * s, 2 * s + 1]
+                hessians[i, 2 * s + 1, 2 * s + 1] = stiffness * wz * wz / (size * size)
+    band = np.empty((6 * n, int(options[5]) + 1))
+    assemble(band, beam, contacts, hessians, 1e-9 * stiffness, arm)
+    step = np.zeros((n, 6))
+    f = np.empty(6)
+    for i in range(n):
+        for k in range(6):
+            step[i, k] = load[i, k]
+    for e in range(lengths.shape[0]):
+        element_force(d[e], lengths[e], sections[e], f)
+        for k in range(6):
+            step[e, k] += f[k]
+            step[e + 1, k] -= f[k]
+        step[e, 3] -= lengths[e] * f[1]
+        step[e, 4] += lengths[e] * f[0]
+    for i in range(n):
+        for k in range(6):
+            if fixed[i, k]:
+                step[i, k] = 0.0
+    if not solve_banded(band, step.ravel()):
+        return False
+    reach = flank_reach(contacts, step.ravel())
+    advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0 if reach <= limit else limit / reach)
+    return True
+
+
+@kernel
+def flank_reach(contacts: Contacts, motion: Array) -> float:
+    """Largest displacement [m] of a flank by the nodal motions (6 n,)."""
+    node, B, geometry = contacts[0], contacts[1], contacts[2]
+    largest = 0.0
+    for i in range(node.shape[0]):
+        for s in range(2):
+            if geometry[i, s, USE] != 0.0:
+                x, z = 0.0, 0.0
+                for k in range(B.shape[3]):
+                    x += B[i, s, 0, k] * motion[6 * node[i, s] + k]
+                    z += B[i, s, 1, k] * motion[6 * node[i, s] + k]
+                largest = max(largest, sqrt(x * x + z * z))
+    return largest

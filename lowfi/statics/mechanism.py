@@ -1,0 +1,90 @@
+"""Motions of the screw that neither a support nor a contact resists, found before anything is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from lowfi.statics.problem import Problem
+from lowfi.statics.shape import rigid_transport
+from meshes.parts import FREEDOMS
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """What is free: ``driven`` by the loads (no equilibrium exists) or not; freedoms of the first node to hold.
+
+    no_torsion: the track has no lead, so no contact force twists the shaft, and no moment is applied about it.
+    """
+
+    driven: bool
+    text: str
+    pins: tuple[int, ...] = ()
+    no_torsion: bool = False
+
+
+def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
+    """Rigid motions ``(6, k)`` that supports leave (of the first node), the balls' motions, and the loads' work.
+
+    The motion of the screw at each ball's centre stands for its flanks: there the motion along the helix is exactly
+    free, while the planar sections of the model would hold it by a false sin(alpha) (R_p - R_contact).
+    """
+    arm = problem.scene.track.pitch_radius
+    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    z = problem.nodes
+    transport = np.stack([rigid_transport(float(x - z[0])) for x in z])
+    if problem.basis is not None:
+        motions = problem.basis[:, ~problem.fixed[0]]
+        work = problem.load[0, ~problem.fixed[0]]
+    else:
+        rows = transport[problem.fixed] * scale
+        z_free = np.eye(6)
+        if rows.size:
+            _, sv, vt = np.linalg.svd(rows)
+            rank = int(np.sum(sv > 1e-9 * sv[0]))
+            z_free = vt[rank:].T
+        motions = scale[:, None] * z_free
+        work = np.einsum("nij,ni->j", transport, problem.load) @ motions
+    layout = problem.layout
+    r = layout.centre - np.array([0.0, 0.0, z[0]])
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    rows = np.concatenate([axes, np.cross(r[:, None, :], axes)], axis=2)
+    return motions, (rows @ motions).reshape(2 * len(r), motions.shape[1]), work
+
+
+def free_motions(problem: Problem) -> Mechanism:
+    """Whether the screw can move without closing or sliding any contact, and whether the loads drive that motion."""
+    track = problem.scene.track
+    twist = float(np.abs(problem.load[:, 5]).sum()) if problem.basis is None else 0.0
+    no_torsion = track.lead == 0.0 and twist == 0.0 and problem.nodes.size > 1
+    motions, flanks, work = _free_rigid(problem)
+    if motions.shape[1] == 0:
+        return Mechanism(False, "", (), no_torsion)
+    _, sv, vt = np.linalg.svd(flanks) if flanks.size else (None, np.zeros(0), np.eye(motions.shape[1]))
+    rank = int(np.sum(sv > 1e-9 * max(1.0, sv.max(initial=0.0))))
+    null = vt[rank:]
+    if null.shape[0] == 0:
+        return Mechanism(False, "", (), no_torsion)
+    free = motions @ null.T
+    drive = null @ work
+    total = float(np.abs(problem.load[:, :3]).sum() + np.abs(problem.load[:, 3:]).sum() / track.pitch_radius)
+    text = _name(free, track.lead, track.pitch_radius)
+    if float(np.abs(drive).max()) > 1e-9 * total and total > 0.0:
+        return Mechanism(True, f"{text}: no support and no contact resists it, and the loads drive it")
+    _, _, order = qr(free.T, pivoting=True)
+    pins = tuple(int(k) for k in order[: null.shape[0]])
+    return Mechanism(False, text, pins, no_torsion)
+
+
+def _name(free: Array, lead: float, arm: float) -> str:
+    """Words for the free motion."""
+    scaled = np.abs(free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]).max(axis=1)
+    if free.shape[1] == 1 and scaled[:2].max() + scaled[3:5].max() < 1e-6 * scaled.max():
+        return "screw motion along the helix" if lead > 0.0 else "rotation about the screw's axis"
+    parts = [name for name, size in zip(FREEDOMS, scaled, strict=True) if size > 1e-6 * scaled.max()]
+    return "rigid motion in " + ", ".join(parts)

@@ -1,0 +1,228 @@
+"""Mei's axial-only model (Mei et al. 2003, as Lin 2.4.1 uses it): bars for the screw, fixed contact directions.
+
+The baseline of case study 1: it knows no bending, no twist and no change of contact angle, so an axial load gives
+contact loads that fall steadily along the nut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, sin
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solveh_banded
+
+from lowfi.statics.problem import SIGNS, Array, distances, error_free, hertz_C
+from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from meshes.errors import specimen
+from meshes.helix import BallLayout, ball_layout, lead_angle
+from meshes.partition import merge
+from meshes.parts import Scene
+from meshes.section import screw_section, tube_section
+
+#: Statements that hold for every run of this model.
+ASSUMPTIONS = (
+    "axial displacements only: no bending, no torsion, no lateral load or moment (Mei et al. 2003; Lin 2.4.1)",
+    "contact angles stay nominal; geometric errors count along the nominal contact normal",
+)
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """Axial chain: unknowns are screw motions at ``nodes`` and, with an elastic nut, the nut's at the ball stations."""
+
+    nodes: Array
+    K: Array  # lower band, (bandwidth + 1, unknowns)
+    load: Array
+    fixed: NDArray[np.bool_]
+    prescribed: Array
+    screw: NDArray[np.int64]
+    nut: NDArray[np.int64]
+    slope: float
+    closure: Array
+    C: Array
+
+
+def _bars(k: Array, order: NDArray[np.int64], stations: Array, stiffness: float) -> None:
+    for a, b, length in zip(order[:-1], order[1:], np.diff(stations), strict=True):
+        s = stiffness / length
+        low, high = min(a, b), max(a, b)
+        k[0, a] += s
+        k[0, b] += s
+        k[high - low, low] -= s
+
+
+def _chain(scene: Scene, layout: BallLayout, member: int, *, elastic_nut: bool) -> _Chain:
+    drawn = specimen(scene, layout, member)
+    _, closure = distances(scene, drawn)
+    constants = hertz_C(error_free(scene), drawn)
+    pair = np.stack([constants[:, 0] + constants[:, 3], constants[:, 1] + constants[:, 2]], axis=1)
+    held = {s.at: v for s in scene.supports for name, v in s.fixed if name == "uz"}
+    loads = {f.at: f.force[2] for f in scene.loads if f.force[2] != 0.0}
+    nodes = merge(np.concatenate([layout.z, list(held), list(loads)]))
+    n = nodes.size
+    width = 2 if elastic_nut else 1
+    # screw node j is unknown width * j; the nut's motion at the same station follows it
+    total = width * n + (1 if elastic_nut else 0)
+    k = np.zeros((width + 2, total))
+    order = width * np.arange(n, dtype=np.int64)
+    if n > 1:
+        _bars(k, order, nodes, screw_section(scene).EA)
+    fixed, prescribed, load = np.zeros(total, dtype=bool), np.zeros(total), np.zeros(total)
+    for z, value in held.items():
+        j = order[int(np.argmin(np.abs(nodes - z)))]
+        fixed[j], prescribed[j] = True, value
+    for z, value in loads.items():
+        load[order[int(np.argmin(np.abs(nodes - z)))]] += value
+    screw = order[np.abs(nodes[None, :] - layout.z[:, None]).argmin(axis=1)]
+    nut = np.full(layout.z.size, -1, dtype=np.int64)
+    if elastic_nut:
+        face = scene.nut.position - scene.nut.length / 2.0
+        inside = np.flatnonzero((nodes >= layout.z.min() - 1e-9) & (nodes <= layout.z.max() + 1e-9))
+        bore = 2.0 * (scene.track.pitch_radius + scene.balls.radius * cos(scene.track.contact_angle))
+        area = tube_section(scene.nut.outer_diameter, bore, scene.nut.material).EA
+        members = order[inside] + 1
+        _bars(k, members, nodes[inside], area)
+        k[0, members[0]] += area / max(float(nodes[inside[0]] - face), 1e-6)
+        unused = np.setdiff1d(np.arange(total), np.concatenate([order, members]))
+        fixed[unused] = True
+        nut = screw + 1
+    slope = sin(scene.track.contact_angle) * cos(lead_angle(scene.track))
+    return _Chain(nodes, k, load, fixed, prescribed, screw, nut, slope, closure, pair)
+
+
+def _contact(chain: _Chain, x: Array) -> tuple[Array, Array]:
+    """Normal forces ``(N, 2)`` of the pairs (SL, NR) and (SR, NL) and their tangents by the closure."""
+    relative = x[chain.screw] - np.where(chain.nut >= 0, x[chain.nut], 0.0)
+    delta = np.maximum(chain.closure + chain.slope * relative[:, None] * np.array([1.0, -1.0]), 0.0)
+    return (delta / chain.C) ** 1.5, 1.5 * np.sqrt(delta / chain.C) / chain.C
+
+
+def _gradient(chain: _Chain, x: Array) -> tuple[Array, Array, Array]:
+    force, tangent = _contact(chain, x)
+    axial = chain.slope * (force[:, 0] - force[:, 1])
+    g = -chain.load.copy()
+    for offset, row in enumerate(chain.K):
+        if offset == 0:
+            g += row * x
+        else:
+            g[offset:] += row[:-offset] * x[:-offset]
+            g[:-offset] += row[:-offset] * x[offset:]
+    np.add.at(g, chain.screw, axial)
+    if chain.nut[0] >= 0:
+        np.add.at(g, chain.nut, -axial)
+    return g, force, chain.slope**2 * tangent.sum(axis=1)
+
+
+def _newton(chain: _Chain, most: int = 100) -> tuple[Array, int, float]:
+    """Solution, iterations and relative residual; the same regularised Newton on a convex energy as the full model."""
+    x = np.where(chain.fixed, chain.prescribed, 0.0)
+    free = ~chain.fixed
+    total = max(float(np.abs(chain.load).sum()), 1e-300)
+    share = total / (chain.screw.size * chain.slope)
+    guess = np.sign(chain.load.sum()) * float(chain.C.mean()) * share ** (2.0 / 3.0) / chain.slope
+    x[free] += guess
+    residual, iteration = np.inf, 0
+    for iteration in range(most):  # noqa: B007
+        g, force, stiffness = _gradient(chain, x)
+        scale = max(float(force.max(initial=0.0)), float(np.abs(chain.load).max(initial=0.0)))
+        residual = float(np.abs(g[free]).max(initial=0.0)) / scale if scale else 0.0
+        if residual <= 1e-12:
+            break
+        h = chain.K.copy()
+        np.add.at(h[0], chain.screw, stiffness)
+        if chain.nut[0] >= 0:
+            np.add.at(h[0], chain.nut, stiffness)
+            np.add.at(h[1], chain.screw, -stiffness)
+        h[0] += 1e-9 * min(1.0, residual) * float(h[0].max())
+        for j in np.flatnonzero(chain.fixed):
+            for offset in range(1, h.shape[0]):
+                h[offset, j] = 0.0
+                if j >= offset:
+                    h[offset, j - offset] = 0.0
+            h[0, j] = 1.0
+        step = solveh_banded(h, np.where(free, -g, 0.0), lower=True)
+        slope = float(g @ step)
+        t = 1.0
+        for _ in range(40):
+            ahead = float(_gradient(chain, x + t * step)[0][free] @ step[free])
+            if ahead <= 0.5 * abs(slope) or residual < 1e-9:
+                break
+            t *= 0.5
+        x = x + t * step
+    return x, iteration, residual
+
+
+def solve_mei(scene: Scene, *, member: int = 0, elastic_nut: bool = False) -> StaticResult:
+    """Contact loads of the axial-only model.
+
+    elastic_nut: the nut as a bar clamped at its left face (Mei's own model) instead of rigid (as in ``lin``).
+    Lateral loads, moments and lateral supports are left out, and said; an axial load that nothing can carry is
+    reported in ``status``.
+    """
+    start = perf_counter()
+    layout = ball_layout(scene)
+    chain = _chain(scene, layout, member, elastic_nut=elastic_nut)
+    x, iterations, residual = _newton(chain)
+    force, _ = _contact(chain, x)
+    load = np.zeros((layout.z.size, 4))
+    load[:, [0, 3]], load[:, [1, 2]] = force[:, :1], force[:, 1:]
+    status = "converged" if residual <= 1e-10 else f"not converged: relative residual {residual:.1e}"
+    beta = scene.track.contact_angle
+    direction = SIGNS * np.array([cos(beta), sin(beta)])
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    world = np.einsum("sa,nak->nsk", direction, axes)
+    points = layout.centre[:, None, :] + scene.balls.radius * world
+    axial = float((chain.slope * (force[:, 0] - force[:, 1])).sum())
+    applied = float(chain.load.sum())
+    own = np.zeros(chain.fixed.size, dtype=bool)
+    own[: (2 if elastic_nut else 1) * chain.nodes.size : 2 if elastic_nut else 1] = True
+    reaction = float(_gradient(chain, x)[0][own & chain.fixed].sum())
+    size = max(abs(applied), abs(axial), 1e-300)
+    zero = np.zeros(3)
+    balance = Equilibrium(
+        np.array([0.0, 0.0, applied]),
+        zero,
+        np.array([0.0, 0.0, reaction]),
+        zero,
+        np.array([0.0, 0.0, -axial]),
+        zero,
+        abs(applied + reaction - axial) / size,
+        0.0,
+    )
+    width = 2 if elastic_nut else 1
+    uz = x[: width * chain.nodes.size : width]
+    stations = np.unique(np.concatenate([chain.nodes, [0.0, scene.screw.length]]))
+    line = np.zeros((stations.size, 6))
+    line[:, 2] = np.interp(stations, chain.nodes, uz)
+    report = SolverReport(
+        iterations,
+        iterations,
+        residual,
+        perf_counter() - start,
+        int(np.count_nonzero(~chain.fixed)),
+        chain.nodes.size - 1,
+        "interpreted",
+        "axial bars",
+    )
+    nut_text = "the nut is an elastic bar held at its left face" if elastic_nut else "the nut is rigid"
+    return StaticResult(
+        model="mei-nut" if elastic_nut else "mei",
+        status=status,
+        azimuth=layout.azimuth,
+        z=layout.z,
+        load=load,
+        contact_angle=np.where(load > 0.0, beta, np.nan),
+        contact_point=points,
+        force_direction=-world,
+        centre_shift=np.zeros((layout.z.size, 2)),
+        hertz_C=hertz_C(error_free(scene), specimen(scene, layout, member)),
+        centreline_z=stations,
+        centreline=line,
+        equilibrium=balance,
+        solver=report,
+        assumed=(*scene.assumed, *ASSUMPTIONS, nut_text),
+        left_out=("lateral forces, moments, bending and torsion: the model is axial",),
+    )

@@ -1,0 +1,347 @@
+"""From the description of the parts to the arrays that the kernels solve on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BarycentricInterpolator
+
+from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printed_hertz
+from lowfi.statics.conformity import curvature_changes
+from lowfi.statics.shape import motion_matrix, rigid_transport
+from lowfi.statics.supports import contradiction, rigid_rows
+from meshes.errors import Specimen, specimen
+from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
+from meshes.partition import MERGE, beam_nodes, contact_stations
+from meshes.parts import FREEDOMS, SIDE_SIGNS, Errors, Scene
+from meshes.section import BeamSection, screw_section
+from meshes.surface import principal_curvatures, printed_radii
+
+Array = NDArray[np.float64]
+
+#: Number of radii at which `hertz_C` takes exact values for many specimens.
+NODES = 12
+#: Signs of the contact directions, shape (4, 2).
+SIGNS = np.array(SIDE_SIGNS)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Arrays of one static problem; shapes with n nodes, N balls, m = 6 or 12 freedoms per flank.
+
+    nodes (n,) [m]; section; fixed (n, 6); prescribed (n, 6); load (n, 6); node (N, 2), B (N, 2, 2, m): motion of each
+    screw flank in the section plane; geometry (N, 4, 9), closure (N, 2): see ``kernel.ball``; use (4,).
+    ``basis``: for a rigid screw the motions that its supports leave, (6, 6), else None.
+    """
+
+    scene: Scene
+    layout: BallLayout
+    drawn: Specimen
+    nodes: Array
+    section: BeamSection
+    fixed: NDArray[np.bool_]
+    prescribed: Array
+    load: Array
+    node: NDArray[np.int64]
+    B: Array
+    geometry: Array
+    closure: Array
+    use: NDArray[np.bool_]
+    left_out_elements: int
+    basis: Array | None = None
+
+    @property
+    def C(self) -> Array:
+        """Hertz constants of each ball and side, ``(N, 4)`` [m/N^(2/3)]: a view, updated in place."""
+        return self.geometry[:, :, 4]
+
+    @property
+    def unknowns(self) -> int:
+        """Free motions of the screw; centres and contact angles of the balls are eliminated."""
+        return int(np.count_nonzero(~self.fixed))
+
+    @property
+    def half_bandwidth(self) -> int:
+        """Half bandwidth of the stiffness matrix."""
+        width = 11 if self.nodes.size > 1 else 5
+        used = [s for s in range(2) if self.use[s]]
+        if used:
+            reach = self.B.shape[3] - 1
+            low, high = self.node[:, used].min(axis=1), self.node[:, used].max(axis=1)
+            width = max(width, int((6 * (high - low)).max()) + reach)
+        return width
+
+
+def nominal_hertz(scene: Scene) -> HertzConstants:
+    """Hertz constants of the error-free parts for each side, shape ``(4,)``, at the nominal contact angle."""
+    return constants_of(scene, nominal_curvatures(scene))
+
+
+def nominal_curvatures(scene: Scene) -> Array:
+    """Relative principal curvatures of the error-free parts at the nominal contact angle, ``(4, 2)`` [1/m], that across the
+    groove first."""
+    bare = replace(scene, errors=Errors(), balls=replace(scene.balls, azimuths=(scene.track.phase,)))
+    layout = ball_layout(bare)
+    drawn = specimen(bare, layout)
+    return np.asarray(relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0])
+
+
+def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:
+    """Hertz constants ``(..., N, 4)`` of every contact at the nominal contact angle, with its own radii of ball and groove.
+
+    ball_radius: ``(..., N)`` [m] in place of the specimen's. What this does to an oversize: `lowfi.statics.conformity`.
+    """
+    radius = drawn.ball_radius if ball_radius is None else ball_radius
+    return constants_of(scene, nominal_curvatures(scene) + curvature_changes(scene, drawn, radius))
+
+
+def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
+    """Hertz constants ``(N, 4)`` at contact angles gamma ``(N, 4)`` [rad], from the exact surfaces with all errors.
+
+    Raises ValueError where ball and groove conform.
+    """
+    return constants_of(scene, relative_curvatures(scene, drawn, gamma))
+
+
+def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
+    """Relative principal curvatures ``(N, 4, 2)`` [1/m] at contact angles ``(N, 4)`` [rad], across the groove first."""
+    groove = [principal_curvatures(scene, drawn, side, gamma[:, side]) for side in range(4)]
+    return np.asarray(1.0 / drawn.ball_radius[:, None, None] + np.stack(groove, axis=1))
+
+
+def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
+    """Hertz constants ``(..., 4)`` of the sides' materials at relative principal curvatures ``(..., 4, 2)`` [1/m]."""
+    ball = scene.balls.material
+    bodies = [scene.screw.material] * 2 + [scene.nut.material] * 2
+    modulus = np.array(
+        [contact_modulus(ball.youngs_modulus, ball.poissons_ratio, x.youngs_modulus, x.poissons_ratio) for x in bodies]
+    )
+    return hertz_constants(curvatures[..., 0], curvatures[..., 1], modulus)
+
+
+def printed_constants(scene: Scene) -> Array:
+    """Constants C of each side with the faults of Table B.1, shape ``(4,)`` [m/N^(2/3)]."""
+    bare = replace(scene, errors=Errors())
+    drawn = specimen(bare, ball_layout(bare))
+    gamma = np.full(scene.ball_count, scene.track.contact_angle)
+    values = []
+    for body, side in ((scene.screw, 0), (scene.nut, 3)):
+        modulus = contact_modulus(
+            scene.balls.material.youngs_modulus,
+            scene.balls.material.poissons_ratio,
+            body.material.youngs_modulus,
+            body.material.poissons_ratio,
+        )
+        low, high = printed_radii(bare, drawn, side, gamma)[0]
+        values += 2 * [printed_hertz(scene.balls.radius, (float(low), float(high)), modulus).C]
+    return np.array(values)
+
+
+def error_free(scene: Scene) -> Scene:
+    """The scene with Hertz constants of error-free parts, as the sources' own models take them, or as printed."""
+    if scene.ingredients.hertz == "as printed":
+        return scene
+    return replace(scene, ingredients=replace(scene.ingredients, hertz="error-free"))
+
+
+def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> Array:
+    """Constant C of each ball and side before any update to the actual geometry, ``(..., N, 4)``; ball_radius: as for
+    `drawn_hertz`."""
+    own = drawn.ball_radius if ball_radius is None else ball_radius
+    kind = scene.ingredients.hertz
+    if kind in ("as printed", "error-free"):
+        row = printed_constants(scene) if kind == "as printed" else nominal_hertz(scene).C
+        return np.array(np.broadcast_to(row, (*own.shape, 4)))
+    if own.ndim == 1:
+        return drawn_hertz(scene, drawn, own).C
+    # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
+    middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
+    node = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
+    exact = BarycentricInterpolator(node, drawn_hertz(scene, drawn, middle + half * node).C)
+    return np.asarray(exact((own - middle) / half))
+
+
+def pack_geometry(scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Geometry ``(N, 4, 9)`` and pair closures ``(N, 2)`` of the kernels (see ``kernel.ball``) for a specimen."""
+    offset, closure = distances(scene, drawn)
+    n = offset.shape[0]
+    rows = np.empty((n, 4, 9))
+    rows[..., :4] = offset
+    rows[..., 4] = C
+    rows[..., 5] = use
+    rows[..., 6] = drawn.radius
+    rows[..., 7:] = SIGNS
+    return rows, closure
+
+
+def distances(scene: Scene, drawn: Specimen) -> tuple[Array, Array]:
+    """Offsets ``(N, 4, 4)`` (w, its size, nominal approach) and pair closures ``(N, 2)`` [m] of a specimen.
+
+    Built from differences, so that a nominal contact has an approach of zero to round-off of its errors only.
+    """
+    centre = drawn.centre
+    slack = groove_radii(scene) - scene.balls.radius
+    size = np.hypot(centre[..., 0], centre[..., 1])
+    nominal = np.hypot(*nominal_groove_centres(scene).T)
+    grown = (size - nominal[None, :]) - (slack - nominal)[None, :]
+    approach = (drawn.ball_radius - scene.balls.radius)[:, None] - (drawn.radius - groove_radii(scene))[None, :] + grown
+    offset = np.concatenate([-centre, size[..., None], approach[..., None]], axis=-1)
+    closure = np.empty((centre.shape[0], 2))
+    for a in range(2):
+        b = 3 - a
+        d = centre[:, a] - centre[:, b]
+        closure[:, a] = approach[:, a] + approach[:, b] + (np.hypot(d[:, 0], d[:, 1]) - size[:, a] - size[:, b])
+    return offset, closure
+
+
+def _flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
+    """Rows e . (u + theta x r) for the flank's point that carries the force, ``(N, 2, 6)``; u, theta at ``origin_z``.
+
+    That point is the groove's centre of curvature, on every line of action of the arc (plus ``more`` (N, 4, 2) where
+    the profile is no arc), or, frozen, the nominal contact point.
+    """
+    scene, drawn, layout, more = parts
+    if scene.ingredients.arm == "nominal":
+        point = np.broadcast_to(nominal_contact_points(scene)[side], (layout.z.size, 2))
+    else:
+        point = drawn.centre[:, side] + (more[:, side] if more is not None else 0.0)
+    x = layout.centre + point[:, :1] * layout.radial + point[:, 1:] * layout.binormal
+    r = x - np.stack([0.0 * origin_z, 0.0 * origin_z, origin_z], axis=1)
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    return np.concatenate([axes, np.cross(r[:, None, :], axes)], axis=2)
+
+
+def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Array]:
+    """Held freedoms, their values, and loads of the nodes, ``(n, 6)`` each. Raises ValueError for one held twice."""
+    fixed = np.zeros((nodes.size, 6), dtype=bool)
+    prescribed, load = np.zeros((nodes.size, 6)), np.zeros((nodes.size, 6))
+    for support in scene.supports:
+        j = int(np.argmin(np.abs(nodes - support.at)))
+        for name, value in support.fixed:
+            if fixed[j, FREEDOMS.index(name)]:
+                raise ValueError(f"two supports hold {name} at {1e3 * support.at:g} mm, less than {1e6 * MERGE:g} um apart")
+            fixed[j, FREEDOMS.index(name)] = True
+            prescribed[j, FREEDOMS.index(name)] = value
+    for x in scene.loads:
+        j = int(np.argmin(np.abs(nodes - x.at)))
+        load[j, :3] += x.force
+        load[j, 3:] += x.moment
+    return fixed, prescribed, load
+
+
+def build(
+    scene: Scene,
+    drawn: Specimen,
+    layout: BallLayout,
+    use: NDArray[np.bool_],
+    *,
+    everything: bool = False,
+    refine: int = 1,
+    more: Array | None = None,
+    section: BeamSection | None = None,
+) -> Problem:
+    """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many.
+
+    more: see ``_flank_rows``; section: of the screw, instead of the scene's (Lin C.8).
+    """
+    parts = (scene, drawn, layout, more)
+    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
+    section = section or screw_section(scene)
+    stations = contact_stations(scene, layout)
+    used = [s for s in range(2) if use[s]]
+    if scene.ingredients.screw == "rigid":
+        return _rigid(parts, use, geometry, closure, section)
+    nodes, left_out = beam_nodes(scene, stations[:, used], everything=everything)
+    if refine > 1:
+        steps = np.arange(refine) / refine
+        nodes = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * steps[None, :]).ravel(), nodes[-1])
+    fixed, prescribed, load = _supports(scene, nodes)
+    count = layout.z.size
+    node = np.zeros((count, 2), dtype=np.int64)
+    nodal = scene.ingredients.partition == "nodal"
+    B = np.zeros((count, 2, 2, 6 if nodal else 12))
+    for s in used:
+        if nodal:
+            node[:, s] = (
+                np.abs(nodes[None, :] - stations[:, s, None]).argmin(axis=1)
+                if count < 400
+                else (_nearest(nodes, stations[:, s]))
+            )
+            B[:, s] = _flank_rows(parts, s, nodes[node[:, s]])
+        else:
+            rows = _flank_rows(parts, s, stations[:, s])
+            for i in range(count):
+                node[i, s], m = motion_matrix(float(stations[i, s]), nodes, section)
+                B[i, s] = rows[i] @ m
+    for s in range(2):
+        if not use[s]:
+            node[:, s] = node[:, used[0]] if used else 0
+    return Problem(scene, layout, drawn, nodes, section, fixed, prescribed, load, node, B, geometry, closure, use, left_out)
+
+
+def _nearest(nodes: Array, stations: Array) -> NDArray[np.int64]:
+    j = np.clip(np.searchsorted(nodes, stations), 1, nodes.size - 1)
+    return np.where(stations - nodes[j - 1] < nodes[j] - stations, j - 1, j).astype(np.int64)
+
+
+def _rigid(
+    parts: tuple[Scene, Specimen, BallLayout, Array | None],
+    use: NDArray[np.bool_],
+    geometry: Array,
+    closure: Array,
+    section: BeamSection,
+) -> Problem:
+    """One rigid body, its motion taken at the nut's centre; supports become linear constraints on that motion.
+
+    Raises ValueError where the supports contradict each other.
+    """
+    scene, drawn, layout, _ = parts
+    z0 = scene.nut.position
+    arm = scene.track.pitch_radius
+    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    clash = contradiction(scene)
+    if clash is not None:
+        raise ValueError(clash.words(scene))
+    a, values, _ = rigid_rows(scene)
+    load = np.zeros(6)
+    for x in scene.loads:
+        load += rigid_transport(x.at - z0).T @ np.concatenate([x.force, x.moment])
+    held = 0
+    basis = np.eye(6)
+    lift = np.zeros(6)
+    if values.size:
+        _, sv, vt = np.linalg.svd(a)
+        held = int(np.sum(sv > 1e-9 * sv[0]))
+        basis = np.concatenate([vt[held:], vt[:held]]).T
+        lift[:] = np.linalg.lstsq(a, values, rcond=None)[0]
+    to_motion = scale[:, None] * basis / scale[None, :]
+    count = layout.z.size
+    B = np.zeros((count, 2, 2, 6))
+    origin = np.full(count, z0)
+    shift = scale * lift
+    for s in range(2):
+        rows_s = _flank_rows(parts, s, origin)
+        B[:, s] = rows_s @ to_motion
+    fixed = np.zeros((1, 6), dtype=bool)
+    if held:
+        fixed[0, 6 - held :] = True
+    prescribed = np.linalg.solve(to_motion, shift)[None, :]
+    return Problem(
+        scene,
+        layout,
+        drawn,
+        np.array([z0]),
+        section,
+        fixed,
+        prescribed,
+        (to_motion.T @ load)[None, :],
+        np.zeros((count, 2), dtype=np.int64),
+        B,
+        geometry,
+        closure,
+        use,
+        0,
+        to_motion,
+    )

@@ -1,0 +1,121 @@
+"""What a scene does not need: sides that cannot touch, shaft without influence, absent torsion and errors."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.statics.mechanism import Mechanism
+from lowfi.statics.problem import distances
+from lowfi.statics.shape import motion_matrix
+from meshes.errors import Specimen
+from meshes.helix import BallLayout
+from meshes.partition import MERGE, contact_stations
+from meshes.parts import FREEDOMS, SIDES, Scene
+
+if TYPE_CHECKING:
+    from lowfi.statics.static import Prepared
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+def choose_sides(scene: Scene, drawn: Specimen) -> Mask:
+    """Sides (4,) worth building: a diagonal pair is left out when no ball is tight in it and the axial load opens it.
+
+    A guess: after the solution every ball is tested against all four flanks, and the pair is built if one touches.
+    The energy is convex, so a pair that carries nothing at the solution of the smaller problem changes nothing.
+    """
+    use = np.ones(4, dtype=bool)
+    _, closure = distances(scene, drawn)
+    force = sum(load.force[2] for load in scene.loads)
+    lateral = sum(float(np.hypot(*load.force[:2])) for load in scene.loads)
+    moment = sum(float(np.hypot(*load.moment[:2])) for load in scene.loads)
+    bent = any(value != 0.0 for s in scene.supports for name, value in s.fixed if name != "uz")
+    if force == 0.0 or bent or lateral > 0.5 * abs(force) or moment > 0.5 * abs(force) * scene.track.pitch_radius:
+        return use
+    idle = (1, 2) if force > 0.0 else (0, 3)
+    if float(closure[:, min(idle)].max()) <= 0.0:
+        use[list(idle)] = False
+    return use
+
+
+def flank_motions(prepared: Prepared, layout: BallLayout) -> Array:
+    """Motion of both screw flanks of every ball in its section, ``(N, 2, 2)`` [m], whether built or not."""
+    problem, q = prepared.problem, prepared.state[0]
+    flat = q.ravel()
+    m = problem.B.shape[3]
+    out = np.zeros((layout.z.size, 2, 2))
+    for s in range(2):
+        if problem.use[s] or problem.basis is not None:
+            picks = 6 * problem.node[:, s, None] + np.arange(m)[None, :]
+            out[:, s] = np.einsum("nak,nk->na", problem.B[:, s], flat[picks])
+            continue
+        centre, stations = problem.drawn.centre[:, s], contact_stations(problem.scene, layout)[:, s]
+        for i in range(layout.z.size):
+            j, matrix = motion_matrix(float(stations[i]), problem.nodes, problem.section)
+            u = matrix @ flat[6 * j : 6 * j + 12]
+            r = layout.centre[i] + centre[i, 0] * layout.radial[i] + centre[i, 1] * layout.binormal[i]
+            r = r - np.array([0.0, 0.0, stations[i]])
+            moved = u[:3] + np.cross(u[3:], r)
+            out[i, s] = moved @ layout.radial[i], moved @ layout.binormal[i]
+    return out
+
+
+def touched_sides(prepared: Prepared, layout: BallLayout) -> Mask:
+    """Sides (4,) on which any ball carries load when all four flanks are offered to it at the solution's motions."""
+    problem = prepared.problem
+    if np.all(problem.use):
+        return np.asarray((prepared.force > 0.0).any(axis=0))
+    moved = flank_motions(prepared, layout)
+    touched = np.zeros(4, dtype=bool)
+    p, contact, shift = np.zeros(2), np.zeros((4, 5)), np.zeros((4, 2))
+    floor = 1e-9 * float(prepared.force.max(initial=0.0))
+    offered = problem.geometry.copy()
+    offered[..., 5] = 1.0
+    for i in range(layout.z.size):
+        shift[:2] = moved[i]
+        prepared.engine.settle(
+            p,
+            shift,
+            offered[i],
+            problem.closure[i],
+            problem.drawn.ball_radius[i],
+            problem.drawn.profile,
+            0.1 * floor,
+            contact,
+        )
+        touched |= contact[:, 0] > floor
+    return touched
+
+
+def describe_left_out(prepared: Prepared, mechanism: Mechanism, *, everything: bool) -> tuple[str, ...]:
+    """Sentences: what was left out of the system and why."""
+    problem = prepared.problem
+    notes: list[str] = []
+    idle = [name for name, used in zip(SIDES, problem.use, strict=True) if not used]
+    if idle:
+        notes.append(
+            f"sides {' and '.join(idle)}: no ball is tight between them and the axial load opens them; "
+            "every ball was tested against all four flanks at the solution and none touches"
+        )
+    if problem.left_out_elements:
+        notes.append(
+            f"{problem.left_out_elements} beam element(s) beyond the outermost support, load or contact: they carry nothing"
+        )
+    elif not everything and problem.nodes.size > 1 and problem.nodes[0] > MERGE:
+        notes.append("shaft before the first support, load or contact: it carries nothing")
+    if mechanism.no_torsion:
+        notes.append("torsion: without lead no contact force twists the shaft, and no moment about it is applied")
+    notes.extend(
+        f"{FREEDOMS[k]} of the first node is held at zero: {mechanism.text} is neither driven nor resisted"
+        for k in mechanism.pins
+        if not (k == 5 and mechanism.no_torsion)
+    )
+    if problem.drawn.profile.shape[1] == 0:
+        notes.append("groove profile errors of varying shape: there are none, flanks are exact arcs")
+    if not everything and not np.any(problem.drawn.centre_slopes):
+        notes.append("pitch and roundness errors: there are none")
+    return tuple(notes)

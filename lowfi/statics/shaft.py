@@ -1,0 +1,182 @@
+"""The screw as a beam with its supports and loads, condensed to the motions of the flanks: exact for the beam."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_solve_banded, cholesky_banded, qr
+
+from lowfi.statics.kernel.beam import add_element
+from lowfi.statics.problem import Problem
+from lowfi.statics.shape import rigid_transport
+
+Array = NDArray[np.float64]
+#: Right-hand sides solved at a time.
+CHUNK = 512
+
+
+@dataclass
+class Shaft:
+    """Beam of a problem with its supports, and pins where these leave rigid motions.
+
+    motions ``(6, k)``: those rigid motions about node ``pin``; work ``(k,)``: of the loads on them; arms ``(k,)``: what
+    makes a force of their unbalanced work (1 for a shift [m], one over the pitch radius for a rotation [rad]).
+    """
+
+    problem: Problem
+    motions: Array
+    work: Array
+    arms: Array
+    pin: int
+    free: NDArray[np.int64]
+    factor: Array = field(repr=False)
+    band: Array = field(repr=False)
+
+    def solve(self, loads: Array) -> Array:
+        """Motions ``(6 n, c)`` of all nodes by nodal loads ``(6 n, c)``, held freedoms at zero."""
+        out = np.zeros_like(loads)
+        if self.free.size:
+            out[self.free] = cho_solve_banded((self.factor, True), loads[self.free], check_finite=False)
+        return out
+
+    def times(self, q: Array) -> Array:
+        """Stiffness times motions ``(6 n,)``: the nodal forces they take."""
+        out = self.band[0] * q
+        for k in range(1, self.band.shape[0]):
+            out[k:] += self.band[k, : q.size - k] * q[: q.size - k]
+            out[: q.size - k] += self.band[k, : q.size - k] * q[k:]
+        return np.asarray(out)
+
+
+def unheld(problem: Problem) -> Array:
+    """Rigid motions ``(6, k)`` of the node nearest the nut that no support holds."""
+    arm = problem.scene.track.pitch_radius
+    scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    z = problem.nodes
+    origin = z[pin_node(problem)]
+    rows = np.array([rigid_transport(float(z[i] - origin))[k] * scale for i, k in np.argwhere(problem.fixed)])
+    if rows.size == 0:
+        return np.diag(scale)
+    _, sv, vt = np.linalg.svd(rows)
+    rank = int((sv > 1e-9 * sv[0]).sum())
+    return np.asarray(scale[:, None] * vt[rank:].T)
+
+
+def pin_node(problem: Problem) -> int:
+    """Node nearest to the nut's centre."""
+    return int(np.abs(problem.nodes - problem.scene.nut.position).argmin())
+
+
+def shaft_of(problem: Problem) -> Shaft:
+    """Stiffness of the beam, factored. A rigid screw has no stiffness: its free motions are all there is."""
+    arm = problem.scene.track.pitch_radius
+    if problem.basis is not None:
+        loose = np.flatnonzero(~problem.fixed[0])
+        arms = np.where(loose < 3, 1.0, 1.0 / arm)
+        motions = np.eye(6)[:, loose]
+        none = np.zeros(0, dtype=np.int64)
+        return Shaft(problem, motions, problem.load[0, loose], arms, 0, none, np.zeros((1, 0)), np.zeros((1, 6)))
+    n = problem.nodes.size
+    band = np.zeros((6 * n, 12))
+    s = problem.section
+    section = np.array([s.EA, s.EI, s.GJ, s.kGA])
+    for e, length in enumerate(np.diff(problem.nodes)):
+        add_element(band, e, float(length), section)
+    motions = unheld(problem)
+    pin = pin_node(problem)
+    held = problem.fixed.copy()
+    if motions.shape[1]:
+        _, _, order = qr(motions.T, pivoting=True)
+        held[pin, order[: motions.shape[1]]] = True
+    free = np.flatnonzero(~held.ravel())
+    work = np.zeros(motions.shape[1])
+    for z, load in zip(problem.nodes, problem.load, strict=True):
+        work += motions.T @ (rigid_transport(float(z - problem.nodes[pin])).T @ load)
+    lower = band.T.copy()
+    return Shaft(problem, motions, work, np.ones(motions.shape[1]), pin, free, _factor(lower, free), lower)
+
+
+def _factor(lower: Array, free: NDArray[np.int64]) -> Array:
+    """Banded Cholesky factor of the free part of a lower band ``(12, 6 n)``."""
+    size = lower.shape[1]
+    kept = np.zeros((lower.shape[0], free.size))
+    place = np.full(size, -1, dtype=np.int64)
+    place[free] = np.arange(free.size)
+    for k in range(lower.shape[0]):
+        columns = free[free + k < size]
+        rows = place[columns + k]
+        inside = rows >= 0
+        own = place[columns[inside]]
+        kept[rows[inside] - own, own] = lower[k, columns[inside]]
+    if free.size == 0:
+        return kept
+    return np.asarray(cholesky_banded(kept, lower=True, check_finite=False))
+
+
+def rows_of(problem: Problem, used: list[int]) -> tuple[NDArray[np.int64], Array]:
+    """Freedoms ``(c, m)`` and rows ``(c, 2, m)`` of the flanks of the used sides, side after side."""
+    m = problem.B.shape[3]
+    dof = [6 * problem.node[:, s, None] + np.arange(m) for s in used]
+    return np.concatenate(dof), np.concatenate([problem.B[:, s] for s in used])
+
+
+def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array, Array]:
+    """Compliance ``(2 c, 2 c)`` of the used flanks through the beam, their motion by loads and prescribed displacements
+    ``(2 c,)``, and by the free rigid motions ``(2 c, k)``."""
+    problem = shaft.problem
+    dof, rows = rows_of(problem, used)
+    count = rows.shape[0]
+    if problem.basis is not None:
+        flat = rows.reshape(2 * count, -1)
+        loose = np.flatnonzero(~problem.fixed[0])
+        given = np.where(problem.fixed[0], problem.prescribed[0], 0.0)
+        return np.zeros((2 * count, 2 * count)), flat @ given, flat[:, loose]
+    size = 6 * problem.nodes.size
+    G = np.zeros((2 * count, 2 * count))
+    for start in range(0, 2 * count, CHUNK):
+        pick = np.arange(start, min(start + CHUNK, 2 * count))
+        loads = np.zeros((size, pick.size))
+        for k in range(dof.shape[1]):
+            np.add.at(loads, (dof[pick // 2, k], np.arange(pick.size)), rows[pick // 2, pick % 2, k])
+        q = shaft.solve(loads)
+        G[:, pick] = np.einsum("cak,ckp->cap", rows, q[dof]).reshape(2 * count, pick.size)
+    own = free_state(shaft)
+    rigid = rigid_nodes(shaft)
+    v0 = np.einsum("cak,ck->ca", rows, own[dof]).ravel()
+    R = np.einsum("cak,ckp->cap", rows, rigid[dof]).reshape(2 * count, -1)
+    return 0.5 * (G + G.T), v0, R
+
+
+def free_state(shaft: Shaft) -> Array:
+    """Nodal motions ``(6 n,)`` by loads and prescribed displacements alone."""
+    problem = shaft.problem
+    given = np.where(problem.fixed, problem.prescribed, 0.0).ravel()
+    loads = problem.load.ravel() - (shaft.times(given) if np.any(given) else 0.0)
+    return np.asarray(given + shaft.solve(loads[:, None])[:, 0])
+
+
+def rigid_nodes(shaft: Shaft) -> Array:
+    """Nodal motions ``(6 n, k)`` by the free rigid motions."""
+    z = shaft.problem.nodes
+    return np.concatenate([rigid_transport(float(x - z[shaft.pin])) @ shaft.motions for x in z])
+
+
+def node_motions(shaft: Shaft, forces: Array, amplitudes: Array, used: list[int]) -> Array:
+    """Nodal motions ``(n, 6)`` with the flanks' forces ``(c, 2)`` [N] and the amplitudes ``(k,)`` of the free motions."""
+    problem = shaft.problem
+    if problem.basis is not None:
+        q = np.where(problem.fixed, problem.prescribed, 0.0)
+        q[0, ~problem.fixed[0]] = amplitudes
+        return q
+    q = free_state(shaft) + shaft.solve(flank_loads(problem, forces, used)[:, None])[:, 0]
+    return np.asarray((q + rigid_nodes(shaft) @ amplitudes).reshape(-1, 6))
+
+
+def flank_loads(problem: Problem, forces: Array, used: list[int]) -> Array:
+    """Nodal loads ``(6 n,)`` of the flanks' forces ``(c, 2)`` [N]."""
+    dof, rows = rows_of(problem, used)
+    out = np.zeros(6 * problem.nodes.size)
+    np.add.at(out, dof, np.einsum("cak,ca->ck", rows, forces))
+    return out

@@ -1,0 +1,107 @@
+"""Shape functions of the Timoshenko element (Lin C.1, C.2, with the transpose of 2.20 mended)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.section import BeamSection
+
+Array = NDArray[np.float64]
+
+
+def shear_ratio(length: float | Array, section: BeamSection) -> float | Array:
+    """Phi = 12 E I / (kappa G A L^2)."""
+    return 12.0 * section.EI / (section.kGA * length**2)
+
+
+def shape_matrix(xi: float, length: float, phi: float, order: int = 0) -> Array:
+    """Motion (6,) at xi in [0, 1] from the motions of both nodes (12,): matrix ``(6, 12)``, or its derivative by xi.
+
+    length [m], phi: see ``shear_ratio``; order 0, 1 or 2. Exact for an element loaded at its nodes only.
+    """
+    poly = np.polynomial.Polynomial
+
+    def at(*coefficients: float) -> float:
+        p = poly(coefficients)
+        return float((p.deriv(order) if order else p)(xi))
+
+    k = 1.0 / (1.0 + phi)
+    u1 = k * at(1.0 + phi, -phi, -3.0, 2.0)
+    u2 = k * length * at(0.0, 1.0 + phi / 2.0, -(2.0 + phi / 2.0), 1.0)
+    u3 = k * at(0.0, phi, 3.0, -2.0)
+    u4 = k * length * at(0.0, -phi / 2.0, -(1.0 - phi / 2.0), 1.0)
+    t1 = 6.0 * k / length * at(0.0, -1.0, 1.0)
+    t2 = k * at(1.0 + phi, -(4.0 + phi), 3.0)
+    t4 = k * at(0.0, -(2.0 - phi), 3.0)
+    a1, a2 = at(1.0, -1.0), at(0.0, 1.0)
+    n = np.zeros((6, 12))
+    n[0, [0, 4, 6, 10]] = u1, u2, u3, u4
+    n[1, [1, 3, 7, 9]] = u1, -u2, u3, -u4
+    n[2, [2, 8]] = a1, a2
+    n[3, [1, 3, 7, 9]] = -t1, t2, t1, t4
+    n[4, [0, 4, 6, 10]] = t1, t2, -t1, t4
+    n[5, [5, 11]] = a1, a2
+    return n
+
+
+def motion_matrix(z: float, nodes: Array, section: BeamSection) -> tuple[int, Array]:
+    """First node and matrix ``(6, 12)`` giving the motion at station z [m] from the two nodes around it.
+
+    Beyond the end nodes the shaft is free and moves rigidly with the last one.
+    """
+    last = nodes.size - 1
+    j = int(np.clip(np.searchsorted(nodes, z, side="right") - 1, 0, last - 1))
+    length = float(nodes[j + 1] - nodes[j])
+    xi = (z - float(nodes[j])) / length
+    if 0.0 <= xi <= 1.0:
+        return j, shape_matrix(xi, length, float(shear_ratio(length, section)))
+    end = 0 if xi < 0.0 else 1
+    reach = z - float(nodes[j + end])
+    m = np.zeros((6, 12))
+    m[:, 6 * end : 6 * end + 6] = rigid_transport(reach)
+    return j, m
+
+
+def rigid_transport(reach: float) -> Array:
+    """Motion at a station from that of another ``reach`` [m] before it, rigidly: u + theta x reach e_z, ``(6, 6)``."""
+    t = np.eye(6)
+    t[0, 4], t[1, 3] = reach, -reach
+    return t
+
+
+def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int = 0) -> Array:
+    """``shape_matrix`` for many points at once: xi, length ``(n,)`` -> ``(n, 6, 12)``."""
+    phi = np.asarray(shear_ratio(length, section))
+    k = 1.0 / (1.0 + phi)
+    one, zero = np.ones_like(xi), np.zeros_like(xi)
+    powers = {0: (one, xi, xi**2, xi**3), 1: (zero, one, 2.0 * xi, 3.0 * xi**2), 2: (zero, zero, 2.0 * one, 6.0 * xi)}[
+        order
+    ]
+
+    def at(*coefficients: Array | float) -> Array:
+        return sum((c * p for c, p in zip(coefficients, powers, strict=False)), start=zero)
+
+    n = np.zeros((xi.size, 6, 12))
+    u = (
+        k * at(1.0 + phi, -phi, -3.0, 2.0),
+        k * length * at(0.0, 1.0 + phi / 2.0, -(2.0 + phi / 2.0), 1.0),
+        k * at(0.0, phi, 3.0, -2.0),
+        k * length * at(0.0, -phi / 2.0, -(1.0 - phi / 2.0), 1.0),
+    )
+    t = (
+        6.0 * k / length * at(0.0, -1.0, 1.0),
+        k * at(1.0 + phi, -(4.0 + phi), 3.0),
+        -6.0 * k / length * at(0.0, -1.0, 1.0),
+        k * at(0.0, -(2.0 - phi), 3.0),
+    )
+    for axis, columns, sign in ((0, (0, 4, 6, 10), 1.0), (1, (1, 3, 7, 9), -1.0)):
+        rotation = 4 if axis == 0 else 3
+        for i, column in enumerate(columns):
+            odd = i % 2 == 1
+            n[:, axis, column] = u[i] * (sign if odd else 1.0)
+            n[:, rotation, column] = t[i] * (1.0 if odd else sign)
+    for axis in (2, 5):
+        n[:, axis, axis] = at(1.0, -1.0)
+        n[:, axis, axis + 6] = at(0.0, 1.0)
+    return n

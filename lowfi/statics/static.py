@@ -1,0 +1,338 @@
+"""Static load distribution by the convex energy: the source's model (Lin chapter 2) with its misprints mended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import perf_counter
+from types import ModuleType
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi import jit
+from lowfi.statics.mechanism import Mechanism, free_motions
+from lowfi.statics.problem import SIGNS, Problem, actual_hertz, build
+from lowfi.statics.result import SolverReport, StaticResult
+from lowfi.statics.selection import choose_sides, describe_left_out, flank_motions, touched_sides
+from lowfi.statics.summary import assemble_result, failed_result
+from meshes.errors import Specimen, specimen
+from meshes.helix import BallLayout, ball_layout
+from meshes.parts import Scene
+
+Array = NDArray[np.float64]
+#: Kernel status, iterations, evaluations, relative residual, force scale [N].
+Outcome = tuple[int, int, int, float, float]
+Engine = Literal["auto", "interpreted", "compiled"]
+
+#: Relative residual that the solver drives for, and the one at which it counts as converged.
+TOLERANCE, ACCEPTED = 1e-14, 1e-10
+MAX_ITERATIONS = 200
+#: Kernel statuses whose state is none that the screw takes: it moved without limit, or no step could be found.
+NO_LOADS = (2, 3)
+#: Above this many balls the compiled engine pays even for a single solve.
+COMPILE_ABOVE = 120
+
+
+@dataclass
+class Prepared:
+    """A problem ready for the kernels: argument tuples, the state arrays they fill, and the largest force met [N]."""
+
+    problem: Problem
+    engine: ModuleType
+    beam: tuple[Any, ...]
+    contacts: tuple[Any, ...]
+    state: tuple[Any, ...]
+    options: Array
+    history: Array
+    scale: float = 0.0
+
+    @property
+    def force(self) -> Array:
+        """Contact forces, ``(N, 4)`` [N]."""
+        return np.asarray(self.state[3][..., 0])
+
+    @property
+    def normal(self) -> Array:
+        """Unit normals from ball to groove in the section plane, ``(N, 4, 2)``."""
+        return np.asarray(self.state[3][..., 1:3])
+
+
+def pick_engine(engine: Engine, balls: int) -> ModuleType:
+    """Interpreted kernels for one small solve, compiled ones for large or many."""
+    if engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or balls > COMPILE_ABOVE)):
+        return jit.kernels(jit.STATICS, compiled=True)
+    return jit.kernels(jit.STATICS, compiled=False)
+
+
+def reference_scale(problem: Problem) -> tuple[float, float]:
+    """Force [N] of a typical loaded contact and its secant stiffness [N/m], from loads, interference, given motion."""
+    count = max(1, problem.C.shape[0])
+    pair = float(np.mean(problem.C[:, 0] + problem.C[:, 3]))
+    arm = problem.scene.track.pitch_radius
+    applied = float(np.abs(problem.load[:, :3]).sum() + np.abs(problem.load[:, 3:]).sum() / arm)
+    squeeze = max(0.0, float(problem.closure.max(initial=0.0)))
+    force = max(applied / count, (squeeze / pair) ** 1.5)
+    if force == 0.0 and np.any(problem.prescribed):
+        force = (1e-6 / pair) ** 1.5
+    return force, (np.cbrt(force) / pair if force > 0.0 else 1.0)
+
+
+def force_floor(problem: Problem) -> float:
+    """Least force [N] that residuals are measured by: the largest load, moments over the arm, or initial squeeze."""
+    pair = float(np.mean(problem.C[:, 0] + problem.C[:, 3]))
+    squeeze = max(0.0, float(problem.closure.max(initial=0.0)))
+    arm = problem.scene.track.pitch_radius
+    loads = float(np.abs(problem.load[:, :3]).max()), float(np.abs(problem.load[:, 3:]).max()) / arm
+    return max(*loads, float((squeeze / pair) ** 1.5))
+
+
+def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
+    """Arrays for the kernels, with a start that meets the prescribed displacements."""
+    nodes = problem.nodes
+    lengths = np.diff(nodes)
+    s = problem.section
+    sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1)).reshape(lengths.size, 4)
+    force, stiffness = reference_scale(problem)
+    count = problem.C.shape[0]
+    q = _lift(problem)
+    d = np.zeros((lengths.size, 6))
+    if lengths.size:
+        moved = q[:-1].copy()
+        moved[:, 0] += lengths * q[:-1, 4]
+        moved[:, 1] -= lengths * q[:-1, 3]
+        d = q[1:] - moved
+    contacts = (
+        problem.node,
+        problem.B,
+        problem.geometry,
+        problem.closure,
+        problem.drawn.ball_radius,
+        problem.drawn.profile,
+        1e-14 * force,
+    )
+    state = (q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
+    options = np.array(
+        [
+            tolerance,
+            MAX_ITERATIONS,
+            stiffness,
+            problem.scene.track.pitch_radius,
+            1e3,
+            problem.half_bandwidth,
+            force_floor(problem),
+        ]
+    )
+    beam = (lengths, sections, problem.fixed, problem.load)
+    return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
+
+
+def _lift(problem: Problem) -> Array:
+    """A motion of all nodes that has the prescribed values: each freedom interpolated along the shaft."""
+    q = np.zeros((problem.nodes.size, 6))
+    for k in range(6):
+        held = np.flatnonzero(problem.fixed[:, k])
+        if held.size:
+            q[:, k] = np.interp(problem.nodes, problem.nodes[held], problem.prescribed[held, k])
+    return q
+
+
+def run(prepared: Prepared, *, start: bool = True) -> Outcome:
+    """Solve from the linear start (or from the state as it is).
+
+    Returns status, iterations, evaluations, residual, scale.
+    """
+    if start:
+        prepared.engine.linear_start(prepared.beam, prepared.contacts, prepared.state, prepared.options)
+    status, it, evaluations, residual, _, scale = prepared.engine.solve(
+        prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history
+    )
+    prepared.scale = scale
+    return status, it, evaluations, residual, scale
+
+
+def round_off_bound(prepared: Prepared, scale: float) -> float:
+    """Relative residual that double precision cannot get below, from the rounding of motions in stiff contacts.
+
+    eps x (largest motion of a flank) x (largest contact stiffness) / (largest force), times 4.
+    """
+    q, force = prepared.state[0], prepared.force
+    problem = prepared.problem
+    motion = float(np.abs(q[:, :3]).max(initial=0.0))
+    stiff = float((1.5 * np.cbrt(force) / problem.C).max(initial=0.0))
+    if scale == 0.0:
+        return 0.0
+    lengths = motion + (problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0)
+    return 4.0 * float(np.finfo(float).eps) * lengths * stiff / scale
+
+
+def solve_static(
+    scene: Scene,
+    *,
+    engine: Engine = "auto",
+    everything: bool = False,
+    member: int = 0,
+    refine: int = 1,
+    discretisation: bool = False,
+    drawn: Specimen | None = None,
+) -> StaticResult:
+    """Contact loads, contact angles and shaft motion of a scene in static equilibrium (Lin 2.23-2.25).
+
+    engine: interpreted, compiled, or chosen by size; everything: leave nothing out; member: which specimen of a scene
+    with random errors; refine: split every element; discretisation: also estimate the beam's discretisation error.
+    Never raises for a scene without equilibrium: ``status`` names the reason.
+    """
+    start = perf_counter()
+    layout = ball_layout(scene)
+    drawn = drawn if drawn is not None else specimen(scene, layout, member)
+    kernels = pick_engine(engine, scene.ball_count)
+    use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
+    notes: tuple[str, ...] = ()
+    while True:
+        problem = build(scene, drawn, layout, use, everything=everything, refine=refine)
+        mechanism = free_motions(problem)
+        if mechanism.driven:
+            return failed_result(problem, "lin", f"not held: {mechanism.text}", perf_counter() - start)
+        prepared = prepare(pin(problem, mechanism), kernels)
+        ready = perf_counter()
+        outcome = solve_with_hertz(prepared)
+        if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
+            outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
+        problem = prepared.problem
+        touched = touched_sides(prepared, layout)
+        if (outcome[0] == 0 and not np.any(touched & ~use)) or np.all(use):
+            break
+        notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)
+        use = np.ones(4, dtype=bool)
+    status = verdict(outcome, round_off_bound(prepared, outcome[4]))
+    if outcome[0] in NO_LOADS:
+        return failed_result(problem, "lin", status, perf_counter() - start)
+    report = SolverReport(
+        iterations=outcome[1],
+        evaluations=outcome[2],
+        residual=outcome[3],
+        seconds=perf_counter() - start,
+        unknowns=problem.unknowns,
+        elements=problem.nodes.size - 1,
+        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
+        formulation="convex energy",
+        round_off_bound=round_off_bound(prepared, outcome[4]),
+        setup_seconds=ready - start,
+        notes=notes,
+    )
+    left_out = describe_left_out(prepared, mechanism, everything=everything)
+    result = assemble_result(prepared, "lin", status, report, left_out)
+    if discretisation and result.converged:
+        result = with_discretisation(scene, result, engine=engine, member=member, drawn=drawn)
+    return result
+
+
+def _names(mask: NDArray[np.bool_]) -> list[str]:
+    return [n for n, m in zip(("SL", "SR", "NL", "NR"), mask, strict=True) if m]
+
+
+def pin(problem: Problem, mechanism: Mechanism) -> Problem:
+    """Hold motions that nothing resists and nothing drives, and torsion where no contact can twist the shaft."""
+    if not mechanism.pins and not mechanism.no_torsion:
+        return problem
+    fixed, prescribed = problem.fixed.copy(), problem.prescribed.copy()
+    for k in mechanism.pins:
+        fixed[0, k] = True
+    if mechanism.no_torsion and problem.basis is None:
+        held = np.flatnonzero(problem.fixed[:, 5])
+        if held.size:  # an untwisted shaft turns as a whole, and in proportion to its length between two supports
+            prescribed[:, 5] = np.interp(problem.nodes, problem.nodes[held], prescribed[held, 5])
+        fixed[:, 5] = True
+    return replace(problem, fixed=fixed, prescribed=prescribed)
+
+
+def solve_with_hertz(prepared: Prepared) -> Outcome:
+    """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
+    outcome = run(prepared)
+    problem = prepared.problem
+    if problem.scene.ingredients.hertz != "actual" or outcome[0] not in (0, 1):
+        return outcome
+    iterations, evaluations = outcome[1], outcome[2]
+    nominal = np.full(problem.C.shape, problem.scene.track.contact_angle)
+    for _ in range(12):
+        gamma = np.where(prepared.force > 0.0, contact_angles(prepared.normal), nominal)
+        updated = actual_hertz(problem.scene, problem.drawn, gamma).C
+        change = float(np.abs(updated / problem.C - 1.0).max())
+        problem.C[:] = updated
+        outcome = run(prepared, start=False)
+        iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
+        if change < 1e-13:
+            break
+    return outcome[0], iterations, evaluations, outcome[3], outcome[4]
+
+
+def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, everything: bool, refine: int) -> Outcome:
+    """Let the flanks turn about their centre of curvature at the current contact, which an uneven profile shifts.
+
+    Repeats the solution with moved lever arms until they settle (the shift is of the size of the profile error).
+    """
+    more = np.zeros((layout.z.size, 4, 2))
+    iterations, evaluations = outcome[1], outcome[2]
+    for _ in range(6):
+        if outcome[0] not in (0, 1):
+            break
+        problem = prepared.problem
+        moved = np.zeros((layout.z.size, 4, 2))
+        moved[:, :2] = flank_motions(prepared, layout)
+        force, contact = prepared.force, prepared.state[3]
+        w = -problem.drawn.centre + prepared.state[2][:, None, :] - moved
+        with np.errstate(divide="ignore", invalid="ignore"):
+            radius = np.where(force > 0.0, force / contact[..., 4], 0.0)
+        new = np.where(force[..., None] > 0.0, w - prepared.normal * radius[..., None], 0.0)
+        change = float(np.abs(new - more).max())
+        more = new
+        rebuilt = build(problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more)
+        rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed)
+        rebuilt.C[:] = problem.C
+        prepared.problem = rebuilt
+        prepared.contacts = (prepared.contacts[0], rebuilt.B, rebuilt.geometry, *prepared.contacts[3:])
+        outcome = run(prepared, start=False)
+        iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
+        if change < 1e-13:
+            break
+    return outcome[0], iterations, evaluations, outcome[3], outcome[4]
+
+
+def contact_angles(normal: Array) -> Array:
+    """Contact angle gamma of each contact [rad] from the normals (ball to groove), ``(..., 4, 2)`` -> ``(..., 4)``."""
+    return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
+
+
+def verdict(outcome: Outcome, bound: float) -> str:
+    """Status sentence of a solver outcome."""
+    code, iterations, _, residual, _ = outcome
+    if residual <= max(ACCEPTED, bound) and code in (0, 1):
+        return "converged"
+    if code == 2:
+        return "not held: the load opens every contact that could carry it, so the screw moves without limit"
+    if code == 3:
+        return "stopped: the stiffness matrix is not positive definite"
+    return f"not converged: relative residual {residual:.1e} after {iterations} iterations"
+
+
+def with_discretisation(
+    scene: Scene, result: StaticResult, *, engine: Engine, member: int, drawn: Specimen
+) -> StaticResult:
+    """Add the beam's discretisation error: largest change of a contact load, and the mean loaded contact [N].
+
+    A nodal partition is compared with the same one at half the element length, any other with the nodal one.
+    """
+    if scene.ingredients.screw == "rigid":
+        return replace(result, solver=replace(result.solver, discretisation=(0.0, float(result.load.max()))))
+    if scene.ingredients.partition == "nodal":
+        other = solve_static(scene, engine=engine, member=member, refine=2, drawn=drawn)
+    else:
+        finer = replace(scene, ingredients=replace(scene.ingredients, partition="nodal"))
+        other = solve_static(finer, engine=engine, member=member, drawn=drawn)
+    loaded = other.load[other.load > 0.0]
+    mean = float(loaded.mean()) if loaded.size else 0.0
+    change = float(np.abs(result.load - other.load).max())
+    return replace(result, solver=replace(result.solver, discretisation=(change, mean)))
+
+
+__all__ = ["BallLayout", "Prepared", "prepare", "run", "solve_static"]

@@ -1,0 +1,261 @@
+"""From the kernels' arrays to a result record: contact points, equilibrium, centreline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.statics.problem import SIGNS, Problem, nominal_hertz
+from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from lowfi.statics.selection import flank_motions
+from lowfi.statics.shape import motion_matrix, rigid_transport
+from meshes.parts import Scene
+from meshes.section import groove_section, nut_groove_range
+
+
+@dataclass(frozen=True)
+class Support:
+    """What the solver knows of supports ``(n, 6)`` [N, N m] and flanks ``(N, 4, 2)`` [m] where bodies are elastic."""
+
+    reactions: NDArray[np.float64]
+    shifts: NDArray[np.float64]
+
+
+if TYPE_CHECKING:
+    from lowfi.statics.static import Prepared
+
+Array = NDArray[np.float64]
+
+#: Statements that hold for every run of the source's low-order model.
+MODEL_ASSUMPTIONS = (
+    "the nut is rigid and fixed, apart from the Hertzian contacts (Lin 2.3.1)",
+    "sections of the screw stay plane and rigid; the shaft is a straight Timoshenko beam (Lin 2.18)",
+    "each ball stays in the section plane of its nominal azimuth (Lin 2.3.2, remark 1)",
+    "no friction, no cage, no contact between balls (Lin 2.1)",
+    "displacements are small: directions and lever arms of the undeformed helix",
+)
+
+
+#: Place of the statement about the screw in MODEL_ASSUMPTIONS, and what stands there for a rigid one.
+SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
+#: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
+#: largest contact approach that they leave away.
+SMALL_TILT, SECOND_ORDER = 3e-3, 0.01
+#: What of it holds as well where screw, nut and ball are elastic between their contacts.
+ELASTIC_ASSUMPTIONS = MODEL_ASSUMPTIONS[2:]
+
+
+def model_assumptions(scene: Scene) -> tuple[str, ...]:
+    """Statements that hold for a run of the source's model on this scene."""
+    if scene.ingredients.screw != "rigid":
+        return MODEL_ASSUMPTIONS
+    return (*MODEL_ASSUMPTIONS[:SCREW], RIGID_SCREW, *MODEL_ASSUMPTIONS[SCREW + 1 :])
+
+
+def centreline(problem: Problem, q: Array, step: float = 10e-3) -> tuple[Array, Array]:
+    """Stations ``(k,)`` [m] over the whole screw, nodes included, and the motions there ``(k, 6)``."""
+    length = problem.scene.screw.length
+    stations = np.unique(np.concatenate([np.arange(0.0, length + 0.5 * step, step), problem.nodes, [length]]))
+    stations = stations[stations <= length]
+    flat = q.ravel()
+    if problem.basis is not None:
+        motion = problem.basis @ flat
+        return stations, np.stack([rigid_transport(float(z - problem.nodes[0])) @ motion for z in stations])
+    rows = []
+    for z in stations:
+        j, m = motion_matrix(float(z), problem.nodes, problem.section)
+        rows.append(m @ flat[6 * j : 6 * j + 12])
+    return stations, np.stack(rows)
+
+
+def contact_geometry(prepared: Prepared, shifts: Array | None = None) -> tuple[Array, Array]:
+    """Contact points ``(N, 4, 3)`` [m] on the undeformed flanks, and directions of the forces on the ball; shifts: motions
+    ``(N, 4, 2)`` [m] of all flanks where the beam does not give them."""
+    problem, normal = prepared.problem, prepared.normal
+    layout = problem.layout
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    plane = problem.drawn.radius[None, :, None] * normal
+    if problem.drawn.profile.shape[1]:
+        moved = np.zeros((layout.z.size, 4, 2))
+        if shifts is None:
+            moved[:, :2] = flank_motions(prepared, layout)
+        else:
+            moved = shifts
+        w = -problem.drawn.centre + prepared.state[2][:, None, :] - moved
+        distance = problem.drawn.ball_radius[:, None] - problem.C * np.cbrt(prepared.force) ** 2
+        plane = w + distance[..., None] * normal
+    points = np.einsum("nsa,nak->nsk", plane + problem.drawn.centre, axes) + layout.centre[:, None, :]
+    return points, -np.einsum("nsa,nak->nsk", normal, axes)
+
+
+def equilibrium(prepared: Prepared, points: Array, on_ball: Array, nodal: Array | None = None) -> Equilibrium:
+    """Global balance of the screw: applied loads, support reactions, contact forces at their contact points.
+
+    nodal: reactions ``(n, 6)``, where the solver did not leave them in its state.
+    """
+    problem = prepared.problem
+    force = prepared.force
+    scene = problem.scene
+    on_screw = -on_ball[:, :2] * force[:, :2, None]
+    contact_force = on_screw.sum(axis=(0, 1))
+    contact_moment = np.cross(points[:, :2], on_screw).sum(axis=(0, 1))
+    applied_force, applied_moment = np.zeros(3), np.zeros(3)
+    for load in scene.loads:
+        f = np.array(load.force)
+        applied_force += f
+        applied_moment += np.array(load.moment) + np.cross([0.0, 0.0, load.at], f)
+    reaction_force: Array = np.zeros(3)
+    reaction_moment: Array = np.zeros(3)
+    if problem.basis is None:
+        nodal = reactions(prepared) if nodal is None else nodal
+        for j, z in enumerate(problem.nodes):
+            reaction_force += nodal[j, :3]
+            reaction_moment += nodal[j, 3:] + np.cross([0.0, 0.0, z], nodal[j, :3])
+    else:  # the supports of a rigid screw take what is left along the motions they hold
+        t: Array = problem.basis
+        z0 = np.array([0.0, 0.0, problem.nodes[0]])
+        wrench: Array = np.concatenate([applied_force + contact_force, applied_moment + contact_moment])
+        wrench[3:] -= np.cross(z0, wrench[:3])
+        held = np.where(problem.fixed[0], t.T @ wrench, 0.0)
+        w = -np.linalg.solve(t.T, held)
+        reaction_force = np.asarray(w[:3])
+        reaction_moment = np.asarray(w[3:] + np.cross(z0, w[:3]))
+    size = max(
+        float(np.abs(applied_force).max()),
+        float(np.abs(contact_force).max()),
+        float(np.abs(reaction_force).max()),
+        float(force.max(initial=0.0)),
+        prepared.scale,
+    )
+    moments = (applied_moment, reaction_moment, contact_moment)
+    size_m = max(max(float(np.abs(m).max()) for m in moments), size * scene.track.pitch_radius)
+    df = applied_force + reaction_force + contact_force
+    dm = applied_moment + reaction_moment + contact_moment
+    return Equilibrium(
+        applied_force,
+        applied_moment,
+        reaction_force,
+        reaction_moment,
+        contact_force,
+        contact_moment,
+        float(np.abs(df).max()) / size if size else 0.0,
+        float(np.abs(dm).max()) / size_m if size_m else 0.0,
+    )
+
+
+def reactions(prepared: Prepared) -> Array:
+    """Forces and moments of the supports on the nodes, ``(n, 6)``: the gradient at the held freedoms."""
+    problem = prepared.problem
+    n = problem.nodes.size
+    gradient = np.zeros((n, 6))
+    hessians = np.zeros((problem.C.shape[0], 4, 4))
+    prepared.engine.evaluate(prepared.beam, prepared.contacts, prepared.state, (gradient, hessians))
+    return np.where(problem.fixed, gradient, 0.0)
+
+
+def warnings_of(problem: Problem, force: Array, gamma: Array, shift: Array, semi_axis: Array) -> tuple[str, ...]:
+    """Where the solution leaves the range in which the model holds."""
+    notes = []
+    scene = problem.scene
+    groove = groove_section(scene)
+    loaded = force > 0.0
+    low = np.array([groove.gamma_1] * 2 + [nut_groove_range(scene)[0]] * 2)
+    high = np.array([groove.gamma_2] * 2 + [nut_groove_range(scene)[1]] * 2)
+    off = loaded & ((gamma < low) | (gamma > high))
+    if off.any():
+        notes.append(f"{int(off.sum())} contact(s) lie beyond the groove's arc (apex or land edge): not valid there")
+    if float(np.abs(shift).max(initial=0.0)) > 0.1 * scene.balls.radius:
+        notes.append("a ball moves by more than a tenth of its radius: small-displacement theory is left")
+    if (loaded & (semi_axis > 0.5 * scene.balls.radius)).any():
+        notes.append("a contact ellipse is longer than the ball's radius: Hertz's half space does not hold")
+    return tuple(notes)
+
+
+def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> tuple[str, ...]:
+    """Whether the screw tilts so far at the balls that what small rotations leave away shows in the contacts.
+
+    A tilt t moves a groove by R t^2/2 beyond its linear motion, R the pitch radius; rotations about the axis are exact on
+    the helix. force ``(N, 4)`` [N]; z ``(k,)`` [m] and motion ``(k, 6)`` of the centreline.
+    """
+    approach = float((problem.C * np.cbrt(force) ** 2).max(initial=0.0))
+    low, high = float(problem.layout.z.min()), float(problem.layout.z.max())
+    stations = np.array([low, high])
+    tilt = max(float(np.hypot(*(np.interp(s, z, motion[:, k]) for k in (3, 4)))) for s in stations)
+    inside = (z >= low) & (z <= high)
+    tilt = max(tilt, float(np.hypot(motion[inside, 3], motion[inside, 4]).max(initial=0.0)))
+    beyond = 0.5 * problem.scene.track.pitch_radius * tilt**2
+    if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
+        return ()
+    return (
+        f"the screw tilts by {1e3 * tilt:.2g} mrad at the balls: small rotations leave away {1e6 * beyond:.2g} um "
+        f"of a groove's motion, {100.0 * beyond / approach:.2g} % of the largest contact approach",
+    )
+
+
+def assemble_result(
+    prepared: Prepared,
+    model: str,
+    status: str,
+    report: SolverReport,
+    left_out: tuple[str, ...],
+    support: Support | None = None,
+) -> StaticResult:
+    """Result record of a finished solve; ``support``: from a solver with elastic bodies."""
+    problem = prepared.problem
+    q, p = prepared.state[0], prepared.state[2]
+    force, normal = prepared.force.copy(), prepared.normal
+    raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
+    gamma = np.where(force > 0.0, raw, np.nan)
+    points, on_ball = contact_geometry(prepared, support.shifts if support else None)
+    z, motion = centreline(problem, q)
+    semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
+    notes = warnings_of(problem, force, raw, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
+    notes += tilt_warning(problem, force, z, motion)
+    idealised = model_assumptions(problem.scene) if support is None else ELASTIC_ASSUMPTIONS
+    return StaticResult(
+        model=model,
+        status=status,
+        azimuth=problem.layout.azimuth,
+        z=problem.layout.z,
+        load=force,
+        contact_angle=gamma,
+        contact_point=points,
+        force_direction=on_ball,
+        centre_shift=p.copy(),
+        hertz_C=problem.C.copy(),
+        centreline_z=z,
+        centreline=motion,
+        equilibrium=equilibrium(prepared, points, on_ball, support.reactions if support else None),
+        solver=report,
+        assumed=(*problem.scene.assumed, *idealised),
+        left_out=left_out,
+        warnings=notes,
+    )
+
+
+def failed_result(problem: Problem, model: str, status: str, seconds: float) -> StaticResult:
+    """Result record of a scene that has no equilibrium: no loads, and the reason."""
+    n = problem.layout.z.size
+    nan = np.full((n, 4), np.nan)
+    report = SolverReport(0, 0, float("nan"), seconds, problem.unknowns, problem.nodes.size - 1, "none", "none")
+    return StaticResult(
+        model=model,
+        status=status,
+        azimuth=problem.layout.azimuth,
+        z=problem.layout.z,
+        load=nan,
+        contact_angle=nan,
+        contact_point=np.full((n, 4, 3), np.nan),
+        force_direction=np.full((n, 4, 3), np.nan),
+        centre_shift=np.full((n, 2), np.nan),
+        hertz_C=problem.C.copy(),
+        centreline_z=np.zeros(0),
+        centreline=np.zeros((0, 6)),
+        equilibrium=None,
+        solver=report,
+        assumed=(*problem.scene.assumed, *model_assumptions(problem.scene)),
+        left_out=(),
+    )

@@ -1,0 +1,91 @@
+"""The bench: its structure, and ratios above one (seconds are never asserted)."""
+
+import json
+from dataclasses import asdict
+
+import pytest
+
+import compare.costs.bench as bench
+from compare.costs.bench import Job, Ours, Source, command_line_job, run_bench, timed
+from compare.scenes.catalogue import scene as shipped
+
+
+def test_timing_is_a_median_after_an_uncounted_run():
+    calls: list[str] = []
+    timed(lambda: calls.append("work"), 3, lambda: calls.append("reset"))
+    assert calls == 4 * ["reset", "work"]
+
+
+def test_runs_begin_from_the_same_state_and_solve():
+    ours = Ours(shipped("lin-case1"))
+    ours.cold()
+    first = ours.prepared.force.copy()
+    assert first.max() > 100.0
+    ours.reset()
+    assert ours.prepared.force.max() == 0.0
+    ours.cold()
+    assert (ours.prepared.force == first).all()
+
+
+def test_warm_start_carries_one_per_cent_more_load():
+    scene = shipped("lin-case1")
+    ours, source = Ours(scene), Source(scene)
+    ours.change_load()
+    ours.warm()
+    rise = abs(float((ours.prepared.force[:, 0] * ours.prepared.normal[:, 0, 1]).sum()))
+    before = Ours(scene)
+    before.cold()
+    base = abs(float((before.prepared.force[:, 0] * before.prepared.normal[:, 0, 1]).sum()))
+    assert rise / base == pytest.approx(1.01, rel=1e-4)
+    source.change_load()
+    source.solve()
+    assert source.status == "converged"
+
+
+def test_failed_source_gives_no_ratio():
+    scene = shipped("lin-case1")
+    task = Source(scene)
+    task.begin = task.begin * 0.0  # no contact anywhere: singular
+    assert bench._source_seconds(task, 1) is None
+    assert bench._ratio(None, 1.0) is None
+    assert bench._ratio(3.0, 2.0) == 1.5
+
+
+def test_exponent_of_a_power_law():
+    assert bench._power([10, 100, 1000], [3.0, 300.0, 30000.0]) == pytest.approx(2.0)
+
+
+def test_command_line_that_fails_is_not_measured(monkeypatch):
+    done = type("Done", (), {"stdout": "", "stderr": "No module named compare.__main__\n", "returncode": 1})
+    monkeypatch.setattr(bench, "_launch", lambda _: (0.1, done))
+    job = command_line_job()
+    assert job.seconds is None
+    assert job.note == "not measured: No module named compare.__main__"
+
+
+def test_all_jobs():
+    seen: list[str] = []
+    jobs = run_bench(seen.append, repeats=1)
+    assert seen == [j.job for j in jobs]
+    assert len(set(seen)) == len(seen)
+    json.dumps([asdict(j) for j in jobs], allow_nan=False)
+    named = {j.job: j for j in jobs}
+    compiled = (
+        "cold solve, case 1",
+        "cold solve, all sides",
+        "cold solve, no guess",
+        "cold solve, source partition",
+        "warm re-solve, case 1",
+        "ensemble, per member",
+    )
+    for name in compiled:
+        ratio = named[name].ratio
+        assert ratio is not None
+        assert ratio > 1.0
+    assert all(j.ratio is None for j in jobs if j.job.startswith("source"))
+    assert named["cold solve, case 1"].unknowns == 193
+    assert named["cold solve, all sides"].unknowns == 385
+    for name in ("set-up, case 1", "imports", "compile the kernels", "load the kernels", "250 balls, cold"):
+        assert isinstance(named[name], Job)
+        assert named[name].seconds is not None
+    assert all(j.note for j in jobs)

@@ -1,0 +1,160 @@
+"""The command line as a user meets it: exit codes, one line for bad input, exactly one JSON object, light start-up."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from compare.cli import main
+
+HEAVY = ("gmsh", "pyvista", "vtk", "vtkmodules", "skfem", "meshio", "matplotlib", "numba")
+
+
+def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as stop:
+        main(list(tokens))
+    out, err = capsys.readouterr()
+    return int(stop.value.code or 0), out, err
+
+
+def test_json_is_exactly_one_object(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "solve", "lin-case1", "--json")
+    data = json.loads(out)
+    assert (code, err) == (0, "")
+    assert set(data) >= {
+        "scene",
+        "model",
+        "status",
+        "balls",
+        "summary",
+        "centreline",
+        "equilibrium",
+        "solver",
+        "assumed",
+        "left_out",
+    }
+    assert (data["scene"], data["model"], data["status"]) == ("lin-case1", "refined", "converged")
+    assert len(data["balls"]) == 32
+    ball = data["balls"][0]
+    assert set(ball) == {"index", "azimuth_deg", "z_mm", "load_N", "contact_angle_deg"}
+    assert set(ball["load_N"]) == {"SL", "SR", "NL", "NR"}
+    assert set(data["summary"]) == {"SL", "NR"}
+    assert set(data["summary"]["SL"]) == {"max_N", "min_N", "ratio", "loaded", "lost"}
+    assert set(data["centreline"][0]) == {"z_mm", "ux_um", "uy_um", "uz_um"}
+    assert {"iterations", "residual", "seconds", "unknowns"} <= set(data["solver"])
+    assert data["equilibrium"]["force_residual"] < 1e-12
+    assert data["assumed"]
+    assert data["left_out"]
+
+
+@pytest.mark.parametrize("model", ["lin", "source", "mei", "mei-nut"])
+def test_every_model_runs_from_the_command_line(capsys: pytest.CaptureFixture[str], model: str) -> None:
+    code, out, _ = run(capsys, "solve", "lin-case1", "--model", model, "--json")
+    data = json.loads(out)
+    assert code == 0
+    assert data["model"] == model
+    axial = sum(b["load_N"]["SL"] for b in data["balls"])
+    assert axial == pytest.approx(5000.0 / 0.70711 / 0.98193, rel=0.02)
+
+
+def test_the_table_shows_loads_and_assumptions(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "solve", "lin-case3")
+    assert code == 0
+    for text in ("SL N", "SR N", "assumed:", "left out:", "residual"):
+        assert text in out
+
+
+def test_a_scene_without_equilibrium_is_said_and_exits_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    from compare.scenes.catalogue import scene_text
+
+    text = scene_text("lin-case1").replace('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux"]')
+    (tmp_path / "free.toml").write_text(text)
+    code, out, err = run(capsys, "solve", str(tmp_path / "free.toml"), "--json")
+    assert code == 1
+    assert err == ""
+    data = json.loads(out)
+    assert data["status"].startswith("not held: screw motion along the helix")
+    assert data["balls"][0]["load_N"]["SL"] is None
+
+
+@pytest.mark.parametrize(
+    ("tokens", "words"),
+    [
+        (("solve", "lin-case"), ("lin-case1", "advice")),
+        (("solve", "lin-case1", "--model", "ansys"), ("model", "mei")),
+        (("solve", "no/such.toml"), ("no/such.toml", "advice")),
+        (("solve",), ("scene",)),
+        (("solve", "lin-case1", "--frobnicate"), ("frobnicate",)),
+        (("solve", "lin-case1", "--member", "3"), ("member", "random")),
+        (("solve", "lin-random", "--member", "-1"), ("--member",)),
+        (("solve", "bearing-9", "--model", "source"), ("beam",)),
+        (("check", "--max-error", "-7"), ("--max-error",)),
+        (("report", "--only", "nonsense"), ("nonsense", "hertz")),
+        (("frobnicate",), ("frobnicate",)),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_2(
+    capsys: pytest.CaptureFixture[str], tokens: tuple[str, ...], words: tuple[str, ...]
+) -> None:
+    code, out, err = run(capsys, *tokens)
+    assert code == 2
+    assert out == ""
+    assert err.count("\n") == 1
+    for word in words:
+        assert word in err
+    assert "Traceback" not in err
+
+
+def test_new_writes_a_scene_that_solves_and_never_overwrites(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    assert run(capsys, "new", str(file))[0] == 0
+    assert run(capsys, "solve", str(file), "--json")[0] == 0
+    before = file.read_text()
+    code, _, err = run(capsys, "new", str(file))
+    assert code == 2
+    assert "existing file" in err
+    assert file.read_text() == before
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.toml"]
+    assert run(capsys, "new", str(tmp_path / "no" / "mine.toml"))[0] == 2
+
+
+def test_list_and_schema(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "list")
+    assert code == 0
+    assert "lin-case1" in out
+    assert "lin-B1" in out
+    code, out, _ = run(capsys, "schema")
+    assert code == 0
+    assert "track" in json.loads(out)["properties"]
+
+
+@pytest.mark.parametrize("tokens", [["--help"], ["solve", "lin-case1", "--json"], ["list"]])
+def test_start_up_imports_nothing_heavy(tokens: list[str]) -> None:
+    code = (
+        "import sys\nfrom compare.cli import main\n"
+        f"try:\n    main({tokens!r})\nexcept SystemExit:\n    pass\n"
+        f"print([m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
+    assert done.stderr.strip() == "[]"
+
+
+def test_report_refuses_a_foreign_folder_before_it_runs_anything(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "thesis.txt").write_text("mine")
+    code, _, err = run(capsys, "report", "--out", str(tmp_path))
+    assert code == 2
+    assert "--out" in err
+    assert (tmp_path / "thesis.txt").read_text() == "mine"
+
+
+def test_report_of_one_section(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, out, _ = run(capsys, "report", "--only", "hertz", "--out", str(tmp_path / "r"))
+    assert code == 0
+    assert "[1/2] hertz" in out
+    page = (tmp_path / "r" / "index.html").read_text()
+    assert "reproduced as printed" in page
+    assert (tmp_path / "r" / "tables" / "hertz-B1.csv").exists()

@@ -1,0 +1,302 @@
+"""The command ``rollbench friction`` for scenes of whole screws and bearings: tables, JSON, refusals, dispatch."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare import cli
+from compare.commands import friction as friction_answer
+from compare.commands.friction import Choices, describes_parts, run, solve_scene
+from compare.commands.friction_kinds import as_table
+from compare.errors import InputError, SceneError
+from compare.reference.runs import key_of
+from compare.scenes import catalogue, scene_file
+from lowfi.friction.whole import feedback as ball_feedback
+from meshes.parts import Friction, Motion
+from tests.helpers import small_screw
+
+MINE = """
+title = "Feed drive 40 x 20 of two starts, left hand, preloaded"
+[material]
+youngs_modulus = "208 GPa"
+poissons_ratio = 0.3
+[track]
+pitch_radius = "20.5 mm"
+lead = "20 mm"
+contact_angle = "45 deg"
+hand = "left"
+starts = 2
+[screw]
+length = "700 mm"
+outer_diameter = "40 mm"
+conformity = 0.53
+[nut]
+position = "300 mm"
+length = "70 mm"
+outer_diameter = "70 mm"
+conformity = 0.54
+[balls]
+radius = "3.175 mm"
+count = 20
+turns = 1.9
+[errors.balls]
+oversize = "4 um"
+[[supports]]
+at = "0 mm"
+fix = ["ux", "uy", "rx", "ry", "rz"]
+[[supports]]
+at = "700 mm"
+fix = ["ux", "uy"]
+displace = { rx = "0.2 mrad" }
+[[loads]]
+at = "0 mm"
+force = ["100 N", "0 N", "-3 kN"]
+[friction]
+coefficient = 0.06
+nut = 0.07
+assumed = ["Grease, by experience."]
+[motion]
+speed = "1500 rpm"
+turns = "nut"
+"""
+
+
+def mine(*changes):
+    text = MINE
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return scene_file.loads(text, "my.toml")
+
+
+def answer(scene, model="lin", **choices):
+    return solve_scene(scene, Choices(model, **choices))
+
+
+def test_two_start_left_hand_screw_of_a_file(tmp_path):
+    path, printed = tmp_path / "my.toml", []
+    path.write_text(MINE)
+    assert run(str(path), Choices(), True, print, printed.append) == 0
+    (data,) = printed
+    json.dumps(data, allow_nan=False)
+    t, e = data["torque"], data["energy"]
+    assert (data["model"], data["converged"], data["kind"]) == ("refined", True, "ball screw")
+    assert data["friction"] == {"screw": 0.06, "nut": 0.07}
+    assert data["motion"] == {"turns": "nut", "speed_rad_s": pytest.approx(50.0 * math.pi)}
+    assert e["input_power_W"] == pytest.approx(e["loss_W"], rel=1e-8)
+    assert e["torque_power_W"] + e["axial_load_power_W"] == pytest.approx(e["loss_W"], rel=1e-8)
+    assert data["losses"]["by_contact_W"][-1]["loss_W"] == pytest.approx(e["loss_W"], rel=1e-12)
+    assert sum(sum(b["loss_mW"].values()) for b in data["balls"]) == pytest.approx(1e3 * e["loss_W"], rel=1e-9)
+    assert t["axial_load_N"] == pytest.approx(-3000.0, rel=1e-6)
+    assert t["load_moves"] == "against the load", "left hand, nut forward: the screw goes up, the load pulls down"
+    assert t["driving_torque_on_nut_Nmm"] == pytest.approx(t["forward_torque_Nmm"], rel=1e-9)
+    ideal = 3000.0 * 20.0 / (2.0 * math.pi)
+    assert t["forward_torque_Nmm"] - t["friction_torque_Nmm"] == pytest.approx(ideal, rel=1e-6)
+    assert t["efficiency_forward_percent"] == pytest.approx(100.0 * ideal / t["forward_torque_Nmm"], rel=1e-6)
+    assert 0.0 < t["drag_torque_Nmm"] < 1.5 * t["friction_torque_Nmm"]
+    assert "Grease, by experience." in data["assumed"]
+    assert len(data["balls"]) == 20
+
+
+def test_drag_is_the_friction_torque_of_the_scene_without_loads():
+    scene = mine()
+    bare = answer(replace(scene, loads=())).data["torque"]
+    assert answer(scene).data["torque"]["drag_torque_Nmm"] == pytest.approx(bare["friction_torque_Nmm"], rel=1e-9)
+    assert bare["drag_torque_Nmm"] == bare["friction_torque_Nmm"]
+    assert bare["efficiency_forward_percent"] is None, "no efficiency of a load that is round-off"
+    assert bare["axial_load_N"] == 0.0
+    assert bare["self_locking"] is None
+    assert bare["load_moves"] is None
+
+
+def test_drag_without_preload_is_nothing_and_unknown_where_supports_press():
+    loose = answer(small_screw(force=(0.0, 0.0, 500.0)), mu=(0.1,)).data
+    assert (loose["torque"]["drag_torque_Nmm"], loose["drag_unknown"]) == (0.0, None)
+    pressed = (("ux", 0.0), ("uy", 0.0), ("uz", 5e-6), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
+    held = answer(small_screw(fixed=pressed), mu=(0.1,)).data
+    assert held["torque"]["drag_torque_Nmm"] is None
+    assert "the supports press the screw" in held["drag_unknown"]
+    assert abs(held["torque"]["axial_load_N"]) > 1.0
+
+
+def test_nothing_loaded_is_said():
+    found = answer(small_screw(), mu=(0.1,))
+    assert found.converged
+    assert found.data["status"].startswith("converged: no contact")
+    assert found.data["torque"]["friction_torque_Nmm"] == 0.0
+    assert found.data["balls"][0]["orbit_rad_s"] is None
+    assert not found.tables
+
+
+def test_coefficients_of_the_command_line_and_a_table_over_them():
+    scene = replace(mine(), friction=None)
+    found = answer(scene, mu=(0.08, 0.0, 0.04))
+    rows = found.data["over_friction"]
+    assert [r["screw"] for r in rows] == [0.08, 0.0, 0.04]
+    assert rows[0]["friction_torque_Nmm"] == pytest.approx(2.0 * rows[2]["friction_torque_Nmm"], rel=1e-2)
+    assert rows[1]["efficiency_forward_percent"] == 100.0
+    assert found.data["friction"] == {"screw": 0.08, "nut": 0.08}
+    assert [t[0] for t in found.tables][-1] == "over the coefficient of friction"
+    with pytest.raises(InputError, match=r"friction: got nothing.*--mu"):
+        answer(scene)
+
+
+def test_speed_is_stated_where_the_scene_gives_none():
+    with_speed, without = answer(mine()).data, answer(replace(mine(), motion=None)).data
+    assert without["motion"] == {"turns": "screw", "speed_rad_s": pytest.approx(2.0 * math.pi)}
+    assert any("no [motion]" in line for line in without["assumed"])
+    assert not any("no [motion]" in line for line in with_speed["assumed"])
+    for same in ("forward_torque_Nmm", "backward_torque_Nmm"):
+        assert without["torque"][same] == pytest.approx(with_speed["torque"][same], rel=1e-6)
+
+
+def test_shipped_case_and_a_bearing_answer(capsys):
+    assert cli.app(["friction", "lin-case3", "--model", "lin", "--json"], result_action="return_value") == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["torque"]["axial_load_N"] == pytest.approx(5000.0, rel=1e-6)
+    assert 80.0 < data["torque"]["efficiency_backward_percent"] < data["torque"]["efficiency_forward_percent"] < 95.0
+    assert any("Table 3.6" in line for line in data["assumed"])
+    command = ["friction", "bearing-9", "--model", "lin", "--mu", "0.1", "--json"]
+    assert cli.app(command, result_action="return_value") == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["kind"] == "bearing"
+    assert data["torque"]["efficiency_forward_percent"] is None
+    assert data["torque"]["driving_torque_on_screw_Nmm"] == pytest.approx(data["torque"]["friction_torque_Nmm"])
+
+
+def test_terminal_shows_torques_losses_and_what_is_left_out():
+    shown = [part for part in as_table(answer(mine())) if isinstance(part, str)]
+    text = "\n".join(shown)
+    for words in ("friction torque", "drag torque without", "efficiency", "energy: contacts take", "left out: lubric"):
+        assert words in text
+    assert "the nut turns at 157.08 rad/s and moves against the load" in text
+    locked = mine(("coefficient = 0.06", "coefficient = 0.5"), ("nut = 0.07", "nut = 0.5"), ("-3 kN", "-0.1 kN"))
+    found = answer(locked)
+    assert "self-locking" in "\n".join(found.lines)
+    assert found.data["torque"]["self_locking"] is True
+    assert found.data["torque"]["efficiency_backward_percent"] is None
+    assert any("jammed" in line for line in found.data["warnings"])
+
+
+def test_a_scene_that_is_not_held_ends_with_its_mechanism():
+    found = answer(small_screw(fixed=(), force=(0.0, 0.0, 100.0)), mu=(0.1,))
+    assert not found.converged
+    assert found.data["status"].startswith("contact loads: not held")
+
+
+def test_two_point_contact_on_a_helix_is_warned_of():
+    def warned(**options):
+        scene = replace(small_screw(force=(0.0, 0.0, 300.0), **options), friction=Friction(0.1, 0.1))
+        notes = answer(scene).data["warnings"]
+        return any("two flanks only" in line for line in notes)
+
+    assert warned()
+    assert not warned(oversize=5e-6)
+    assert not warned(lead=0.0, turns=5.0 / 6.0), "a ring's friction runs along its groove"
+
+
+def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
+    monkeypatch.setattr(ball_feedback, "ROUNDS", 1)
+    found = answer(mine())
+    assert not found.converged
+    assert found.data["status"].startswith("friction and place do not agree on 20 balls: 1, 2")
+    assert 'coupling = "none"' in found.data["status"]
+    assert (found.data["torque"]["drag_torque_Nmm"], found.data["drag_unknown"]) == (None, "no balance of friction found")
+    assert found.data["feedback"]["unsettled_balls"] == 20
+
+
+def test_compiling_is_said_where_it_happens(monkeypatch, tmp_path, capsys):
+    path = tmp_path / "my.toml"
+    for count, code_on_disk, said in ((20, False, True), (20, True, False), (8, False, False)):
+        monkeypatch.setattr(friction_answer, "cached", lambda here=code_on_disk: here)
+        path.write_text(MINE.replace("count = 20", f"count = {count}"))
+        assert run(str(path), Choices("lin"), True, print, [].append) == 0
+        assert ("compiling" in capsys.readouterr().err) == said
+
+
+def test_flanks_without_contact_have_no_angle():
+    scene = replace(small_screw(force=(0.0, 0.0, 300.0)), friction=Friction(0.1, 0.1))
+    ball = answer(scene).data["balls"][0]
+    open_ = [side for side, load in ball["load_N"].items() if load == 0.0]
+    assert len(open_) == 2
+    assert all(ball["contact_angle_deg"][side] is None for side in open_)
+
+
+def test_large_pressure_is_warned_of():
+    small = answer(small_screw(force=(0.0, 0.0, 300.0)), mu=(0.1,)).data["warnings"]
+    large = answer(small_screw(force=(0.0, 0.0, 30000.0)), mu=(0.1,)).data["warnings"]
+    assert not any("ISO 76" in line for line in small)
+    assert any("ISO 76" in line for line in large)
+
+
+BAD = {
+    "range": (("coefficient = 0.06", "coefficient = 2.5"), "friction.coefficient: got 2.5; allowed: 0 to 2"),
+    "no coefficient": (("coefficient = 0.06\n", ""), "friction.coefficient: got nothing"),
+    "coupling": (("nut = 0.07", 'coupling = "screw"'), 'friction.coupling: got "screw"; allowed: "none", "ball"'),
+    "unit": (('"1500 rpm"', '"1500 Hz"'), "motion.speed: got .*rpm"),
+    "at rest": (('"1500 rpm"', '"0 rpm"'), "motion.speed: got .*any angular speed but zero"),
+    "part": (('turns = "nut"', 'turns = "shaft"'), 'motion.turns: got "shaft"; allowed: "screw", "nut"'),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_tables_are_refused_in_one_line(case):
+    change, words = BAD[case]
+    with pytest.raises(SceneError, match=words) as caught:
+        mine(change)
+    assert "\n" not in str(caught.value)
+
+
+def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
+    own, kind, none = tmp_path / "own.toml", tmp_path / "kind.toml", tmp_path / "none.toml"
+    own.write_text(MINE)
+    kind.write_text('kind = "linear pair"\n')
+    none.write_text('title = "no kind"\n')
+    assert describes_parts("lin-case1")
+    assert not describes_parts("lin-rotary-1")
+    assert describes_parts(str(own))
+    assert not describes_parts(str(kind))
+    assert not describes_parts(str(none))
+    with pytest.raises(InputError, match="did you mean lin-rotary-1"):
+        describes_parts("lin-rotary1")
+    for choices in (Choices("lin"), Choices(mu=(0.1,)), Choices(member=1)):
+        with pytest.raises(InputError, match="whole screw or bearing"):
+            run("lin-rotary-1", choices, True, print, print)
+    printed = []
+    assert run("lin-rotary-1", Choices(), True, print, printed.append) == 0
+    assert printed[0]["kind"] == "rotary bearing"
+
+
+@pytest.mark.parametrize("mu", [-0.1, 2.1, math.nan])
+def test_coefficients_of_the_command_line_have_a_range(mu):
+    with pytest.raises(InputError, match=r"--mu.*0 to 2"):
+        answer(mine(), mu=(mu,))
+
+
+def test_member_draws_the_specimen_of_loads_and_friction():
+    scene = mine(('oversize = "4 um"', 'oversize = "4 um"\nsigma = "0.5 um"'))
+    first, second = (answer(scene, member=m).data["torque"]["friction_torque_Nmm"] for m in (0, 1))
+    assert abs(first - second) > 1e-6 * first
+    with pytest.raises(InputError, match="no random errors"):
+        answer(mine(), member=1)
+
+
+def test_friction_and_motion_leave_static_keys_alone():
+    plain = catalogue.scene("bearing-9")
+    rubbing = replace(plain, friction=Friction(0.1, 0.2), motion=Motion(3.0, "nut"))
+    assert rubbing != plain
+    assert repr(rubbing) == repr(plain)
+    assert "friction=" not in repr(rubbing)
+    assert key_of(rubbing, "", {}, (0, 3)) == key_of(plain, "", {}, (0, 3))
+
+
+def test_tables_are_read_in_si_units():
+    scene = mine()
+    assert scene.friction == Friction(0.06, 0.07, ("Grease, by experience.",), "ball")
+    assert scene.motion == Motion(pytest.approx(50.0 * np.pi), "nut")
+    assert mine(("nut = 0.07\n", "")).friction == Friction(0.06, 0.06, ("Grease, by experience.",), "ball")
+    other = mine(("nut = 0.07", "screw = 0")).friction
+    assert (other.screw, other.nut) == (0.0, 0.06)

@@ -1,0 +1,114 @@
+"""What the curvature of a flank does to a contact's own motion: normals that turn, size and shape of the ellipse."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import ive
+
+from compare.scenes import catalogue
+from lowfi.compliance.bodies import flank_of, geometry_only
+from lowfi.compliance.groove import (
+    NARROW,
+    at_size,
+    curvatures,
+    flank_normals,
+    half_space,
+    normal_load,
+    own_motion,
+    size_slope,
+    true_motion,
+)
+from lowfi.compliance.sphere import expansion, legendre_compliance, own_compliance, own_slope
+
+NU = 0.28
+#: alpha and beta of `at_size`.
+ALPHA, BETA = 2 * (1 - NU) * (1 - 2 * NU), -(1 - 2 * NU) * (3 - 2 * NU)
+
+
+@pytest.fixture(scope="module")
+def flank():
+    return flank_of(geometry_only(catalogue.scene("lin-case1")), True)
+
+
+def test_curvature_terms_of_cylinder_and_sphere():
+    """u = (A/k + (alpha tr kappa + beta k kappa k/k^2)/k^2)/2G against three bodies with exact answers, at k R = 400."""
+    x, A = 400.0, 2 * (1 - NU)
+    along = A * ive(1, x) ** 2 / (x**2 * ive(0, x) ** 2 - (x**2 + A) * ive(1, x) ** 2)  # long cylinder, pressure cos k z
+    around = (A * x - 1 + 2 * NU) / (x**2 - 1)  # disc in plane strain, pressure cos n theta
+    n = x - 0.5
+    sphere = float(legendre_compliance(np.array(n), NU))
+    for exact, trace, own in ((along, 1, 0), (around, 1, 1), (sphere, 2, 1)):
+        remainder = (exact - A / x) * x**2
+        assert remainder == pytest.approx(ALPHA * trace + BETA * own, abs=2e-2)
+    a, b = expansion(NU)
+    assert (a + 2 * b) / 2 == pytest.approx(2 * ALPHA + BETA, rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.6, 0.2])
+def test_mean_direction_in_an_ellipse(ratio):
+    """Integral of |p|^2 cos(2 phi)/k^2 over (2 pi)^2 for an elliptical Gaussian: -(a - b)/(a + b)/(4 pi)."""
+    psi = (np.arange(4000) + 0.5) * np.pi / 4000
+    x, y = np.cos(psi) ** 2, np.sin(psi) ** 2
+    # |p|^2 falls off at k ~ (a^2 cos^2 + b^2 sin^2)^(-1/2): what the integral of dk/k has beyond a common constant
+    reach = -0.5 * np.log(x + ratio**2 * y)
+    mean = float(np.mean((x - y) * reach)) / (2 * np.pi)
+    assert mean == pytest.approx(-(1 - ratio) / (1 + ratio) / (4 * np.pi), abs=1e-9)
+
+
+def test_at_size_is_the_logarithm_and_the_shape(flank):
+    across, along = curvatures(flank)
+    assert across == pytest.approx(-1 / 3.254e-3, rel=1e-12)
+    assert 0.0 < along < 1 / 15e-3
+    small, large = at_size(flank, (2e-4, 2e-4)), at_size(flank, (4e-4, 4e-4))
+    assert large - small == pytest.approx(size_slope(flank) * np.log(2.0), rel=1e-9)
+    turned = at_size(flank, (1e-4, 4e-4)) - at_size(flank, (4e-4, 1e-4))
+    shape = -BETA / (16 * np.pi * flank.material.shear_modulus) * (across - along) * 0.6
+    assert turned == pytest.approx(-2.0 * shape, rel=1e-9)
+    assert shape < 0.0  # an ellipse across a concave groove is held better than a round one
+
+
+def test_own_slope_of_a_ball():
+    material = catalogue.scene("lin-case1").balls.material
+    one, other = (own_compliance((s, s), 3e-3, material) for s in (2e-4, 4e-4))
+    assert other - one == pytest.approx(own_slope(3e-3, material) * np.log(2.0), rel=1e-9)
+
+
+def test_normals_of_the_groove_are_those_of_its_arc(flank):
+    grid = flank.grid()
+    line = grid.shape[1] - 1
+    normals, share = flank_normals(grid, line), normal_load(flank, grid, 0.05e-3)
+    assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, rel=1e-12)
+    _, zeta = flank.contact()
+    nearest = np.abs(grid.z[:, line] - zeta).argmin()
+    m = flank.map
+    nominal = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    assert abs(normals[nearest] @ nominal) > 0.98
+    assert share.sum(axis=0) == pytest.approx(nominal, abs=0.02)
+    wide = normal_load(flank, grid, NARROW * m.ball)
+    assert np.linalg.norm(wide.sum(axis=0)) < np.linalg.norm(share.sum(axis=0))  # pressure at an angle carries less
+
+
+def test_loads_along_the_normals_move_a_concave_flank_less(flank):
+    """By (1 - 2 nu)/(8 pi G rho) and terms of the patch's width: mean of (1 - 2 nu) cos^2/(4 pi G rho) over a round one."""
+    width = 0.12 * flank.map.ball
+    grid = flank.grid()
+    line = grid.shape[1] - 1
+    load = normal_load(flank, grid, width)
+    m = flank.map
+    nominal = m.signs[flank.side] * np.array([np.cos(m.beta), np.sin(m.beta)])
+    fixed = np.zeros((*grid.shape, 3))
+    fixed[:, line, ::2] = np.linalg.norm(load, axis=1)[:, None] * nominal
+    change = true_motion(flank, width) - own_motion(flank, grid, (fixed, fixed), width, flank.contact()[0])
+    expected = -(1 - 2 * NU) / (8 * np.pi * flank.material.shear_modulus * 3.254e-3)
+    assert 0.9 < change / expected < 1.5
+    assert abs(change) < 0.05 * half_space(width, flank.material)
+
+
+def test_a_flat_material_has_no_curvature_terms():
+    """Incompressible bodies: 1 - 2 nu = 0, and curvature changes nothing at this order."""
+    scene = geometry_only(catalogue.scene("lin-case1"))
+    soft = replace(scene, screw=replace(scene.screw, material=replace(scene.screw.material, poissons_ratio=0.4999999)))
+    flank = flank_of(soft, True)
+    usual = at_size(flank_of(scene, True), (4e-4, 1e-4))
+    assert abs(at_size(flank, (4e-4, 1e-4))) < 1e-5 * abs(usual)

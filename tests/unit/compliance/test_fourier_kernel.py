@@ -1,0 +1,346 @@
+"""The Fourier kernel: plain tubes against closed forms, and the compliance between contacts against its own limits."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.interpolate import BarycentricInterpolator
+from scipy.sparse.linalg import spsolve
+
+from compare.scenes import catalogue
+from lowfi.compliance.bodies import REFINED, contact_frames, geometry_only, smooth_body, smooth_compliance
+from lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, tube_grid
+from lowfi.compliance.groove import half_space
+from lowfi.compliance.sphere import expansion
+from lowfi.compliance.tube import (
+    Points,
+    Tube,
+    clamped,
+    contact_compliance,
+    harmonic_rows,
+    motion_rows,
+    points_of,
+    spring_compliance,
+    tube_compliance,
+)
+from meshes.helix import ball_layout
+from meshes.parts import Material
+from meshes.section import tube_section
+from tests.helpers import relative
+
+E, NU = 210e9, 0.28
+G = E / (2.0 * (1.0 + NU))
+STEEL = Material(E, NU)
+BORE, OUTER = 17.4e-3, 24e-3
+
+
+def tube(elements, rows, length, bore=BORE, outer=OUTER):
+    return Body(tube_grid(np.linspace(bore, outer, elements + 1), np.linspace(0.0, length, rows + 1)), E, NU)
+
+
+def solve(body, n, held, force):
+    """Motions (rows, columns, 3) by generalised forces of that shape."""
+    free = ~held.ravel()
+    K = body.stiffness(n)[free][:, free]
+    q = np.zeros(free.size)
+    q[free] = spsolve(sp.csc_matrix(K), force.ravel()[free])
+    return q.reshape(force.shape)
+
+
+def simpson(z):
+    """Consistent shares of a uniform line load on nodes of quadratic elements."""
+    out = np.zeros_like(z)
+    for a in range(0, z.size - 2, 2):
+        out[a : a + 3] += (z[a + 2] - z[a]) / 6.0 * np.array([1.0, 4.0, 1.0])
+    return out
+
+
+def plane_ring(n, elements, column, bore=BORE, outer=OUTER):
+    """Radial and tangential motion over the pressure cos(n t) on the bore (column 0) or outside (-1), plane strain."""
+    body = tube(elements, 1, 5e-3, bore, outer)
+    r, z = body.grid.r[0], body.grid.z[:, 0]
+    held, force = np.zeros((*body.grid.shape, 3), dtype=bool), np.zeros((*body.grid.shape, 3))
+    held[..., 2] = True
+    held[..., 1] = n == 0
+    force[:, column, 0] = (1.0 if column == 0 else -1.0) * factor_c(n) * r[column] * simpson(z)
+    return r, solve(body, n, held, force)[1]
+
+
+def michell(n, a, b, inside):
+    """Plane strain of a ring under the pressure cos(n t): functions of r for u_r, u_t (Barber, Elasticity, table 9.1)."""
+    kappa = 3.0 - 4.0 * NU
+
+    def stress(r):
+        normal = [
+            n * (1 - n) * r ** (n - 2),
+            -n * (n + 1) * r ** (-n - 2),
+            (2 - n) * (1 + n) * r**n,
+            (2 + n) * (1 - n) * r**-n,
+        ]
+        shear = [(n - 1) * r ** (n - 2), -(n + 1) * r ** (-n - 2), (n + 1) * r**n, (1 - n) * r**-n]
+        return [normal, [n * x for x in shear]]
+
+    unit = 1e-2  # lengths in cm, or the powers of r leave nothing of the digits
+    load = np.array([-1.0, 0.0, 0.0, 0.0] if inside else [0.0, 0.0, -1.0, 0.0])
+    A = np.linalg.solve(np.array(stress(a / unit) + stress(b / unit)), load)
+
+    def motion(r):
+        r = r / unit
+        radial = [-n * r ** (n - 1), n * r ** (-n - 1), (kappa - n - 1) * r ** (n + 1), (kappa + n - 1) * r ** (1 - n)]
+        around = [n * r ** (n - 1), n * r ** (-n - 1), (kappa + n + 1) * r ** (n + 1), -(kappa - n + 1) * r ** (1 - n)]
+        return unit * np.stack([A @ np.array(radial), A @ np.array(around)], axis=-1) / (2.0 * G)
+
+    return motion
+
+
+def test_lame_tube_under_internal_pressure():
+    r, q = plane_ring(0, 4, 0)
+    exact = (1 + NU) / E * BORE**2 / (OUTER**2 - BORE**2) * ((1 - 2 * NU) * r + OUTER**2 / r)
+    np.testing.assert_allclose(q[:, 0], exact, rtol=2e-6)
+    assert not q[:, 1:].any()
+
+
+def test_torsion_is_exact():
+    body = tube(2, 3, 30e-3)
+    r, z = body.grid.r, body.grid.z
+    polar = 0.5 * np.pi * (OUTER**4 - BORE**4)
+    held, force = np.zeros((*body.grid.shape, 3), dtype=bool), np.zeros((*body.grid.shape, 3))
+    held[0] = True
+    held[..., (0, 2)] = True
+    force[-1, :, 1] = end_motions(body, 0)[1].reshape(-1, 3)[:, 1]  # shares in the mean of u_t r over the polar moment
+    np.testing.assert_allclose(solve(body, 0, held, force)[..., 1], r * z / (G * polar), rtol=1e-9, atol=1e-22)
+
+
+@pytest.mark.parametrize("column", [0, -1], ids=["bore", "outside"])
+@pytest.mark.parametrize("n", [2, 3, 6])
+def test_ring_under_a_wave_of_pressure(n, column):
+    """Michell's solution; errors fall with the fourth power of the element size."""
+    errors = []
+    for elements in (4, 8):
+        r, q = plane_ring(n, elements, column)
+        errors.append(relative(q[:, :2], michell(n, BORE, OUTER, column == 0)(r)))
+    assert errors[1] < 1e-4
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.25)
+
+
+@pytest.mark.parametrize("n", [2, 3])
+def test_thin_ring(n):
+    """u_r = p R^4/(D (n^2 - 1)^2) of a ring that bends without stretch; the rest falls with (wall/R)^2, shear first."""
+    errors = []
+    for ratio in (0.08, 0.04):
+        a, b = 20e-3 * (1.0 - 0.5 * ratio), 20e-3 * (1.0 + 0.5 * ratio)
+        _, q = plane_ring(n, 4, 0, a, b)
+        plate = E / (1 - NU**2) * (b - a) ** 3 / 12.0
+        errors.append(q[4, 0] / (20e-3**3 * a / (plate * (n * n - 1.0) ** 2)) - 1.0)
+    assert 0.0 < errors[1] < 5e-3
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
+
+
+def test_cantilever_tube_is_timoshenkos():
+    """A force and a moment at the free low end; between two stations away from both ends the mean motions of the sections
+    give EI by their tilt and kGA by what their shift adds to it."""
+    length, first, last = 0.2, 60e-3, 120e-3
+    body = tube(3, 50, length)
+    held = np.zeros((*body.grid.shape, 3), dtype=bool)
+    held[-1] = True
+    means = end_motions(body, 1)
+    force, moment = (np.zeros((*body.grid.shape, 3)) for _ in range(2))
+    force[0], moment[0] = means.reshape(2, -1, 3)
+    z = body.grid.z[:, 0]
+    i, j = (int(abs(z - at).argmin()) for at in (first, last))
+    section = tube_section(2 * OUTER, 2 * BORE, STEEL)
+    shift, tilt = (solve(body, 1, held, moment).reshape(z.size, -1) @ means.T).T
+    assert (tilt[i] - tilt[j]) / (z[j] - z[i]) == pytest.approx(1.0 / section.EI, rel=2e-5, abs=0.0)
+    assert shift[i] - shift[j] == pytest.approx(-simpson(z[i : j + 1]) @ tilt[i : j + 1], rel=1e-4, abs=0.0)
+    shift, tilt = (solve(body, 1, held, force).reshape(z.size, -1) @ means.T).T
+    assert tilt[j] - tilt[i] == pytest.approx((z[j] ** 2 - z[i] ** 2) / 2.0 / section.EI, rel=2e-5, abs=0.0)
+    sheared = shift[i] - shift[j] + simpson(z[i : j + 1]) @ tilt[i : j + 1]
+    assert sheared == pytest.approx((z[j] - z[i]) / section.kGA, rel=5e-4, abs=0.0)
+
+
+def rigid_fields(body):
+    """Amplitudes (rows, columns, 3) of rigid motions by harmonic: shift along, twist; shift across, tilt."""
+    r, z = body.grid.r, body.grid.z
+    zero, one = np.zeros_like(r), np.ones_like(r)
+    return {
+        0: [np.stack([zero, zero, one], axis=-1), np.stack([zero, r, zero], axis=-1)],
+        1: [np.stack([one, -one, zero], axis=-1), np.stack([z, -z, -r], axis=-1)],
+    }
+
+
+@pytest.mark.parametrize("bore", [0.0, BORE], ids=["shaft", "tube"])
+def test_rigid_motions_cost_nothing_and_nothing_else_is_free(bore):
+    body = tube(2, 3, 20e-3, bore=bore)
+    for n in range(4):
+        free = body.axis_free(n)
+        K = body.stiffness(n).toarray()
+        for field in rigid_fields(body).get(n, ()):
+            q = field.ravel()
+            assert abs(K @ q).max() < 1e-12 * abs(K).max() * abs(q).max()
+            assert n == 0 or bore or free.reshape(-1, 3)[q.reshape(-1, 3)[:, 1] != 0.0][:, :2].all()
+        values = np.linalg.eigvalsh(K[np.ix_(free, free)])
+        loose = 2 if n < 2 else 0
+        assert abs(values[:loose]).max(initial=0.0) < 1e-12 * values[-1] < values[loose] * 1e-3
+
+
+def test_both_sets_of_a_harmonic_are_the_motions_in_space():
+    """Rigid motions, contact by contact: the rows of n = 0 and of both sets of n = 1 against u + w x r."""
+    rng = np.random.default_rng(3)
+    body = tube(1, 2, 30e-3, bore=10e-3)
+    x = np.column_stack([np.zeros((5, 2)), rng.uniform(5e-3, 25e-3, 5)])
+    angle = rng.uniform(-np.pi, np.pi, 5)
+    x[:, 0], x[:, 1] = OUTER * np.cos(angle), OUTER * np.sin(angle)
+    axes = np.linalg.qr(rng.normal(size=(5, 3, 3)))[0][:, :2]
+    points = points_of(x, axes)
+    z = body.grid.z[:, 0]
+    weights = BarycentricInterpolator(z, np.eye(z.size))(x[:, 2])
+
+    def moved(n, which, field):
+        return harmonic_rows(n, points, weights)[which].reshape(10, -1) @ field[:, -1].ravel()
+
+    fields = rigid_fields(body)
+    along, twist = (moved(0, 0, f) for f in fields[0])
+    (shift_x, tilt_x), (shift_y, tilt_y) = ([moved(1, k, f) for f in fields[1]] for k in range(2))
+    rows = motion_rows(x, axes, 0.0).T
+    for found, expected in zip((shift_x, shift_y, along, -tilt_y, tilt_x, twist), rows, strict=True):
+        np.testing.assert_allclose(found, expected, atol=1e-14)
+
+
+BIG = 50e-3
+
+
+def own(width, harmonics=2.6, size=1.0):
+    """Own compliance of a radial Gaussian patch on the middle of a big shaft."""
+    shaft = Tube(
+        10e-3,
+        BIG,
+        (-40e-3, 40e-3),
+        "both",
+        BIG,
+        width,
+        int(np.ceil(harmonics * BIG / width)),
+        (1.25 * width * size, 0.6 * width * size),
+        STEEL,
+    )
+    zone = (-5.0 * width, 5.0 * width)
+    points = Points(np.array([0.4]), np.zeros(1), np.array([[[1.0, 0, 0], [0, 0, 1.0]]]))
+    return contact_compliance(tube_compliance(shaft, zone), points)[0, 0]
+
+
+def test_half_space_limit():
+    """Two widths take out the body; the logarithm of curvature is what is left beside the half space."""
+    a, b = expansion(NU)
+    widths = 1.5e-3, 3e-3
+    found = own(widths[0]) - own(widths[1])
+    space = half_space(widths[0], STEEL) - half_space(widths[1], STEEL)
+    curved = (a + 2 * b) / (16 * np.pi * G * BIG) * np.log(widths[0] / widths[1])
+    assert found == pytest.approx(space, rel=5e-3, abs=0.0)
+    # harmonic 1 keeps the patch's whole resultant: (width / radius)^2 of its own share
+    assert found == pytest.approx(space - curved, rel=1e-3, abs=0.0)
+    assert own(widths[1]) == pytest.approx(half_space(widths[1], STEEL), rel=0.15, abs=0.0)
+    assert half_space(1e-3, STEEL) == pytest.approx((1 - NU**2) / (2 * np.sqrt(np.pi) * E * 1e-3), rel=1e-12, abs=0.0)
+
+
+def test_patch_converges_with_mesh_and_harmonics():
+    width = 3e-3
+    base = own(width)
+    assert own(width, size=0.5) == pytest.approx(base, rel=2e-3, abs=0.0)
+    assert own(width, harmonics=4.0) == pytest.approx(base, rel=1e-4, abs=0.0)
+
+
+@pytest.mark.parametrize("screw", [False, True], ids=["nut", "screw"])
+def test_compliance_is_symmetric_and_positive(screw):
+    scene = catalogue.scene("lin-case1")
+    x, axes = contact_frames(scene, ball_layout(scene), screw)
+    found = contact_compliance(smooth_compliance(geometry_only(scene), screw, REFINED), points_of(x, axes))
+    assert np.array_equal(found, found.T)
+    values = np.linalg.eigvalsh(found)
+    assert values[0] > -1e-12 * values[-1]
+
+
+def test_held_faces_mirror():
+    body = smooth_body(geometry_only(catalogue.scene("lin-case1")), False, REFINED)
+    low = replace(body, ends=(0.0, 54e-3), held="low", harmonics=6)
+    rng = np.random.default_rng(0)
+    z, t = rng.uniform(8e-3, 46e-3, 6), rng.uniform(-np.pi, np.pi, 6)
+    axes = np.linalg.qr(rng.normal(size=(6, 3, 3)))[0][:, :2]
+    one = contact_compliance(tube_compliance(low, (5e-3, 49e-3)), Points(t, z, axes))
+    turned = Points(t, 54e-3 - z, axes * np.array([1.0, 1.0, -1.0]))
+    other = contact_compliance(tube_compliance(replace(low, held="high"), (5e-3, 49e-3)), turned)
+    assert relative(other, one) < 1e-9
+    both = contact_compliance(tube_compliance(replace(low, held="both"), (5e-3, 49e-3)), Points(t, z, axes))
+    assert np.linalg.eigvalsh(one - both)[0] > -1e-12 * abs(one).max()
+
+
+@pytest.mark.parametrize("screw", [False, True], ids=["nut", "screw"])
+def test_contacts_of_a_scene_converge(screw):
+    scene = catalogue.scene("lin-case1")
+    geometry = geometry_only(scene)
+    x, axes = contact_frames(scene, ball_layout(scene), screw)
+
+    def compliance(**changes):
+        return contact_compliance(smooth_compliance(geometry, screw, replace(REFINED, **changes)), points_of(x, axes))
+
+    base = compliance()
+    assert relative(compliance(harmonics=1.5), base) < 5e-5
+    errors = [relative(compliance(mesh=mesh), compliance(mesh=2.0)) for mesh in (1.0, 1.5)]
+    assert errors[0] < 2e-3
+    assert errors[1] < 0.4 * errors[0]
+
+
+def test_turning_all_contacts_changes_nothing():
+    rng = np.random.default_rng(5)
+    body = replace(smooth_body(geometry_only(catalogue.scene("lin-case1")), False, REFINED), harmonics=5)
+    found = tube_compliance(body, (body.ends[0], body.ends[1]))
+    z, t = rng.uniform(body.ends[0] + 5e-3, body.ends[1] - 5e-3, 4), rng.uniform(-np.pi, np.pi, 4)
+    axes = np.linalg.qr(rng.normal(size=(4, 3, 3)))[0][:, :2]
+    turned = contact_compliance(found, Points(t + 1.234, z, axes))
+    assert relative(turned, contact_compliance(found, Points(t, z, axes))) < 1e-12
+
+
+def test_line_compliance_is_that_of_the_whole_body():
+    """Block elimination along z against a dense solve, held and on springs."""
+    body = tube(2, 4, 20e-3, bore=6e-3)
+    columns, count = body.grid.shape[1], body.grid.r.size
+    springs = (3e7, 4e4, 5e7, 6e4)
+    for held_end, own_springs in ((True, ()), (False, springs)):
+        held = np.zeros((*body.grid.shape, 3), dtype=bool)
+        held[0] = held_end
+        found = line_compliance(body, range(3), held.ravel(), columns - 1, (2, 7), own_springs)
+        watched = (3 * (np.arange(2, 7) * columns + columns - 1)[:, None] + np.arange(3)).ravel()
+        for n, S in enumerate(found if held_end else found[:2]):
+            K = body.stiffness(n).toarray()
+            if own_springs:
+                ends = np.zeros((2, 3 * count))
+                ends[:, : 3 * columns] = end_motions(body, n)
+                K += ends.T @ (np.array(springs[2:] if n == 0 else springs[:2])[:, None] * ends)
+            free = ~held.ravel()
+            dense = np.zeros_like(K)
+            dense[np.ix_(free, free)] = np.linalg.inv(K[np.ix_(free, free)])
+            np.testing.assert_allclose(S, dense[np.ix_(watched, watched)], rtol=1e-7, atol=1e-9 * abs(S).max())
+
+
+def far_apart(width, held):
+    """Compliance from a far contact to a pair of opposite ones on a shaft, by the kernel and by beam and springs."""
+    shaft = Tube(0.0, 15e-3, (0.0, 0.3), held, 15e-3, width, 8, (2e-3, 1e-3), STEEL)
+    z = np.array([0.15, 0.15, 0.25])
+    t = np.array([0.3, 0.3 + np.pi, -1.0])
+    x = np.column_stack([15e-3 * np.cos(t), 15e-3 * np.sin(t), z])
+    axes = np.linalg.qr(np.random.default_rng(8).normal(size=(3, 3, 3)))[0][:, :2]
+    found = contact_compliance(tube_compliance(shaft, (0.14, 0.26)), points_of(x, axes))
+    beam = clamped(motion_rows(x, axes), np.repeat(z, 2), shaft.ends, "low", tube_section(30e-3, 0.0, STEEL))
+    if held == "section":
+        beam = beam + spring_compliance(shaft, x, axes)
+    return found[:4, 4:], beam[:4, 4:]
+
+
+def test_shaft_is_a_beam_far_from_its_end():
+    """What `spring_compliance` and `clamped` stand for; a clamped face holds more than a beam's end does."""
+    on_springs = relative(*far_apart(0.5e-3, "section"))
+    assert on_springs < 4e-3
+    assert on_springs < relative(*far_apart(0.5e-3, "low")) < 0.02
+
+
+def test_patch_width_does_not_touch_the_beam():
+    assert relative(*far_apart(2.5e-3, "section")) < 3e-3

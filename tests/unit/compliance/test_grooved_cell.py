@@ -1,0 +1,122 @@
+"""Half a lead of a grooved body: plain cells exactly, convergence, bounds, and the screw homogenised in 3D."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.scenes import catalogue
+from hifi.cell import homogenise, with_core
+from lowfi.compliance import cell
+from lowfi.compliance.bodies import flank_of, geometry_only, grooved_section
+from lowfi.compliance.cell import cell_grid, cell_section, groove_line, stiffness_of
+from lowfi.compliance.fourier import Body, tube_grid
+from lowfi.compliance.groove import smooth_radius
+from meshes.groove_map import GrooveMap
+from meshes.section import screw_section, tube_section
+
+SCENE = catalogue.scene("lin-case1")
+MAP, STEEL = GrooveMap.of(SCENE), SCENE.screw.material
+LAND, ROOT = 16e-3, float(groove_line(GrooveMap.of(SCENE), 16e-3, True, 17)[0][0])
+KINDS = {"axial": "EA", "torsion": "GJ", "bending": "EI"}
+
+
+def constants(grid):
+    body = Body(grid, STEEL.youngs_modulus, STEEL.poissons_ratio)
+    return np.array([stiffness_of(body, kind) * float(grid.z[-1, 0]) for kind in KINDS])
+
+
+def of_section(section):
+    return np.array([getattr(section, name) for name in KINDS.values()])
+
+
+@pytest.mark.parametrize("bore", [0.0, 5e-3, 14e-3])
+def test_plain_cell_is_exact(bore):
+    found = constants(tube_grid(np.linspace(bore, 16e-3, 4), np.linspace(0.0, 10e-3, 3)))
+    np.testing.assert_allclose(found, of_section(tube_section(32e-3, 2 * bore, STEEL)), rtol=1e-10)
+
+
+@pytest.mark.parametrize("screw", [True, False], ids=["screw", "nut"])
+def test_refinement(screw):
+    flank = flank_of(geometry_only(SCENE), screw)
+    meshes = [(4, 3, 4), cell.MESH, (16, 10, 16)]
+    found = [constants(cell_grid(flank.map, flank.land, flank.far, screw, mesh)) for mesh in meshes]
+    np.testing.assert_allclose(found[0], found[2], rtol=5e-3)
+    np.testing.assert_allclose(found[1], found[2], rtol=4e-4)
+    assert np.all(found[0] >= found[1])
+    assert np.all(found[1] >= found[2])
+    section = grooved_section(geometry_only(SCENE), screw)
+    np.testing.assert_allclose(of_section(section), found[1], rtol=1e-12)
+
+
+def test_between_root_and_land():
+    section = cell_section(MAP, LAND, 0.0, True, STEEL)
+    low, high = (of_section(tube_section(2 * r, 0.0, STEEL)) for r in (ROOT, LAND))
+    assert np.all(low < of_section(section.section))
+    assert np.all(of_section(section.section) < high)
+    assert ROOT < section.radii[0] < LAND
+    volume = smooth_radius(flank_of(geometry_only(SCENE), True), 2)
+    assert all(ROOT < r < volume for r in section.radii)
+    assert of_section(section.section)[0] < screw_section(SCENE).EA
+    for k, radius in enumerate(section.radii):
+        name = ("EA", "EI", "GJ")[k]
+        plain = getattr(tube_section(2 * radius, 0.0, STEEL), name)
+        assert plain == pytest.approx(getattr(section.section, name), rel=1e-12)
+
+
+def test_nut_between_root_and_land():
+    flank = flank_of(geometry_only(SCENE), False)
+    section = cell_section(flank.map, flank.land, flank.far, False, STEEL)
+    root = float(groove_line(flank.map, flank.land, False, 17)[0][0])
+    low, high = (of_section(tube_section(2 * flank.far, 2 * r, STEEL)) for r in (root, flank.land))
+    assert np.all(low < of_section(section.section))
+    assert np.all(of_section(section.section) < high)
+    assert all(flank.land < r < root for r in section.radii)
+
+
+def test_nothing_is_left_out_of_a_shallow_groove():
+    """A land just above the groove's root: the plain shaft again, to first order in what is cut away."""
+    gaps = []
+    for depth in (0.4e-3, 0.1e-3):
+        land = ROOT + depth
+        section = cell_section(MAP, land, 0.0, True, STEEL)
+        gaps.append(1.0 - of_section(section.section) / of_section(tube_section(2 * land, 0.0, STEEL)))
+    assert np.all(gaps[0] < 0.02)
+    assert np.all(gaps[1] > 0.0)
+    assert np.all(gaps[1] < 0.3 * gaps[0])
+
+
+def test_scale():
+    """All lengths doubled: EA and kGA fourfold, EI and GJ sixteenfold."""
+    track, screw, balls = SCENE.track, SCENE.screw, SCENE.balls
+    big = replace(
+        SCENE,
+        track=replace(track, pitch_radius=2 * track.pitch_radius, lead=2 * track.lead),
+        screw=replace(screw, groove_radius=2 * screw.groove_radius),
+        balls=replace(balls, radius=2 * balls.radius),
+        nut=replace(SCENE.nut, groove_radius=2 * SCENE.nut.groove_radius),
+    )
+    one = cell_section(MAP, LAND, 0.0, True, STEEL).section
+    two = cell_section(GrooveMap.of(big), 2 * LAND, 0.0, True, STEEL).section
+    for name, power in (("EA", 2), ("kGA", 2), ("EI", 4), ("GJ", 4)):
+        assert getattr(two, name) == pytest.approx(2**power * getattr(one, name), rel=1e-9)
+
+
+def test_impossible_dimensions():
+    with pytest.raises(ValueError, match="without lead"):
+        cell_section(GrooveMap.of(replace(SCENE, track=replace(SCENE.track, lead=0.0))), LAND, 0.0, True, STEEL)
+    with pytest.raises(ValueError, match="overlap"):
+        cell_section(GrooveMap.of(replace(SCENE, track=replace(SCENE.track, starts=4))), LAND, 0.0, True, STEEL)
+    for land in (ROOT - 1e-4, 25e-3):
+        with pytest.raises(ValueError, match="does not cut"):
+            cell_section(MAP, land, 0.0, True, STEEL)
+    with pytest.raises(ValueError, match="inside out"):
+        cell_section(MAP, LAND, 15.5e-3, True, STEEL)
+
+
+def test_screw_homogenised_in_3d():
+    hole = 3e-3
+    solid = with_core(homogenise(MAP, LAND, hole, STEEL, 3e-3).section, hole, STEEL)
+    section = cell_section(MAP, LAND, 0.0, True, STEEL).section
+    np.testing.assert_allclose(of_section(section), of_section(solid), rtol=0.015)
+    assert np.all(of_section(section) < of_section(solid))  # a finite mesh is too stiff

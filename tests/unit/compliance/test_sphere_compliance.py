@@ -1,0 +1,169 @@
+"""The elastic sphere: Lur'e's series against its sum, against finite elements, and its limits."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
+from scipy.special import eval_legendre
+
+from lowfi.compliance.fourier import Body, Grid, quadratic, refine_lines
+from lowfi.compliance.sphere import MEAN_LOG, expansion, legendre_compliance, own_compliance, sphere_compliance
+from meshes.parts import Material
+
+STEEL, RADIUS = Material(210e9, 0.28), 2.778e-3
+UNIT = 8.0 * np.pi * STEEL.shear_modulus * RADIUS
+POISSON = (0.0, 0.28, 0.45)
+
+
+def summed(cosine, poisson, terms=4000):
+    """Sum of (2 n + 1) c_n P_n by second means, which converge where the series does not; their 1/terms extrapolated."""
+    n = np.arange(2 * terms)
+    x = (2 * n + 1) * legendre_compliance(n, poisson) * eval_legendre(n, cosine)
+
+    def mean(count):
+        return float(x[:count] @ ((1.0 - n[:count] / count) * (1.0 - n[:count] / (count + 1.0))))
+
+    return 2.0 * mean(2 * terms) - mean(terms)
+
+
+@pytest.mark.parametrize("poisson", POISSON)
+@pytest.mark.parametrize("angle", [5.0, 20.0, 90.0, 120.0, 180.0])
+def test_series_against_its_sum(angle, poisson):
+    material = Material(210e9, poisson)
+    cosine = np.cos(np.radians(angle))
+    unit = 8.0 * np.pi * material.shear_modulus * RADIUS
+    found = unit * sphere_compliance(cosine, RADIUS, material)
+    assert found == pytest.approx(summed(cosine, poisson), rel=1e-5, abs=2e-5)
+
+
+@pytest.mark.parametrize("poisson", POISSON)
+def test_expansion_is_that_of_the_coefficients(poisson):
+    a, b = expansion(poisson)
+    for n in (1e3, 1e4):
+        left = float(legendre_compliance(np.array(n), poisson)) - a / n - b / n**2
+        assert abs(left) < 20.0 / n**3
+    assert float(legendre_compliance(np.array(1.0), poisson)) == 0.0
+
+
+def test_uniform_pressure():
+    """u = p R (1 - 2 nu)/E: n = 0, and what opposite loads all around add up to."""
+    for nu in POISSON:
+        material = Material(210e9, nu)
+        n = legendre_compliance(np.array(0.0), nu) * RADIUS / (2.0 * material.shear_modulus)
+        assert float(n) == pytest.approx(RADIUS * (1 - 2 * nu) / material.youngs_modulus, rel=1e-12, abs=0.0)
+
+
+def test_share_of_every_wave():
+    """By quadrature over the angle: the closed sums of the two leading terms leave every harmonic in place."""
+    node, weight = np.polynomial.legendre.leggauss(200)
+    s = 0.5 * (node + 1.0)  # sin(t/2), which takes the singularity out
+    cosine = 1.0 - 2.0 * s * s
+    found = np.array([UNIT * sphere_compliance(x, RADIUS, STEEL) for x in cosine])
+    for k in (0, 1, 2, 3, 7):
+        share = (weight * s) @ (found * eval_legendre(k, cosine))
+        assert share == pytest.approx(float(legendre_compliance(np.array(float(k)), 0.28)), abs=2e-6)
+
+
+def test_small_angle_is_the_half_space():
+    """(1 - nu^2)/(pi E d) at a distance d, and the logarithm of curvature beyond it."""
+    nu, E = STEEL.poissons_ratio, STEEL.youngs_modulus
+    a, b = expansion(nu)
+    rest = []
+    for angle in (1e-2, 1e-3, 1e-4):
+        distance = 2.0 * RADIUS * np.sin(0.5 * angle)
+        found = sphere_compliance(np.cos(angle), RADIUS, STEEL)
+        space = (1 - nu**2) / (np.pi * E * distance)
+        assert found == pytest.approx(space, rel=2.0 * angle * np.log(1.0 / angle), abs=0.0)
+        rest.append(UNIT * (found - space) + (a + 2 * b) * np.log(0.5 * angle))
+    assert rest[1] == pytest.approx(rest[2], abs=2e-2)
+    assert rest[0] == pytest.approx(rest[2], abs=2e-1)
+
+
+def disc_average(radius, count=24):
+    """Mean of ``sphere_compliance`` beyond the half space over two points of a round Hertz pressure, by quadrature."""
+    x, w = np.polynomial.legendre.leggauss(count)
+    s, ws = 0.5 * (x + 1.0), 0.5 * w
+    density = 3.0 * s * np.sqrt(1.0 - s * s) * ws
+    turn = (np.arange(4 * count) + 0.5) * 2.0 * np.pi / (4 * count)
+    a, b, t = np.meshgrid(s, s, turn, indexing="ij")
+    distance = radius * np.sqrt(a * a + b * b - 2.0 * a * b * np.cos(t)).ravel()
+    nu, E = STEEL.poissons_ratio, STEEL.youngs_modulus
+    cosine = 1.0 - 0.5 * (distance / RADIUS) ** 2
+    table = np.geomspace(distance.min(), distance.max(), 60)
+    value = [sphere_compliance(1.0 - 0.5 * (d / RADIUS) ** 2, RADIUS, STEEL) - (1 - nu**2) / (np.pi * E * d) for d in table]
+    assert cosine.min() > 0.9
+    beyond = np.interp(np.log(distance), np.log(table), value).reshape(a.shape).mean(axis=2)
+    return float(density @ beyond @ density)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.1])
+def test_own_compliance_is_the_mean_over_the_contact(share):
+    size = share * RADIUS
+    assert own_compliance((size, size), RADIUS, STEEL) == pytest.approx(disc_average(size), rel=0.02, abs=0.0)
+    first = own_compliance((1.2 * size, 0.8 * size), RADIUS, STEEL)
+    assert first == pytest.approx(own_compliance((size, size), RADIUS, STEEL), rel=1e-12, abs=0.0)
+    a, b = expansion(STEEL.poissons_ratio)
+    shift = own_compliance((size, size), RADIUS, STEEL) - own_compliance((2 * size, 2 * size), RADIUS, STEEL)
+    assert UNIT * shift == pytest.approx((a + 2 * b) * np.log(2.0), rel=1e-12, abs=0.0)
+    assert pytest.approx(11.0 / 12.0 - (2.0 + 2.0 / 3.0 - 2.0 * np.log(2.0))) == MEAN_LOG
+
+
+@cache
+def pressed_sphere(count, size):
+    """Finite elements under a round Hertz pressure of unit force on one pole, less its share of P_1, which balances it.
+
+    Polar angles of the surface's nodes from the loaded pole, motion inward there without its share of P_1, mean of the
+    motion over the pressure. A hole of 3 % of the radius is left at the centre.
+    """
+    share = np.linspace(0.0, 1.0, count + 1)
+    t = refine_lines(np.concatenate([0.5 * np.pi * share**2.5, np.pi - 0.5 * np.pi * share[-2::-1] ** 1.3]))
+    rho = refine_lines(RADIUS * (1.0 - 0.97 * np.linspace(1.0, 0.0, count + 1) ** 2.5))
+    r, z = rho * np.sin(t)[::-1, None], rho * np.cos(t)[::-1, None]
+    r[0] = r[-1] = 0.0
+    body = Body(Grid(r, z), STEEL.youngs_modulus, STEEL.poissons_ratio)
+    node, weight = np.polynomial.legendre.leggauss(40)
+    N = quadratic(node)[0]
+    area, loaded, wave, first = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t), 0.0
+    for k in range(0, t.size - 2, 2):
+        at, w = N @ t[k : k + 3], 0.5 * (t[k + 2] - t[k]) * weight
+        ring = 2.0 * np.pi * RADIUS**2 * np.sin(at) * w
+        inside = np.clip(1.0 - (RADIUS * np.sin(at) / size) ** 2, 0.0, None) * (at < 0.5 * np.pi)
+        pressure = np.sqrt(inside)
+        area[k : k + 3] += N.T @ ring
+        loaded[k : k + 3] += N.T @ (ring * pressure)
+        wave[k : k + 3] += N.T @ (ring * np.cos(at))
+        first += float(ring @ (pressure * np.cos(at)))
+    total = loaded.sum()
+    inward = loaded / total - wave * (3.0 * first / total) / (4.0 * np.pi * RADIUS**2)
+    force = np.zeros((*body.grid.shape, 3))
+    force[::-1, -1, 0], force[::-1, -1, 2] = -inward * np.sin(t), -inward * np.cos(t)
+    free = body.axis_free(0).reshape(force.shape)
+    free[..., 1] = False
+    free[0, 0, 2] = False
+    free = free.ravel()
+    q = np.zeros(free.size)
+    q[free] = spsolve(sp.csc_matrix(body.stiffness(0)[free][:, free]), force.ravel()[free])
+    surface = q.reshape(force.shape)[::-1, -1]
+    u = -(surface[:, 0] * np.sin(t) + surface[:, 2] * np.cos(t))
+    u -= np.cos(t) * (wave @ u) * 3.0 / (4.0 * np.pi * RADIUS**2)
+    return t, u, float(loaded @ u / total)
+
+
+@pytest.mark.parametrize("degrees", [30, 60, 90, 135, 180])
+def test_finite_elements(degrees):
+    t, u, _ = pressed_sphere(24, 0.06 * RADIUS)
+    k = int(abs(t - np.radians(degrees)).argmin())
+    assert np.degrees(t[k]) == pytest.approx(degrees, abs=1.0)
+    assert UNIT * u[k] == pytest.approx(UNIT * sphere_compliance(np.cos(t[k]), RADIUS, STEEL), rel=3e-3, abs=0.012)
+
+
+@pytest.mark.parametrize("share", [0.06, 0.12])
+def test_own_compliance_by_finite_elements(share):
+    """What a Hertz pressure does to its own place beyond 0.6 (1 - nu^2)/(E a) of the half space."""
+    size = share * RADIUS
+    space = 0.6 * (1 - STEEL.poissons_ratio**2) / (STEEL.youngs_modulus * size)
+    own = pressed_sphere(32, size)[2] - space
+    assert own < -0.04 * space
+    assert own == pytest.approx(own_compliance((size, size), RADIUS, STEEL), abs=3e-3 * space)

@@ -1,0 +1,282 @@
+"""Results of another program: read as it printed them, extrapolated, kept, and shown beside the 3D reference."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare import cli
+from compare.commands import crosscheck as crosscheck_command
+from compare.crosscheck.calculix import digest, read_cvg, read_dat
+from compare.crosscheck.data import BodyMesh, CrossData, CrossRun, load, path_of, save, shipped
+from compare.crosscheck.fit import LENGTHS, element_error, extrapolate
+from compare.crosscheck.rows import agreement, contact_rows, series
+from compare.crosscheck.study import STUDIES, checked_scene, label, run_study, scene_key
+from compare.errors import InputError
+from compare.measure import load_error
+from compare.models.study import Study
+from compare.reference.convergence import observe
+from compare.reference.runs import Reference
+from compare.sections import crosscheck
+
+DAT = """
+ displacements (vx,vy,vz) for set BALL1_WEAK and time  0.1000000E+01
+
+     15095  1.828532E-03  8.032547E-04  2.913913E-03
+
+
+ statistics for slave set BALL1_SL, master set SCREW_SL_1 and time  0.1000000E+01
+
+   total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)
+
+    3.000000E+02 -2.012520E-05  4.000000E+02  2.824355E-01 -4.765494E+03 -2.947064E-01
+
+   center of gravity and mean normal
+
+    1.717765E+01 -3.013952E-03  4.186073E+00 -7.079249E-01  1.332013E-04 -7.026675E-01
+
+   moment about the center of gravity(mx,my,mz)
+
+    1.157950E+00 -4.264197E+00 -1.175283E+00
+
+   area,  normal force (+ = tension) and shear force (size)
+
+    2.115257E-01 -5.167413E+02  2.813703E+00
+"""
+CVG = """SUMMARY OF C0NVERGENCE INFORMATION
+  STEP   INC  ATT   ITER     CONT.   RESID.        CORR.      RESID.      CORR.
+                              EL.    FORCE         DISP       FLUX        TEMP.
+                              (#)     (%)           (%)        (%)         (%)
+     1     1     1     1    70768  0.2964E+06  0.1000E+03  0.0000E+00  0.0000E+00
+     1     1     1     2    20299  0.0000E+00  0.1133E-02  0.0000E+00  0.0000E+00
+"""
+#: Limit, what elements add to it at e = 1 and the contact law at 2e17 Pa/m, order and length of the elements' error.
+LIMIT = np.array([[500.0, 0.0, 0.0, 480.0], [250.0, 40.0, 41.0, 260.0]])
+MESH, SOFT, ORDER, LENGTH = 0.05 * LIMIT + 1.0 * (LIMIT > 0.0), -0.004 * LIMIT, 3.0, LENGTHS[10]
+
+
+def a_run(b_over_h: float, growth: float, stiffness: float, **changes) -> CrossRun:
+    """A run of loads that obey the law of the fit, with contacts of one half axis."""
+    e = element_error(np.array(1.0 / (b_over_h * LENGTH)), np.array(growth), ORDER)
+    found = LIMIT + MESH * e + SOFT * (2e17 / stiffness)
+    count = int(1000 * b_over_h / growth)
+    meshes = (BodyMesh("SCREW", count, 40, 0.2), BodyMesh("NUT", 200, 80, 0.1))
+    return replace(
+        CrossRun(
+            b_over_h,
+            growth,
+            stiffness,
+            1e3,
+            False,
+            1e-4,
+            "0" * 16,
+            meshes,
+            found,
+            0.005,
+            1e-4,
+            12,
+            1e-3,
+            60.0,
+            "2026-01-01",
+            "CalculiX 2.20",
+        ),
+        **changes,
+    )
+
+
+RUNS = (
+    a_run(0.8, 0.6, 2e17),
+    a_run(1.1, 0.6, 2e17),
+    a_run(1.5, 0.6, 2e17),
+    a_run(1.1, 0.8, 2e17),
+    a_run(1.1, 0.4, 2e17),
+    a_run(1.1, 0.6, 1e18),
+    a_run(1.5, 0.6, 2e17, nlgeom=True, load=2.0 * LIMIT),
+)
+DATA = CrossData("two-balls", "k", "0", "4", RUNS)
+
+
+def ours(loads: list[np.ndarray]) -> Reference:
+    """A reference of runs with these loads."""
+
+    class Run:
+        def __init__(self, level, load):
+            self.level, self.load = level, load
+
+    runs = tuple(Run(k, x) for k, x in enumerate(loads, start=1))
+    if len(runs) < 3:
+        return Reference("two-balls", runs, loads[-1], None, None, None, None)
+    found = tuple(tuple(observe([x[i, s] for x in loads], [1.0, 0.7, 0.5]) for s in range(4)) for i in range(2))
+    return Reference("two-balls", runs, loads[-1], np.full((2, 4), 2.0), found, None, loads[-1])
+
+
+def test_what_calculix_prints_is_read():
+    (contact,), moved = read_dat(DAT)
+    assert (contact.slave, contact.area) == ("BALL1_SL", 0.2115257)
+    assert contact.size == pytest.approx(500.0)
+    assert moved == {"BALL1_WEAK": {15095: (1.828532e-3, 8.032547e-4, 2.913913e-3)}}
+    assert read_cvg(CVG) == (2, 1.133e-3)
+
+
+def test_a_deck_is_known_by_what_it_says():
+    assert digest("*NODE\n1, 2\n") == digest("** remark\n*NODE\n1, 2")
+    assert digest("*NODE\n1, 2\n") == digest("*CONTROLS, X\n4, 8\n*NODE\n1, 2\n")
+    assert digest("*NODE\n1, 2\n") != digest("*NODE\n1, 3\n")
+
+
+def equal(runs):
+    """The same runs with equal loads on all contacts, so that all have one half axis."""
+    return [replace(r, load=np.where(r.load > 0.0, r.load[0, 0], 0.0)) for r in runs]
+
+
+def test_loads_that_obey_the_law_are_extrapolated_exactly():
+    found = extrapolate(equal(RUNS))
+    assert (found.order, found.length) == (ORDER, LENGTH)
+    np.testing.assert_allclose(found.load, 500.0 * (LIMIT > 0.0), atol=1e-6)
+    np.testing.assert_allclose(found.uncertainty, 0.0, atol=1e-5)
+    finest = min(element_error(np.array(1.0 / (r.b_over_h * LENGTH)), np.array(r.growth), ORDER) for r in RUNS)
+    assert found.by_elements[0, 0] == pytest.approx(26.0 * finest)
+    assert found.by_stiffness[0, 0] == pytest.approx(-2.0)
+    assert found.fixed == ()
+
+
+def test_the_error_of_elements_is_that_of_its_derivation():
+    """The relative size, to a power, over the energy of a field that falls like 1 / (c + d)."""
+    h, g, p, c = 0.3, 0.5, 3.0, 0.4
+    d = np.concatenate([[0.0], np.geomspace(1e-5, 1e6, 400_000)])
+    energy = c / (c + d) ** 2
+    assert np.trapezoid(energy, d) == pytest.approx(1.0, rel=1e-4)
+    found = np.trapezoid(((h + g * d) / (c + d)) ** p * energy, d)
+    assert element_error(np.array(h / c), np.array(g), p) == pytest.approx(found, rel=1e-4)
+
+
+def test_scatter_shows_in_the_uncertainty():
+    rng = np.random.default_rng(3)
+    noisy = [replace(r, load=r.load + rng.normal(0.0, 0.3, (2, 4)) * (LIMIT > 0.0)) for r in RUNS]
+    found = extrapolate(noisy)
+    assert found.misfit > 0.05
+    assert 0.1 < found.uncertainty[LIMIT > 0.0].mean() < 30.0
+    assert np.mean(np.abs(found.load - LIMIT)[LIMIT > 0.0] <= found.uncertainty[LIMIT > 0.0]) > 0.7
+
+
+def test_too_few_runs_are_refused():
+    for kept, why in ((RUNS[1:2] + RUNS[5:6], "one mesh only"), ((RUNS[0], RUNS[5]), "2 runs: 3 are needed")):
+        with pytest.raises(ValueError, match=why):
+            extrapolate(kept)
+
+
+def test_what_is_not_varied_is_named_and_two_meshes_give_a_range():
+    found = extrapolate(RUNS[:2])
+    assert found.fixed == ("growth", "contact stiffness")
+    assert not found.by_stiffness.any()
+    two = [r.load for r in RUNS[:2]]
+    assert found.uncertainty[0, 0] > abs(two[1] - two[0])[0, 0]  # any order and length fits
+
+
+def test_results_are_kept_with_all_that_identifies_them(tmp_path: Path):
+    save(tmp_path, DATA)
+    again = load(tmp_path, "two-balls")
+    for one, two in zip(again.runs, RUNS, strict=True):
+        np.testing.assert_allclose(one.load, two.load, rtol=1e-6)
+        assert replace(one, load=0) == replace(two, load=0)
+    assert (again.key, again.gmsh, again.runs[0].nodes) == ("k", "4", 1533)
+    assert load(tmp_path, "other") is None
+    plain = json.loads(path_of(tmp_path, "two-balls").read_text())
+    bad = {**plain["runs"][0], "load": [1.0]}
+    for broken in ({**plain, "runs": [{}]}, {**plain, "more": 1}, [], {**plain, "runs": [bad]}):
+        path_of(tmp_path, "two-balls").write_text(json.dumps(broken))
+        with pytest.raises(InputError, match="results that rollbench crosscheck wrote"):
+            load(tmp_path, "two-balls")
+
+
+def test_rows_compare_limits_in_per_cent_of_the_mean_load():
+    assert [r.nodes for r in series(DATA)] == sorted(r.nodes for r in RUNS[:5])
+    off = LIMIT.copy()
+    off[1, 1] += 5.0
+    rows = contact_rows(DATA, ours([off, off, off]))
+    assert len(rows) == 6
+    mean = off[off > 0.0].mean()
+    worst = next(r for r in rows if (r.ball, r.side) == (2, "SR"))
+    assert worst.difference == pytest.approx(100.0 * 5.0 / mean, abs=0.1)
+    assert worst.cells()["b/h 0.8, g 0.6"] == pytest.approx(RUNS[0].load[1, 1])
+    assert worst.ours_percent == pytest.approx(100.0 * 2.0 / mean)
+    said = agreement("two-balls", rows)
+    assert "NOT within 0.5 %" in said
+    assert "ball 2 SR" in said
+    assert "1 of 6 contacts differ by more" in said  # by 5 N; 2 N are the reference's own uncertainty
+    assert "0 of 6 contacts differ by more" in agreement("two-balls", [replace(r, ours_percent=2.0) for r in rows])
+    assert contact_rows(DATA, ours([LIMIT]))[0].ours_percent is None
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_stored_results_are_those_of_the_shipped_scenes(name):
+    data = load(shipped(), name)
+    assert data.key == scene_key(name)
+    assert [label(o) for o in STUDIES[name]] == [label(r) for r in data.runs]
+    for run in data.runs:
+        assert run.correction < 0.1
+        assert run.weak < 2e-4 * run.load.max()
+        assert run.unbalanced < 1e-3 * run.load.max()
+    limit = extrapolate(data.runs)
+    assert np.all(limit.uncertainty >= 0.0)
+    np.testing.assert_allclose(limit.load, data.runs[-1].load, atol=0.1 * limit.load.max())
+
+
+def test_the_key_is_of_what_a_scene_says(monkeypatch):
+    before = scene_key("two-balls")
+    text = crosscheck_command.checked_scene("two-balls").title
+    from compare.scenes import catalogue
+
+    original = catalogue.scene_text("two-balls")
+    monkeypatch.setattr(catalogue, "scene_text", lambda _: original + "# a remark\n")
+    assert scene_key("two-balls") == before
+    monkeypatch.setattr(catalogue, "scene_text", lambda _: original.replace(text, "Another"))
+    assert scene_key("two-balls") != before
+
+
+def test_only_checked_scenes_are_known():
+    with pytest.raises(InputError, match="two-balls, lin-case1-cut"):
+        checked_scene("lin-case1")
+    with pytest.raises(SystemExit) as code:
+        cli.main(["crosscheck", "lin-case1"])
+    assert code.value.code == 2
+
+
+def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
+    from compare.crosscheck import calculix as ccx
+    from compare.crosscheck import study as crosscheck_study
+    from compare.crosscheck.deck import DeckOptions
+
+    def solved(text: str, _: Path):
+        names = [x.split("SLAVE=")[1].split(",")[0] for x in text.splitlines() if x.startswith("*CONTACT PRINT")]
+        forces = {"SL": (3.0, 0.0, 4.0), "NR": (-3.0, 0.0, -4.0), "SR": (1.0, 0.0, 0.0), "NL": (-1.0, 0.0, 0.001)}
+        contacts = tuple(ccx.ContactForce(n, forces[n.split("_")[1]], 1.0) for n in names)
+        moved = {f"BALL{i}_WEAK": {7: (0.0, 0.0, 0.001)} for i in (1, 2)}
+        return ccx.Outcome(contacts, moved, 5, 0.01, 1.0, "2026-01-01", "2.20")
+
+    monkeypatch.setattr(crosscheck_study, "run", solved)
+    monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8)])
+    data = run_study(checked_scene("two-balls"), tmp_path, lambda _: None)
+    np.testing.assert_allclose(data.runs[0].load, [[5.0, 1.0, 1.0, 5.0]] * 2, rtol=1e-6)
+    assert data.runs[0].weak == pytest.approx(0.001)
+    assert data.runs[0].unbalanced == pytest.approx(0.0, abs=1e-12)
+    assert [m.name for m in data.runs[0].meshes] == ["SCREW", "NUT", "BALL1", "BALL2"]
+
+
+def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path: Path, monkeypatch):
+    save(tmp_path, replace(DATA, key=scene_key("two-balls")))
+    monkeypatch.setattr(crosscheck, "reference", lambda *_: ours([LIMIT, LIMIT, LIMIT]))
+    found = crosscheck.section(Study(), lambda _: None, None, tmp_path)
+    tables = {x.name: x for x in found.items if hasattr(x, "columns")}
+    assert set(tables) == {"crosscheck-two-balls", "crosscheck-runs-two-balls"}
+    assert len(tables["crosscheck-two-balls"].rows) == 6
+    assert "within 0.5 %" in tables["crosscheck-two-balls"].note
+    runs = tables["crosscheck-runs-two-balls"].rows
+    assert runs[-1]["large_change"] == pytest.approx(load_error(2.0 * LIMIT, RUNS[2].load).max_percent)
+    assert runs[0]["large_change"] is None
+    for table in tables.values():
+        assert {c.key for c in table.columns} == set(table.rows[0])
+    texts = " ".join(line for x in found.items if hasattr(x, "paragraphs") for line in x.paragraphs)
+    assert "lin-case1-cut: no results of CalculiX" in texts

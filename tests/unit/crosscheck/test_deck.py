@@ -1,0 +1,314 @@
+"""Decks for CalculiX: what they say is what the scene says, in a form that CalculiX runs."""
+
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compare import cli
+from compare.commands.deck import DeckChoices, run_deck
+from compare.crosscheck.calculix import find_ccx, run
+from compare.crosscheck.deck import DeckOptions, build_deck, without_turning
+from compare.crosscheck.deck_cut import cut_scene, parse_balls
+from compare.errors import InputError
+from compare.scenes import catalogue
+from meshes.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
+from meshes.helix import ball_layout
+from meshes.parts import FourierTerm, Material
+from tests.fe_meshes import cube
+
+CCX = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+COARSE = DeckOptions(b_over_h=0.7, growth=0.8)
+#: Ends of the edges whose middles are a C3D10's nodes 5 to 10, and corners of its faces S1 to S4, from Abaqus' manual.
+EDGES = ((1, 2), (2, 3), (3, 1), (1, 4), (2, 4), (3, 4))
+FACES = ((1, 2, 3), (1, 4, 2), (2, 4, 3), (3, 4, 1))
+
+
+def blocks(text: str) -> list[tuple[str, list[str]]]:
+    """Keyword lines and their data lines; lines that go on are joined."""
+    found: list[tuple[str, list[str]]] = []
+    for line in text.splitlines():
+        if line.startswith("**"):
+            continue
+        if line.startswith("*"):
+            found.append((line, []))
+        elif found[-1][1] and found[-1][1][-1].endswith(","):
+            found[-1][1][-1] += line
+        else:
+            found[-1][1].append(line)
+    return found
+
+
+def table(text: str, head: str) -> np.ndarray:
+    """Numbers below all keyword lines that begin with ``head``."""
+    rows = [[float(x) for x in line.split(",")] for key, data in blocks(text) if key.startswith(head) for line in data]
+    return np.array(rows)
+
+
+def stack(stiffness: float = 1e16) -> Deck:
+    """Two unit cubes (1 mm) one on the other: the lower one held, the upper one pressed by 10 N."""
+    points, cells = cube("P2", 1)
+    soft = Material(1e9, 0.0)
+    bodies = []
+    for name, z in (("LOW", 0.0), ("HIGH", 1e-3)):
+        own = 1e-3 * points + [0.0, 0.0, z]
+        faces = outer_faces(cells)
+        top, bottom = (faces[np.all(np.abs(own[faces][:, :, 2] - h) < 1e-9, axis=1)] for h in (z + 1e-3, z))
+        ends = {f"{name}_END": np.flatnonzero(np.abs(own[:, 2] - (0.0 if name == "LOW" else 2e-3)) < 1e-9)}
+        bodies.append(DeckBody(name, own, cells, soft, ends, {f"{name}_FACE": top if name == "LOW" else bottom}))
+    section = RigidSection(
+        "PUSH",
+        "HIGH",
+        "HIGH_END",
+        np.array([0.0, 0.0, 2e-3]),
+        tuple((k, 0.0) for k in (0, 1, 3, 4, 5)),
+        np.array([0.0, 0.0, -10.0, 0.0, 0.0, 0.0]),
+        (2,),
+    )
+    contact = Contact("HIGH_FACE", "LOW_FACE")
+    return Deck(tuple(bodies), (section,), ("LOW_END",), (contact,), stiffness, 1.0, ("a comment",), "two cubes of 1 mm³")
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_numbers_fit_calculix_and_keep_twelve_digits(value):
+    text = number(value)
+    assert len(text) <= 20
+    assert float(text) == pytest.approx(value, rel=1e-12, abs=0.0)
+
+
+def test_cells_and_faces_are_numbered_as_abaqus_does():
+    text = write(stack())
+    nodes, cells = table(text, "*NODE, NSET"), table(text, "*ELEMENT, TYPE=C3D10").astype(int)
+    place = np.full((int(nodes[:, 0].max()) + 1, 3), np.nan)
+    place[nodes[:, 0].astype(int)] = nodes[:, 1:]
+    for row in cells[:, 1:]:
+        for k, (a, b) in enumerate(EDGES):
+            np.testing.assert_allclose(place[row[4 + k]], 0.5 * (place[row[a - 1]] + place[row[b - 1]]), atol=1e-12)
+    (own,) = [data for key, data in blocks(text) if key.startswith("*SURFACE, NAME=HIGH_FACE")]
+    assert len(own) == 2
+    for line in own:
+        cell, face = line.split(", S")
+        (row,) = cells[cells[:, 0] == int(cell), 1:]
+        np.testing.assert_allclose(place[row[np.array(FACES[int(face) - 1]) - 1]][:, 2], 1.0, atol=1e-12)
+    with pytest.raises(ValueError, match="belongs to no cell"):
+        element_faces(stack().bodies[0].cells, np.array([[0, 0, 0]]))
+
+
+def test_equations_of_a_section_are_those_of_a_rigid_motion():
+    deck = stack()
+    text = write(deck, "m")
+    move, turn = np.array([1.0, -2.0, 3.0]), np.array([0.3, 0.5, -0.7])
+    nodes = table(text, "*NODE, NSET")
+    u = {int(n): move + np.cross(turn, x - deck.sections[0].point) for n, *x in nodes}
+    first = max(u) - 1  # the last two nodes are the section's
+    u[first], u[first + 1] = move, turn
+    found = 0
+    for key, data in blocks(text):
+        if key == "*EQUATION":
+            terms = np.array([float(x) for x in data[1].split(",")]).reshape(-1, 3)
+            assert int(data[0]) == len(terms)
+            assert sum(c * u[int(n)][int(k) - 1] for n, k, c in terms) == pytest.approx(0.0, abs=1e-12)
+            found += 1
+    assert found == 3 * 9
+
+
+def test_units_and_names():
+    mm, m = write(stack()), write(stack(), "m")
+    np.testing.assert_allclose(table(mm, "*NODE, NSET=LOW")[:, 1:], 1e3 * table(m, "*NODE, NSET=LOW")[:, 1:])
+    assert table(mm, "*ELASTIC")[0, 0] == pytest.approx(1e-6 * table(m, "*ELASTIC")[0, 0])
+    assert table(mm, "*SURFACE BEHAVIOR") == pytest.approx(1e-9 * table(m, "*SURFACE BEHAVIOR"))
+    assert table(mm, "*SPRING")[1] == pytest.approx(1e-3 * table(m, "*SPRING")[1])
+    deck = stack()
+    for bad in ("two words", "x" * 81, "HIGH_face", ""):
+        body = replace(deck.bodies[0], nodes={bad: np.array([0])})
+        with pytest.raises(ValueError, match="set"):
+            write(replace(deck, bodies=(body, deck.bodies[1])))
+
+
+@CCX
+@pytest.mark.parametrize("unit", ["mm", "m"])
+def test_calculix_finds_what_a_stack_of_cubes_must(unit, tmp_path: Path):
+    length = {"mm": 1e-3, "m": 1.0}[unit]
+    found = run(write(stack(), unit), tmp_path)
+    assert [c.slave for c in found.contacts] == ["HIGH_FACE"]
+    assert found.contacts[0].force == pytest.approx((0.0, 0.0, 10.0), abs=1e-4)
+    ((_, _, sunk),) = found.moved["PUSH_MOVE"].values()
+    # two cubes in a row, a contact of 1e16 Pa/m on 1 mm2, beside a spring of 1 N/m
+    assert sunk * length == pytest.approx(-10.0 * (2e-3 / (1e9 * 1e-6) + 1.0 / (1e16 * 1e-6)), rel=1e-3)
+    assert re.fullmatch(r"\d+\.\d+", found.version)
+    again = run(write(replace(stack(), heading=("another comment",)), unit), tmp_path)
+    assert again == found  # read, not run again
+
+
+@CCX
+def test_a_deck_that_fails_is_told(tmp_path: Path):
+    deck = replace(stack(), sections=(), contacts=(), fixed=("NOWHERE",))
+    with pytest.raises(ValueError, match="CalculiX failed"):
+        run(write(deck), tmp_path)
+
+
+def test_calculix_missing_is_told(monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    with pytest.raises(InputError, match="apt-get install calculix-ccx"):
+        find_ccx()
+
+
+@pytest.fixture(scope="module")
+def made():
+    return build_deck(catalogue.scene("two-balls"), COARSE)
+
+
+def test_whole_bodies_of_a_scene(made):
+    scene, bodies = catalogue.scene("two-balls"), {b.name: b for b in made.deck.bodies}
+    assert list(bodies) == ["SCREW", "NUT", "BALL1", "BALL2"]
+    for name, azimuth in (("BALL1", 0.0), ("BALL2", np.pi)):
+        ball = bodies[name]
+        centre = np.array([20e-3 * np.cos(azimuth), 20e-3 * np.sin(azimuth), 7e-3])
+        r = np.linalg.norm(ball.points - centre, axis=1)
+        assert r.max() == pytest.approx(4.005e-3, abs=1e-9)  # really 5 um larger
+        assert set(ball.faces) == {f"{name}_{s}" for s in ("SL", "SR", "NL", "NR")}
+        outer = np.unique(outer_faces(ball.cells))
+        assert np.all(np.abs(r[outer] - 4.005e-3) < 1e-8)
+    for side, sign in (("SL", (-1, -1)), ("NR", (1, 1))):
+        name = f"{'SCREW' if side[0] == 'S' else 'NUT'}_{side}_1"
+        corners = bodies[name.split("_")[0]].faces[name]
+        middle = bodies[name.split("_")[0]].points[corners].mean(axis=(0, 1))
+        away = middle - [20e-3, 0.0, 7e-3]
+        assert np.all(np.sign(away[[0, 2]]) == sign)
+        assert np.linalg.norm(away) == pytest.approx(4e-3, rel=0.02)
+    bore = bodies["SCREW"].points[bodies["SCREW"].nodes["SCREW_BORE"]]
+    np.testing.assert_allclose(np.hypot(*bore[:, :2].T), 11e-3, rtol=1e-9)
+    assert len(made.deck.contacts) == 8
+    assert made.expected.shape == (scene.ball_count, 4)
+
+
+def test_elements_are_as_fine_as_asked_at_the_contacts(made):
+    ball = made.deck.bodies[2]
+    for corners in ball.faces.values():
+        x = ball.points[corners]
+        middle = x.mean(axis=(0, 1))
+        near = np.linalg.norm(x.mean(axis=1) - middle, axis=1) < made.fine
+        assert np.median(np.linalg.norm(x[near, 0] - x[near, 1], axis=1)) < 1.6 * made.fine
+
+
+def test_a_deck_keeps_to_its_lines(made):
+    text = write(made.deck)
+    for line in text.splitlines():
+        if not line.startswith("*"):
+            entries = [x.strip() for x in line.removesuffix(",").split(",")]
+            assert len(entries) <= 16, line
+            assert max(map(len, entries)) <= 20 or line == made.deck.title[:80]
+    for said in ("Expected contact loads / N", "mm, N, MPa", "Abaqus"):
+        assert said in text
+    assert f"{made.expected[0, 0]:.2f}" in text
+    moved = table(text[text.index("*STEP") :], "*BOUNDARY")
+    np.testing.assert_allclose(moved[:, 3], [4e-3, 6e-3])
+
+
+def test_balls_cannot_turn_and_nothing_else_is_held():
+    rng = np.random.default_rng(5)
+    points = np.array([[1.0, 0.1, 0.0], [-1.0, 0.0, 0.1], [0.0, 1.0, 0.0], [0.1, -1.0, 0.0]])
+    turned = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    for x in (points, points @ turned):
+        rows = without_turning(x, np.array([[0, 1], [2, 3]]))
+        assert len({tuple(r) for r in rows}) == 3
+        relative = np.array([[np.cross(t, x[a] - x[b])[k] for t in np.eye(3)] for a, b, k in rows])
+        assert abs(np.linalg.det(relative)) > 1.0  # no rotation meets all three
+
+
+def test_what_a_deck_cannot_say_is_refused(tmp_path: Path):
+    scene = catalogue.scene("two-balls")
+    with pytest.raises(InputError, match=r"1 to 4 balls.*--balls 3:5"):
+        build_deck(catalogue.scene("lin-case1"), COARSE)
+    bad = replace(scene.errors, SL=replace(scene.errors.SL, roundness=(FourierTerm(2.0, 1e-6),)))
+    with pytest.raises(InputError, match="a displaced groove"):
+        build_deck(replace(scene, errors=bad), COARSE)
+    bad = replace(scene.errors, NL=replace(scene.errors.NL, profile=(1e-6,)))
+    with pytest.raises(InputError, match="grooves of two radii"):
+        build_deck(replace(scene, errors=bad), COARSE)
+    with pytest.raises(InputError, match=r"solid\.nut"):
+        build_deck(replace(scene, solid=replace(scene.solid, nut="rigid")), COARSE)
+    with pytest.raises(InputError, match="no face of the mesh lies within an expected contact"):
+        build_deck(scene, DeckOptions(b_over_h=0.4, growth=1.5))
+    cut = catalogue.scene("lin-case1-cut")
+    with pytest.raises(InputError, match=r"a station at 0 mm; allowed: the ends of the 3D stretch, 381\.375 mm"):
+        build_deck(replace(cut, loads=(replace(cut.loads[0], at=0.0),)), COARSE)
+    for choices, key in (
+        (DeckChoices("abaqus"), "--deck"),
+        (DeckChoices("ccx", unit="inch"), "--unit"),
+        (DeckChoices("ccx", b_over_h=0.0), "--b-over-h"),
+        (DeckChoices("ccx", growth=float("nan")), "--growth"),
+        (DeckChoices("ccx", balls="5:3"), "--balls"),
+        (DeckChoices("ccx", balls="a"), "--balls"),
+    ):
+        with pytest.raises(InputError, match=key):
+            run_deck(scene, choices, tmp_path / "a.inp")
+    with pytest.raises(InputError, match="--out"):
+        run_deck(scene, DeckChoices("ccx"), tmp_path / "a.txt")
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_real_grooves_are_larger_by_their_error():
+    scene = catalogue.scene("two-balls")
+    smaller = replace(scene.errors.SL, profile=(2e-6,))
+    errors = replace(scene.errors, SL=smaller, SR=smaller)
+    deck = build_deck(replace(scene, errors=errors), COARSE).deck
+    screw = deck.bodies[0]
+    flank = screw.points[screw.faces["SCREW_SL_1"].ravel()]
+    centre = np.array([20e-3, 7e-3]) + 0.4e-3 * np.array([1.0, 1.0]) / np.sqrt(2.0)
+    away = np.hypot(np.hypot(*flank[:, :2].T) - centre[0], flank[:, 2] - centre[1])
+    np.testing.assert_allclose(away, 4.398e-3, atol=1e-9)
+
+
+def test_a_cut_keeps_its_balls_where_they_were():
+    scene = catalogue.scene("lin-case1")
+    cut = cut_scene(scene, 15, 17)
+    whole, own = ball_layout(scene), ball_layout(cut)
+    np.testing.assert_allclose(own.centre, whole.centre[14:17], atol=1e-12)
+    assert cut.loads[0].force[2] == pytest.approx(5000.0 * 3 / 32)
+    assert cut.loads[0].at == cut.supports[0].at == pytest.approx(cut.nut.position - cut.nut.length / 2.0 - 3.0 * 2.778e-3)
+    assert parse_balls("15:17", scene) == (15, 17)
+    for bad, key in (
+        (catalogue.scene("bearing-9"), "track.lead"),
+        (catalogue.scene("lin-random"), "errors"),
+        (catalogue.scene("lin-case3-offset"), "supports"),
+    ):
+        with pytest.raises(InputError, match=key):
+            cut_scene(bad, 1, 2)
+
+
+def test_the_command_writes_a_deck(tmp_path: Path, capsys):
+    out = tmp_path / "cut.inp"
+    with pytest.raises(SystemExit) as code:
+        cli.main(
+            [
+                "export",
+                "lin-case1",
+                "--deck",
+                "ccx",
+                "--balls",
+                "16:17",
+                "--b-over-h",
+                "0.7",
+                "--growth",
+                "0.8",
+                "--unit",
+                "m",
+                "--out",
+                str(out),
+            ]
+        )
+    assert code.value.code == 0
+    assert "4 contacts; units m, N, Pa" in capsys.readouterr().out
+    text = out.read_text()
+    assert "*SURFACE, NAME=SCREW_SL_1" in text
+    assert "*CLOAD" in text
+    for tokens in (["screw", "--deck", "ccx"], ["screw", "--unit", "m"]):
+        with pytest.raises(SystemExit) as code:
+            cli.main(["export", "lin-case1", *tokens])
+        assert code.value.code == 2

@@ -1,0 +1,319 @@
+"""Chains of balls: equilibrium by vectors, complementarity, energy, symmetries, limits, engines, events in time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from lowfi.friction.contact.ellipse import contacts, friction
+from lowfi.friction.linear.bearing import LinearBearing, deviations, directions, semi_axes
+from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.chain_motion import run
+from lowfi.friction.linear.loads import balanced_loads, diagonal_loads
+from lowfi.friction.linear.pair import maps, pair_state, solve_pair
+
+BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
+ANGLES, LOADS = pair_state(BEARING, np.radians(2.0), -0.6, 100.0)
+
+
+def random_chain(count, seed=0, spread=3.0):
+    rng = np.random.default_rng(seed)
+    angles = BEARING.contact_angle + np.radians(rng.uniform(-spread, spread, (count, 4)))
+    return angles, balanced_loads(angles, 100.0, rng.uniform(-0.8, 0.8, count))
+
+
+def out_of_balance(bearing, angles, loads, result):
+    """Axial force (N,) and moments over R_B (N, 2) [N] on the balls, by vectors and the closed form of the contact."""
+    count, radius = len(angles), bearing.ball_radius
+    force, moment = np.zeros(count), np.zeros((count, 3))
+    a, b = semi_axes(bearing, loads)
+    for j, i in np.ndindex(count, 4):
+        if loads[j, i] == 0.0:
+            continue
+        n = np.array([*directions(angles)[j, i], 0.0])
+        omega = np.array([*result.rotation[j], 0.0])
+        slide = result.velocity[j] + np.cross(omega, radius * n)[2] - (bearing.speed if i > 1 else 0.0)
+        at = contacts(a[j, i], b[j, i], loads[j, i], bearing.mu)
+        f = friction(at, np.array([[0.0, slide, omega @ n]]))
+        force[j] += f.force[0, 1]
+        moment[j] += np.cross(n, [0.0, 0.0, f.force[0, 1]]) + f.moment[0] * n / radius
+    for k, push in enumerate(result.ball_force):
+        force[k] -= push
+        force[k + 1] += push
+        rub = np.cross([*result.rotation[k], 0.0], [0.0, 0.0, radius])
+        rub -= np.cross([*result.rotation[k + 1], 0.0], [0.0, 0.0, -radius])
+        on_first = -bearing.mu_balls * push * rub / np.linalg.norm(rub)
+        moment[k] += np.cross([0.0, 0.0, 1.0], on_first)
+        moment[k + 1] += np.cross([0.0, 0.0, -1.0], -on_first)
+    return force, moment[:, :2]
+
+
+@pytest.mark.parametrize("count", [1, 2, 7])
+def test_equilibrium_of_every_ball(count):
+    """(3.25), (3.26)-(3.29), (3.31) by vectors in space: independent of the energy, its derivatives and its solver."""
+    angles, loads = random_chain(count, 8)
+    result = solve(prepare(BEARING, angles, loads))
+    assert result.status == "converged"
+    force, moment = out_of_balance(BEARING, angles, loads, result)
+    assert count == 1 or result.ball_force.max() > 0.1
+    np.testing.assert_allclose(force, 0.0, atol=1e-7)
+    np.testing.assert_allclose(moment, 0.0, atol=1e-7)
+
+
+@pytest.mark.parametrize(("count", "mu"), [(5, 0.5), (20, 0.5), (50, 0.3)])
+def test_equilibrium_with_much_friction_between_balls(count, mu):
+    """The same where the path round folds decides, of balls all of whose contacts slide: those that stick bear less."""
+    bearing = replace(BEARING, mu_balls=mu)
+    angles, loads = random_chain(count, 2, 5.0)
+    result = solve(prepare(bearing, angles, loads))
+    assert result.status == "converged"
+    force, moment = out_of_balance(bearing, angles, loads, result)
+    spin = result.spin * semi_axes(bearing, loads)[0]
+    slides = np.all(np.hypot(result.sliding, spin) > 1e-6 * bearing.speed, axis=1)
+    rubs = np.linalg.norm(result.rotation[:-1] + result.rotation[1:], axis=1) * bearing.ball_radius
+    rubs = (rubs > 1e-6 * bearing.speed) | (result.ball_force == 0.0)
+    slides[:-1] &= rubs
+    slides[1:] &= rubs
+    assert slides.mean() > 0.5
+    np.testing.assert_allclose(force[slides], 0.0, atol=1e-6)
+    np.testing.assert_allclose(moment[slides], 0.0, atol=1e-6)
+    assert np.all(np.diff(result.velocity) >= -1e-10 * bearing.speed)
+    assert result.power == pytest.approx(result.loss, rel=1e-8)
+
+
+def test_contact_slip_is_that_of_rigid_bodies():
+    """(3.22), (F.1)-(F.3) against v + omega x r in space, and only there where a contact carries load."""
+    result = solve(prepare(BEARING, ANGLES, LOADS), fast=False)
+    for j, i in np.ndindex(2, 4):
+        n, omega = np.array([*directions(ANGLES)[j, i], 0.0]), np.array([*result.rotation[j], 0.0])
+        slide = result.velocity[j] + np.cross(omega, BEARING.ball_radius * n)[2] - (0.01 if i > 1 else 0.0)
+        assert result.sliding[j, i] == pytest.approx(slide, abs=1e-15)
+        assert result.spin[j, i] == pytest.approx(omega @ n, rel=1e-9)
+
+
+@pytest.mark.parametrize("count", [2, 10, 50])
+def test_complementarity_and_energy(count):
+    angles, loads = random_chain(count, count)
+    rng = np.random.default_rng(count)
+    touching = rng.random(count - 1) < 0.9
+    result = solve(prepare(BEARING, angles, loads, touching))
+    assert result.status == "converged"
+    closing = -np.diff(result.velocity)
+    assert np.all(result.ball_force >= 0.0)
+    assert np.all(result.ball_force[~touching] == 0.0)
+    assert np.all(closing[touching] <= 1e-10 * BEARING.speed)
+    assert np.abs(closing * result.ball_force).max() <= 1e-9 * BEARING.speed * 100.0
+    assert count < 50 or closing[~touching].max() > 0.0
+    assert result.power == pytest.approx(result.loss, rel=1e-8)
+    assert np.all(result.groove_loss >= 0.0)
+    assert np.all(result.ball_loss >= 0.0)
+
+
+def test_power_does_not_depend_on_the_frame():
+    """Seen from the carriage the bottom groove moves: same loss, and the forces on both grooves are opposite."""
+    result = solve(prepare(BEARING, ANGLES, LOADS))
+    bottom, top = result.friction[:, :2].sum(), result.friction[:, 2:].sum()
+    assert bottom == pytest.approx(-top, rel=1e-9)
+    assert -bottom * BEARING.speed == pytest.approx(result.loss, rel=1e-8)
+
+
+def test_energy_is_least():
+    """Without ball-to-ball friction the motion minimises the dissipation under the order of the velocities."""
+    bearing = replace(BEARING, mu_balls=0.0)
+    result = solve(prepare(bearing, ANGLES, LOADS))
+    a, b = semi_axes(bearing, LOADS)
+    n, rng = directions(ANGLES), np.random.default_rng(2)
+
+    def loss(velocity, rotation):
+        around = rotation[:, None, 0] * n[..., 1] - rotation[:, None, 1] * n[..., 0]
+        slide = velocity[:, None] + bearing.ball_radius * around - [0.0, 0.0, bearing.speed, bearing.speed]
+        spin = np.einsum("jk,jik->ji", rotation, n)
+        motion = np.stack([np.zeros(8), slide.ravel(), spin.ravel()], axis=1)
+        return friction(contacts(a.ravel(), b.ravel(), LOADS.ravel(), bearing.mu), motion).loss.sum()
+
+    least = loss(result.velocity, result.rotation)
+    assert least == pytest.approx(result.loss, rel=1e-9)
+    for _ in range(200):
+        dv = 1e-5 * np.sort(rng.normal(size=2))  # keeps ball 1 from overtaking ball 2
+        assert loss(result.velocity + dv, result.rotation + 1e-3 * rng.normal(size=(2, 2))) > least
+
+
+def test_mirror():
+    """Left and right exchanged: same forces and velocities, omega_y turned."""
+    angles, loads = random_chain(4, 7)
+    one = solve(prepare(BEARING, angles, loads))
+    two = solve(prepare(BEARING, angles[:, [1, 0, 3, 2]], loads[:, [1, 0, 3, 2]]))
+    np.testing.assert_allclose(two.velocity, one.velocity, rtol=1e-9)
+    np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-9)
+    np.testing.assert_allclose(two.rotation, one.rotation * [1.0, -1.0], atol=1e-7)
+
+
+def test_reversed_motion_of_swapped_balls():
+    """Carriage backwards and balls in reverse order: the same contacts under the same forces."""
+    angles, loads = random_chain(4, 7)
+    one = solve(prepare(BEARING, angles, loads))
+    two = solve(prepare(replace(BEARING, speed=-0.01), angles[::-1], loads[::-1]))
+    np.testing.assert_allclose(two.velocity, -one.velocity[::-1], rtol=1e-9)
+    np.testing.assert_allclose(two.ball_force, one.ball_force[::-1], atol=1e-9)
+    assert two.drive == pytest.approx(-one.drive, rel=1e-9)
+    assert two.loss == pytest.approx(one.loss, rel=1e-9)
+
+
+def test_swapped_balls_part():
+    assert solve(prepare(BEARING, ANGLES, LOADS)).ball_force[0] > 1.0
+    assert solve(prepare(BEARING, ANGLES[::-1], LOADS[::-1])).ball_force[0] == 0.0
+
+
+def test_turned_section():
+    """All contacts turned about the track by one angle: the same velocities and forces."""
+    angles, loads = random_chain(3, 9)
+    one = solve(prepare(BEARING, angles, loads))
+    two = solve(prepare(BEARING, angles + 0.05 * np.array([1.0, -1.0, 1.0, -1.0]), loads))
+    np.testing.assert_allclose(two.velocity, one.velocity, rtol=1e-9)
+    np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-8)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_forces_scale_with_friction_and_not_with_speed(factor):
+    angles, loads = random_chain(3, 1)
+    one = solve(prepare(BEARING, angles, loads))
+    fast = solve(prepare(replace(BEARING, speed=0.01 * factor), angles, loads))
+    np.testing.assert_allclose(fast.ball_force, one.ball_force, rtol=1e-9)
+    np.testing.assert_allclose(fast.velocity, factor * one.velocity, rtol=1e-9)
+    slippery = solve(prepare(replace(BEARING, mu=0.1 / abs(factor)), angles, loads))
+    np.testing.assert_allclose(slippery.ball_force * factor, one.ball_force, rtol=1e-8)
+
+
+def test_rigid_limit():
+    """Point contacts cannot resist spin: the least sum of mu F |sliding| is a linear program."""
+    angles, loads = random_chain(1, 4)
+    result = solve(prepare(replace(BEARING, young=2.1e23), angles, loads))
+    n = directions(angles)[0]
+    rows, right = np.column_stack([np.ones(4), n[:, 1], -n[:, 0]]), np.array([0.0, 0.0, 1.0, 1.0])
+    program = linprog(
+        np.concatenate([np.zeros(3), loads[0]]),
+        A_ub=np.block([[rows, -np.eye(4)], [-rows, -np.eye(4)]]),
+        b_ub=np.concatenate([right, -right]),
+        bounds=[(None, None)] * 3 + [(0.0, None)] * 4,
+    )
+    assert program.fun > 1e-3
+    np.testing.assert_allclose(result.velocity[0] / BEARING.speed, program.x[0], atol=1e-4)
+    assert result.loss == pytest.approx(BEARING.mu * BEARING.speed * program.fun, rel=1e-2)
+
+
+def test_two_point_contact_rolls_without_slip():
+    """A diagonal through the centre carries all load: pure rolling at half speed, no loss."""
+    loads = np.array([[100.0, 0.0, 100.0, 0.0]])
+    result = solve(prepare(BEARING, np.full((1, 4), 0.7), loads))
+    assert result.velocity[0] == pytest.approx(0.5 * BEARING.speed, rel=1e-7)
+    assert result.loss < 1e-8 * BEARING.mu * 200.0 * BEARING.speed
+
+
+def test_three_point_contact():
+    loads = np.array([[60.0, 0.0, 50.0, 40.0]])
+    result = solve(prepare(BEARING, np.full((1, 4), 0.7), loads))
+    assert result.status == "converged"
+    assert result.friction[0, 1] == 0.0
+    np.testing.assert_allclose(out_of_balance(BEARING, np.full((1, 4), 0.7), loads, result)[0], 0.0, atol=1e-7)
+
+
+def test_two_point_transition_is_continuous():
+    """Velocities approach those of two-point contact as the other diagonal is relieved."""
+    angles = BEARING.contact_angle + deviations(np.radians([2.0]))
+    side = -1.0 + np.array([0.3, 0.1, 1e-2, 1e-3, 1e-5, 0.0])
+    found = [solve(prepare(BEARING, angles, diagonal_loads(100.0, np.array([s])))).velocity[0] for s in side]
+    steps = np.abs(np.diff(found)) / BEARING.speed
+    assert steps[:2].min() > 1e-3
+    assert steps[2:-1].max() < 1e-5
+    assert steps[-1] < 1e-3  # with two contacts alone, sharing the spin between them costs nothing
+
+
+def test_zero_speed_and_no_load():
+    still = solve(prepare(replace(BEARING, speed=0.0), ANGLES, LOADS))
+    assert still.status == "converged"
+    assert still.loss == still.drive == still.power == 0.0
+    assert not still.velocity.any()
+    empty = solve(prepare(BEARING, ANGLES, np.zeros((2, 4))))
+    assert empty.loss == 0.0
+    np.testing.assert_allclose(empty.velocity, 0.5 * BEARING.speed)
+
+
+def test_unloaded_ball_is_pushed_along():
+    """A ball without load between two others passes the force on."""
+    angles = np.vstack([ANGLES[0], ANGLES[0], ANGLES[1]])
+    loads = np.vstack([LOADS[0], np.zeros(4), LOADS[1]])
+    result = solve(prepare(replace(BEARING, mu_balls=0.0), angles, loads))
+    pair = solve(prepare(replace(BEARING, mu_balls=0.0), ANGLES, LOADS))
+    np.testing.assert_allclose(result.ball_force, pair.ball_force[0], rtol=1e-8)
+
+
+def test_both_engines_agree():
+    angles, loads = random_chain(3, 6)
+    one, two = (solve(prepare(BEARING, angles, loads), fast=k) for k in (False, True))
+    np.testing.assert_allclose(one.ball_force, two.ball_force, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(one.velocity, two.velocity, rtol=1e-12)
+
+
+def test_friction_increase_of_the_pair():
+    result = solve_pair(BEARING, np.radians(2.0), -0.6, 100.0)
+    forces = result.touching.drive / result.free.drive - 1.0
+    assert result.friction_increase == pytest.approx(forces, rel=1e-8)
+    assert result.friction_increase > 0.5
+    assert result.rubbing_ratio > 1.5
+    assert result.touching.velocity[0] == pytest.approx(result.touching.velocity[1], rel=1e-9)
+
+
+def test_maps_have_both_models_and_their_difference():
+    theta, rho = np.radians([-2.0, 0.0, 2.0]), np.array([-0.6, 0.0, 0.6])
+    m = maps(BEARING, theta, rho, 100.0)
+    assert m.failures == 0
+    np.testing.assert_allclose(m.difference[1], 0.0, atol=1e-9)
+    np.testing.assert_allclose(m.difference[:, 1], 0.0, atol=1e-9)
+    assert min(m.force[2, 0], m.force_analytic[2, 0], m.force[0, 2]) > 3.0
+    assert m.force[0, 0] == m.force_analytic[0, 0] == 0.0
+    assert m.ratio[0, 0] == m.ratio_analytic[0, 0] == 1.0
+    np.testing.assert_allclose(m.force + m.force_error, m.force_analytic)
+    np.testing.assert_allclose(m.difference + m.difference_error, m.difference_analytic)
+    np.testing.assert_allclose(m.ratio + m.ratio_error, m.ratio_analytic)
+
+
+def test_pair_meets_after_the_time_its_gap_takes():
+    """Figure 3.16: gap of 0.1 R_B, constant velocities until they touch, then one velocity."""
+    gap = 0.1 * BEARING.ball_radius
+    free = solve(prepare(BEARING, ANGLES, LOADS, False))
+    motion = run(BEARING, ANGLES, LOADS, np.array([gap]), 10.0)
+    meet = gap / (free.velocity[0] - free.velocity[1])
+    np.testing.assert_allclose(motion.time, [0.0, meet, 10.0], rtol=1e-9)
+    assert motion.gap_at(0.5 * meet)[0] == pytest.approx(0.5 * gap, rel=1e-9)
+    np.testing.assert_array_equal(motion.gap[1:], 0.0)
+    assert motion.results[0].ball_force[0] == 0.0
+    assert motion.results[1].ball_force[0] == pytest.approx(solve(prepare(BEARING, ANGLES, LOADS)).ball_force[0])
+    mated, same = pair_state(BEARING, np.radians(2.0), -0.6, 100.0, mated=True)
+    kept = run(BEARING, mated, same, np.array([gap]), 10.0)
+    np.testing.assert_allclose(kept.gap, gap, rtol=1e-6)
+
+
+def test_chain_in_time_keeps_order():
+    angles, loads = random_chain(12, 3)
+    rng = np.random.default_rng(1)
+    motion = run(BEARING, angles, loads, rng.uniform(0.0, 1e-4, 11), 5.0)
+    assert len(motion.time) > 4
+    assert np.all(motion.gap >= 0.0)
+    assert np.all(np.diff(motion.time) > 0.0)
+    assert all(r.status == "converged" for r in motion.results)
+    met = (motion.gap[1:-1] == 0.0) & (motion.gap[:-2] > 0.0)
+    assert np.all(met.any(axis=1))
+    for k in range(len(motion.time) - 1):
+        dt = motion.time[k + 1] - motion.time[k]
+        moved = motion.gap[k] + dt * np.diff(motion.results[k].velocity)
+        np.testing.assert_allclose(motion.gap[k + 1], np.maximum(moved, 0.0), atol=1e-10)
+
+
+def test_bad_input_is_refused():
+    with pytest.raises(ValueError, match="shape"):
+        prepare(BEARING, ANGLES, LOADS[:1])
+    with pytest.raises(ValueError, match="not negative"):
+        prepare(BEARING, ANGLES, -LOADS)
+    with pytest.raises(ValueError, match="gaps"):
+        run(BEARING, ANGLES, LOADS, np.array([-1e-6]), 1.0)

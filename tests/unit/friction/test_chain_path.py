@@ -1,0 +1,148 @@
+"""Coupled equations of a chain and their path: derivatives, elimination, folds, several solutions, engines."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi.friction.linear.bearing import LinearBearing
+from lowfi.friction.linear.chain import CREEP, prepare, solve
+from lowfi.friction.linear.kernel import band, coupled, energy, newton, path
+from lowfi.friction.linear.loads import balanced_loads
+
+BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.3, 2.1e11, 0.28)
+
+
+def random_chain(count, seed, mu_balls=0.5, bare=0.0):
+    """Any angles and loads; each contact is without load at the probability ``bare``."""
+    rng = np.random.default_rng(seed)
+    angles = BEARING.contact_angle + np.radians(rng.uniform(-5.0, 5.0, (count, 4)))
+    loads = balanced_loads(angles, 100.0, rng.uniform(-0.9, 0.9, count)) * rng.uniform(0.2, 1.8, (count, 1))
+    loads = np.where(rng.uniform(size=(count, 4)) < bare, 0.0, loads)
+    return prepare(replace(BEARING, mu_balls=mu_balls), angles, loads)
+
+
+def random_point(chain, rng):
+    count = chain.count
+    point = np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), rng.normal(size=(count, 3)), rng.normal(size=count - 1)
+    energy.rebuild(chain.problem, point[:3])
+    return point
+
+
+def dense(banded):
+    n = len(banded)
+    full = np.zeros((n, n))
+    for i in range(n):
+        for j in range(max(0, i - band.HALF), min(n, i + band.HALF + 1)):
+            full[i, j] = banded[i, band.HALF + j - i]
+    return full
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_elimination_exchanges_rows(seed):
+    """Against a dense solver, with zeros on the diagonal and the determinant's sign."""
+    rng = np.random.default_rng(seed)
+    n = 23
+    banded = rng.normal(size=(n, band.WIDTH))
+    banded[rng.random(n) < 0.5, band.HALF] = 0.0
+    full, x, y = dense(banded), rng.normal(size=n), rng.normal(size=n)
+    left, right = np.linalg.solve(full, x), np.linalg.solve(full, y)
+    assert band.solve_banded(banded, np.empty((n, band.FILLED)), x, y) == np.sign(np.linalg.det(full))
+    np.testing.assert_allclose(x, left, rtol=1e-9)
+    np.testing.assert_allclose(y, right, rtol=1e-9)
+
+
+@pytest.mark.parametrize("z", [-3.0, -1e-9, 0.0, 1e-4, 2.0])
+def test_force_and_rate_of_the_gap(z):
+    force, rate, slope = coupled.push_and_rate(z, 1e-6)
+    assert force - rate == pytest.approx(z, rel=1e-12, abs=1e-18)
+    assert force * rate == pytest.approx(1e-6, rel=1e-12)
+    ahead, behind = (coupled.push_and_rate(z + h, 1e-6)[0] for h in (1e-7, -1e-7))
+    assert slope == pytest.approx((ahead - behind) / 2e-7, rel=1e-5)
+    assert coupled.push_and_rate(z, 0.0)[:2] == (max(z, 0.0), max(-z, 0.0))
+
+
+def test_jacobian_of_the_coupled_equations():
+    rng = np.random.default_rng(1)
+    chain, law = random_chain(4, 3), (0.03, 0.7, 1e-2, 1e-3)
+    chain.problem[3][1] = 0.0
+    point = random_point(chain, rng)
+    n = 4 * chain.count
+    K, g, waste = np.empty((n, band.WIDTH)), np.empty(n), np.empty((n, band.WIDTH))
+    coupled.assemble(chain.problem, point, law, K, g)
+    full, ahead, behind = dense(K), np.empty(n), np.empty(n)
+    for j in range(n - 1):
+        unit = np.zeros(n)
+        unit[j] = 1.0
+        for t, out in ((1e-6, ahead), (-2e-6, behind)):
+            coupled.shift(chain.problem, point, unit, t)
+            coupled.assemble(chain.problem, point, law, waste, out)
+        coupled.shift(chain.problem, point, unit, 1e-6)
+        np.testing.assert_allclose((ahead - behind) / 2e-6, full[:, j], atol=1e-6)
+
+
+def test_path_begins_without_friction_between_balls_and_ends_with_all_of_it():
+    assert path.stage(0.0, CREEP)[:2] == (path.FIRST, 0.0)
+    assert path.stage(1.0, CREEP)[:2] == (pytest.approx(CREEP), 1.0)
+    for balls in (random_chain(5, 0), random_chain(4, 0)):
+        n, point = 4 * balls.count, random_point(balls, np.random.default_rng(2))
+        K, g = np.empty((n, band.WIDTH)), np.empty(n)
+        coupled.assemble(balls.problem, point, (0.1, 0.0, 1e-3, 1e-2), K, g)
+        assert band.solve_banded(K, np.empty((n, band.FILLED)), g, g.copy()) == path.convex_sign(point)
+
+
+def follow(chain, monkeypatch=None):
+    """Forces at the path's end over the friction bound, and how often s turned on the way."""
+    count = chain.count
+    n, slopes, tangent = 4 * count, [], path._tangent
+    point = np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1)
+    work = np.empty((n, band.WIDTH)), np.empty((n, band.FILLED)), np.empty(n), np.empty(n), np.zeros(n)
+    energy.rebuild(chain.problem, point[:3])
+
+    def record(*args):
+        sign = tangent(*args)
+        slopes.append(sign * args[-1][-1])
+        return sign
+
+    if monkeypatch is not None:
+        monkeypatch.setattr(path, "_tangent", record)
+    _, good = path.trace(chain.problem, point, CREEP, work, 5000)
+    assert good
+    coupled.reopen(point, CREEP)
+    _, left = newton.settle(chain.problem, point, (CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
+    assert left <= 1e-9
+    return np.maximum(point[3], 0.0), np.sum(np.diff(np.sign(slopes)) != 0)
+
+
+def test_path_goes_round_folds_and_does_not_depend_on_its_steps(monkeypatch):
+    chain = random_chain(10, 3)
+    found, turns = follow(chain, monkeypatch)
+    assert turns >= 2
+    monkeypatch.setattr(path, "LENGTH", 0.01)
+    monkeypatch.setattr(path, "_cap", lambda tau: 0.1 / np.abs(tau).max())
+    finer, _ = follow(chain)
+    np.testing.assert_allclose(finer, found, atol=1e-8)
+    np.testing.assert_allclose(solve(chain).ball_force / chain.scale, found, atol=1e-8)
+
+
+def test_two_solutions_and_the_one_taken():
+    """Two balls in two-point contact: they part without friction between them, or jam by it; both are solutions.
+
+    Force 0.094 of the friction bound makes the friction that makes balls press on each other by 0.094.
+    """
+    angles = np.radians([[45.415, 45.542, 42.175, 46.368], [46.394, 49.657, 49.704, 41.806]])
+    loads = np.array([[0.0, 86.256, 0.0, 85.812], [130.612, 0.0, 125.399, 0.0]])
+    apart, chain = prepare(BEARING, angles, loads, False), prepare(BEARING, angles, loads)
+    assert np.diff(solve(apart).velocity)[0] > 1e-4 * BEARING.speed
+    jammed, _ = follow(chain)
+    assert jammed[0] == pytest.approx(0.0938, abs=1e-3)
+    taken = solve(chain)
+    assert taken.status == "converged"
+    assert taken.ball_force[0] == 0.0
+
+
+def test_both_engines_agree_on_the_path():
+    chain = random_chain(6, 2)
+    one, two = (solve(chain, fast=k) for k in (False, True))
+    assert one.status == two.status == "converged"
+    np.testing.assert_allclose(one.ball_force, two.ball_force, rtol=1e-9, atol=1e-12)

@@ -1,0 +1,315 @@
+"""Friction of one elliptical contact against quadrature, its limits, derivatives, symmetries, and the laws."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad_vec
+from scipy.special import ellipe, elliprd
+
+from lowfi.friction.contact.ellipse import (
+    about_point,
+    contacts,
+    cubic_factor,
+    dissipation,
+    friction,
+    linear_error,
+    linear_factor,
+    pure_sliding_force,
+    pure_spin_moment,
+)
+from lowfi.friction.contact.kernel.carlson import rd_and_slope
+from lowfi.friction.contact.kernel.confocal import coordinate, far, near
+from lowfi.friction.contact.laws import Coulomb, Regularised, Sigmoid
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
+RATIOS = (1.0, 1.0 - 1e-9, 0.97, 0.6, 0.17, 1.0 / 30.0)
+#: Centres of rotation in units of (a, b): inside, on the edge (both ends and between), just outside, outside.
+CENTRES = (
+    (0.0, 0.0),
+    (0.3, 0.0),
+    (0.0, -0.4),
+    (0.5, 0.6),
+    (0.999, 0.0),
+    (1.0, 0.0),
+    (0.0, 1.0),
+    (0.6, -0.8),
+    (1.001, 0.0),
+    (-0.7, 0.72),
+    (1.3, 0.4),
+    (0.0, 2.5),
+    (-2.0, 1.0),
+    (0.2, 6.0),
+)
+
+
+def along_ray(b, c, d, t):
+    """Radial integrals from (c, d) in direction (cos t, b sin t), times b: exact but for Gauss error (a = 1)."""
+    q = np.array([c, d / b])
+    e = np.array([np.cos(t), np.sin(t)])
+    middle, disc = -q @ e, (q @ e) ** 2 - q @ q + 1.0
+    if disc <= 0.0:
+        return np.zeros(4)
+    half = np.sqrt(disc)
+    start = np.arcsin(np.clip((max(middle - half, 0.0) - middle) / half, -1.0, 1.0))
+    u = start + 0.5 * (0.5 * np.pi - start) * (NODES + 1.0)
+    w = 0.5 * (0.5 * np.pi - start) * WEIGHTS * (half * np.cos(u)) ** 2
+    r = middle + half * np.sin(u)
+    length = np.hypot(e[0], b * e[1])  # metres per unit of r
+    x, y = c + r * e[0], d + r * b * e[1]
+    moment = (e[0] * x + b * e[1] * y) / length
+    pull = -(w @ r) / length
+    return b * np.array([w @ (r * r * length), pull * e[0], pull * b * e[1], w @ (r * moment)])
+
+
+def reference(b, c, d):
+    """psi, psi_c, psi_d and the moment integral of unit force by adaptive quadrature about the point (a = 1)."""
+    q = np.array([c, d / b])
+    size = np.hypot(*q)
+    at = np.arctan2(-q[1], -q[0])
+    if size < 1.0 - 1e-12:
+        f, low, high = (lambda t: along_ray(b, c, d, t)), at - np.pi, at + np.pi
+    else:
+        wide = np.arcsin(min(1.0, 1.0 / size))
+        f, low, high = ((lambda s: along_ray(b, c, d, at + wide * np.sin(s)) * wide * np.cos(s)), -0.5 * np.pi, 0.5 * np.pi)
+    value, _ = quad_vec(f, low, high, epsabs=1e-15, epsrel=1e-13, limit=4000)
+    return 1.5 / (np.pi * b) * value
+
+
+def smooth_reference(b, c, d, h=0.0, n=400):
+    """The same by a product rule about the ellipse's centre: for points far away, or h > 0 (also gives psi_h)."""
+    t = 0.25 * np.pi * (NODES + 1.0)
+    phi = 2.0 * np.pi * np.arange(n) / n
+    r = np.sin(t)[:, None]
+    w = (0.25 * np.pi * WEIGHTS * np.cos(t) ** 2 * np.sin(t))[:, None] * 2.0 * np.pi / n * 1.5 / np.pi
+    x, y = r * np.cos(phi), b * r * np.sin(phi)
+    size = np.sqrt((x - c) ** 2 + (y - d) ** 2 + h * h)
+    parts = (size, (c - x) / size, (d - y) / size, (x * (x - c) + y * (y - d)) / size, h / size)
+    return np.array([np.sum(w * p) for p in parts])
+
+
+def ours(b, c, d, speed=0.0):
+    """(psi, psi_c, psi_d, moment integral) from the friction of a unit contact turning with 1 rad/s."""
+    e = dissipation(contacts(1.0, b, 1.0, 1.0), about_point(1.0, c, d), speed)
+    return np.array([e.value[0], e.gradient[0, 1], -e.gradient[0, 0], e.gradient[0, 2]])
+
+
+@pytest.mark.parametrize("x", [0.0, 1e-9, 0.02, 0.7, 1.0])
+@pytest.mark.parametrize("y", [1e-3, 0.03, 0.4])
+def test_carlson_with_its_derivative(x, y):
+    """Against scipy; the derivative from R_D(x, z, y) - R_D(x, y, z), and at y = z from an independent identity."""
+    got = rd_and_slope(x, x + y, x + 1.0)
+    first, second = elliprd(x, x + y, x + 1.0), elliprd(x, x + 1.0, x + y)
+    assert got[0] == pytest.approx(first, rel=1e-14)
+    assert got[1] == pytest.approx((second - first) / 1.5 / (1.0 - y), rel=3e-14)
+    z = x + y  # int t^(-1/2)-like: with y = z the second is int (t + x)^(-1/2) (t + z)^(-3)
+    once, twice = rd_and_slope(x, z, z)
+    assert twice == pytest.approx((once - np.sqrt(x) / z**2) / (2.0 * (z - x)), rel=1e-12)
+
+
+@pytest.mark.parametrize("b", RATIOS)
+@pytest.mark.parametrize(("c", "d"), CENTRES)
+def test_against_adaptive_quadrature(b, c, d):
+    got, exact = ours(b, c, d * b), reference(b, c, d * b)
+    force = np.hypot(*exact[1:3])
+    assert got[0] == pytest.approx(exact[0], rel=1e-10)
+    assert got[1:3] == pytest.approx(exact[1:3], rel=1e-10, abs=1e-10 * force + 1e-15)
+    assert got[3] == pytest.approx(exact[3], rel=1e-9)
+
+
+@pytest.mark.parametrize("b", RATIOS)
+@pytest.mark.parametrize(("c", "d"), [(3.0, 0.0), (0.0, 4.0), (-8.0, 5.0), (300.0, -200.0), (2e3, 0.0)])
+def test_far_away_against_a_product_rule(b, c, d):
+    got, exact = ours(b, c, d), smooth_reference(b, c, d)[:4]
+    assert got[:3] == pytest.approx(exact[:3], rel=1e-12, abs=1e-13)
+    assert got[3] == pytest.approx(exact[3], rel=1e-9, abs=1e-14)
+
+
+@pytest.mark.parametrize("b", RATIOS)
+@pytest.mark.parametrize(("c", "d"), [(0.0, 0.0), (0.5, 0.3), (1.0, 0.0), (1.4, -0.3), (6.0, 3.0)])
+def test_regularised_against_a_product_rule(b, c, d):
+    h = 0.35
+    e = dissipation(contacts(1.0, b, 1.0, 1.0), about_point(1.0, c, d), h)
+    exact = smooth_reference(b, c, d, h)
+    assert ours(b, c, d, h)[:3] == pytest.approx(exact[:3], rel=1e-11, abs=1e-12)
+    assert ours(b, c, d, h)[3] == pytest.approx(exact[3], rel=1e-9)
+    assert e.excess[0] == pytest.approx(h * exact[4], rel=1e-10)
+
+
+def test_the_two_formulas_join():
+    """Carlson's integrals and the Gauss sums agree, with all derivatives, around the change at low = 1."""
+    for b in RATIOS:
+        for x, y, h in ((1.2, 0.3, 0.5), (0.1, 1.3, 0.3), (np.sqrt(2.0), 0.0, 0.0), (0.9, 0.9, 0.7)):
+            s = np.sqrt(1.0 / (x * x / 2.0 + y * y / (1.0 + b * b) + h * h))
+            x1, y1, h1 = s * x, s * y, s * h
+            low = coordinate(x1, y1, h1, b * b)
+            assert low == pytest.approx(1.0, rel=1e-12)
+            assert near(x1, y1, h1, b * b, low) == pytest.approx(far(x1, y1, h1, b * b, low), rel=1e-11, abs=1e-13)
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.02])
+@pytest.mark.parametrize("motion", [(0.1, 0.2, 1.0), (0.0, 0.5, -0.3), (-2.0, 1.0, 0.7), (0.3, 0.0, 1e-3)])
+def test_derivatives_against_finite_differences(motion, speed):
+    at = contacts(1.3, 0.4, 7.0, 0.2)
+    m = np.array([motion])
+    e = dissipation(at, m, speed)
+    for j in range(3):
+        step = np.zeros((1, 3))
+        step[0, j] = 1e-5
+        up, down = dissipation(at, m + step, speed), dissipation(at, m - step, speed)
+        assert (up.value - down.value) / 2e-5 == pytest.approx(e.gradient[:, j], rel=1e-7, abs=1e-8)
+        assert (up.gradient - down.gradient) / 2e-5 == pytest.approx(e.hessian[:, j], rel=1e-6, abs=1e-7)
+
+
+def test_convex_and_of_degree_one():
+    rng = np.random.default_rng(3)
+    m = rng.normal(size=(300, 3)) * 10.0 ** rng.uniform(-3, 3, size=(300, 3))
+    at = contacts(1.0, rng.uniform(0.03, 1.0, 300), 1.0, 1.0)
+    e = dissipation(at, m)
+    size = np.linalg.norm(e.hessian, axis=(1, 2))
+    assert np.all(np.linalg.eigvalsh(e.hessian)[:, 0] >= -1e-12 * size)
+    assert np.sum(e.gradient * m, axis=1) == pytest.approx(e.value, rel=1e-11)
+    assert dissipation(at, 5.0 * m).value == pytest.approx(5.0 * e.value, rel=1e-13)
+    between = dissipation(at, 0.5 * (m + m[::-1])).value
+    assert np.all(between <= 0.5 * (e.value + dissipation(at, m[::-1]).value) * (1.0 + 1e-13))
+
+
+def test_regularised_lies_at_most_the_speed_above():
+    rng = np.random.default_rng(4)
+    m = rng.normal(size=(200, 3))
+    at = contacts(1.0, rng.uniform(0.03, 1.0, 200), 5.0, 0.2)
+    exact = dissipation(at, m).value
+    for speed in (1.0, 1e-2, 1e-5):
+        rise = dissipation(at, m, speed).value - exact
+        assert np.all(rise >= -1e-14)
+        assert np.all(rise <= at.strength * speed * (1.0 + 1e-12))
+
+
+def test_limits_of_pure_spin_and_pure_sliding():
+    """Lin 3.32 and 3.33."""
+    at = contacts(2e-3, [2e-3, 1e-3, 1e-4], 100.0, 0.1)
+    spin = friction(at, about_point(np.full(3, -3.0), 0.0, 0.0))
+    assert spin.force == pytest.approx(0.0, abs=1e-15)
+    assert spin.moment == pytest.approx(pure_spin_moment(at), rel=1e-13)
+    assert pure_spin_moment(at)[1] == pytest.approx(0.375 * 10.0 * 2e-3 * ellipe(0.75), rel=1e-14)
+    for c in (1e3, -1e9, np.inf):
+        motion = about_point(np.ones(3), c, 0.0) if np.isfinite(c) else np.tile([0.0, 2.0, 0.0], (3, 1))
+        slide = friction(at, motion)
+        assert slide.force[:, 1] == pytest.approx(-np.sign(c) * pure_sliding_force(at), rel=1e-11)
+        assert np.all(np.abs(slide.moment) <= 10.0 * at.b**2 / 5.0 / min(abs(c), 1e37) * (1.0 + 1e-9))
+
+
+def test_moment_far_away_keeps_its_digits():
+    """Second moment of the pressure: M -> mu F b^2 / (5 c) for a centre far along x, to every distance."""
+    at = contacts(1.0, 0.2, 1.0, 1.0)
+    for c in (1e4, 1e8, 1e15, 1e30):
+        assert -friction(at, about_point(1.0, c, 0.0)).moment[0] * c == pytest.approx(0.2**2 / 5.0, rel=2e-8)
+
+
+def test_mirror_and_reversed_motion():
+    at = contacts(1.0, 0.3, 2.0, 0.5)
+    m = np.array([[0.2, -0.4, 0.9]])
+    f, back = friction(at, m), friction(at, -m)
+    assert back.force == pytest.approx(-f.force, rel=1e-14)
+    assert back.moment == pytest.approx(-f.moment, rel=1e-14)
+    assert back.loss == pytest.approx(f.loss, rel=1e-14)
+    mirror = friction(at, m * [-1.0, 1.0, -1.0])  # x to -x
+    assert mirror.force == pytest.approx(f.force * [-1.0, 1.0], rel=1e-14)
+    assert mirror.moment == pytest.approx(-f.moment, rel=1e-14)
+    power = f.force @ m[0, :2] + f.moment * m[0, 2]
+    assert -power == pytest.approx(f.loss, rel=1e-13)
+
+
+def test_both_engines_agree():
+    rng = np.random.default_rng(5)
+    m = rng.normal(size=(40, 3)) * 10.0 ** rng.uniform(-2, 2, size=(40, 3))
+    at = contacts(1.0, rng.uniform(0.03, 1.0, 40), 1.0, 1.0)
+    for speed in (0.0, 0.1):
+        slow, quick = dissipation(at, m, speed), dissipation(at, m, speed, fast=True)
+        assert quick.value == pytest.approx(slow.value, rel=1e-13)
+        assert quick.hessian == pytest.approx(slow.hessian, rel=1e-9, abs=1e-12 * np.max(np.abs(slow.hessian)))
+
+
+@pytest.mark.parametrize("b", [0.9, 0.3, 0.12])
+def test_force_inside_is_a_cubic(b):
+    """Source's linear law: exact slope, exact cubic term, and the error of any slope over any reach."""
+    t = np.array([0.1, 0.4, 0.8, 1.0])
+    f = -friction(contacts(2.0, np.full(4, 2.0 * b), 1.0, 1.0), about_point(np.ones(4), 2.0 * t, 0.0)).force[:, 1]
+    assert f == pytest.approx(linear_factor(b) * t - cubic_factor(b) * t**3, rel=1e-12)
+    fine = np.linspace(1e-3, 0.5, 200)
+    g = linear_factor(b) - cubic_factor(b) * fine**2
+    assert linear_error(b, 1.38) == pytest.approx(np.max(np.abs(1.38 / g - 1.0)), rel=1e-5)
+
+
+def test_linear_factor_between_circle_and_line():
+    assert linear_factor(1.0) == pytest.approx(3.0 * np.pi / 8.0, rel=1e-14)
+    assert linear_factor(1e-5) == pytest.approx(1.5, rel=1e-8)
+    with pytest.raises(ValueError, match="reach"):
+        linear_error(0.2, 1.38, 1.5)
+
+
+def test_sigmoid_as_printed_and_its_faults():
+    at = contacts(1.0, 0.2, 1.0, 0.1)
+    m = np.array([[0.0, 0.3, 0.02]])
+    law = Sigmoid(100.0, 10.0)
+    e = np.exp(100.0 * 0.02 / 10.0)
+    factor = 2.0 * e / (e + 1.0) - 1.0  # Lin 3.20
+    assert law.friction(at, m).force == pytest.approx(factor * Coulomb().friction(at, m).force, rel=1e-13)
+    assert np.all(law.friction(at, m * [0.0, 1.0, 0.0]).force == 0.0), "sliding without spin is frictionless"
+    assert law.friction(at, -m).force == pytest.approx(-law.friction(at, m).force, rel=1e-13)
+    literal = Sigmoid(100.0, 10.0, magnitude=False)
+    assert literal.friction(at, -m).force == pytest.approx(literal.friction(at, m).force, rel=1e-13)
+    assert np.all(np.isfinite(Sigmoid(1e6, 1e-3).friction(at, m).force))
+
+
+def test_interpolated_maps():
+    """Linear between the multiples of the step, equal at them; exact again as the step falls."""
+    at = contacts(1.0, 0.2, 1.0, 0.1)
+    exact = Coulomb().friction
+    sharp = {"sharpness": 1e9, "reference": 1.0}
+    on = about_point(2.0, 0.16, 0.0)
+    assert Sigmoid(**sharp, map_spacing=0.08).friction(at, on).loss == pytest.approx(exact(at, on).loss, rel=1e-12)
+    off = about_point(-2.0, 0.2, 0.0)
+    ends = [exact(at, about_point(-2.0, c, 0.0)) for c in (0.16, 0.24)]
+    got = Sigmoid(**sharp, map_spacing=0.08).friction(at, off)
+    assert got.loss == pytest.approx(0.5 * (ends[0].loss + ends[1].loss), rel=1e-12)
+    assert got.force == pytest.approx(0.5 * (ends[0].force + ends[1].force), rel=1e-12)
+    assert got.moment == pytest.approx(0.5 * (ends[0].moment + ends[1].moment), rel=1e-12)
+    assert abs(got.loss[0] / exact(at, off).loss[0] - 1.0) > 1e-4
+    fine = Sigmoid(**sharp, map_spacing=1e-4).friction(at, off)
+    assert fine.loss == pytest.approx(exact(at, off).loss, rel=1e-7)
+    slide = np.array([[0.0, 1.0, 0.0]])
+    assert np.all(Sigmoid(**sharp, map_spacing=0.08).friction(at, slide).loss == 0.0)
+    with pytest.raises(ValueError, match="major axis"):
+        Sigmoid(**sharp, map_spacing=0.08).friction(at, np.array([[0.1, 1.0, 1.0]]))
+
+
+def test_regularised_law_tends_to_coulomb():
+    at = contacts(1.0, 0.2, 1.0, 0.1)
+    m = np.array([[0.1, 0.3, 0.9]])
+    exact = Coulomb().friction(at, m)
+    for speed, limit in ((1e-2, 1e-2), (1e-6, 1e-6)):
+        f = Regularised(speed).friction(at, m)
+        assert np.max(np.abs(f.force - exact.force)) < limit
+        assert f.loss[0] < exact.loss[0]
+        assert f.loss[0] == pytest.approx(-(f.force @ m[0, :2] + f.moment * m[0, 2])[0], rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((1.0, 2.0, 1.0, 0.1), "a >= b"),
+        ((1.0, 0.0, 1.0, 0.1), "a >= b"),
+        ((1.0, 0.5, -1.0, 0.1), "negative"),
+        ((1.0, 0.5, 1.0, -0.1), "negative"),
+        ((np.nan, 0.5, 1.0, 0.1), "finite"),
+    ],
+)
+def test_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        contacts(*arguments)
+
+
+def test_at_rest_there_is_no_direction():
+    e = dissipation(contacts(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3)))
+    assert np.all(e.gradient == 0.0)
+    assert e.value[0] == 0.0
+    assert dissipation(contacts(1.0, 0.5, 1.0, 0.1), np.zeros((1, 3)), 0.2).value[0] == pytest.approx(0.02, rel=1e-14)

@@ -1,0 +1,291 @@
+"""Linear bearing: contact law against quadrature, kinematics, loads, and each rederived formula against brute force."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import fsolve
+from scipy.special import ellipe
+
+from lowfi.friction.contact.ellipse import contacts, dissipation
+from lowfi.friction.linear import analytic
+from lowfi.friction.linear.bearing import LinearBearing, deviations, directions, mated_top, semi_axes
+from lowfi.friction.linear.kernel import law as kernel
+from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+from lowfi.friction.linear.pair import pair_formulas
+from lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
+
+BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
+
+
+def law(s, w, ratio):
+    return kernel.slide_and_spin(s, w, np.array(contact_shape(ratio)), nodes(node_count(ratio)).table)
+
+
+def brute(c, ratio, count=160):
+    """Force, moment about the centre and power over mu F for unit spin about (c, 0), a = 1: polar about that point."""
+    x, weight = np.polynomial.legendre.leggauss(count)
+    reach = np.arctan(ratio / np.sqrt(c * c - 1.0)) if c > 1.0 else np.pi
+    parts = [(-0.5 * np.pi, 0.5 * np.pi)] if c > 1.0 else [(k * np.pi / 8.0, (k + 1) * np.pi / 8.0) for k in range(16)]
+    out = np.zeros(3)
+    for low, high in parts:
+        psi = 0.5 * (low + high) + 0.5 * (high - low) * x
+        theta, jac = (reach * np.sin(psi), reach * np.cos(psi)) if c > 1.0 else (psi, np.ones(count))
+        for t, wt in zip(theta, 0.5 * (high - low) * weight * jac, strict=True):
+            # on the ray (c - r cos t, r sin t): 1 - x2 - z2/b2 = -q2 r2 + q1 r + q0
+            q2, q1, q0 = np.cos(t) ** 2 + (np.sin(t) / ratio) ** 2, 2.0 * c * np.cos(t), 1.0 - c * c
+            mid = 0.5 * q1 / q2
+            half = np.sqrt(max(mid * mid + q0 / q2, 0.0))
+            first = -0.5 * np.pi if c > 1.0 else np.arcsin(-mid / half)
+            phi = 0.5 * (0.5 * np.pi + first) + 0.5 * (0.5 * np.pi - first) * x
+            r = mid + half * np.sin(phi)
+            p = 1.5 / (np.pi * ratio) * np.sqrt(q2) * half**2 * np.cos(phi) ** 2 * 0.5 * (0.5 * np.pi - first) * weight
+            px, pz = c - r * np.cos(t), r * np.sin(t)
+            out += wt * np.array([p @ (c - px), p @ (pz * pz - (c - px) * px), p @ r**2])
+    return out
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.232, 0.05])
+@pytest.mark.parametrize("c", [0.0, 0.3, 0.97, 1.03, 1.5, 8.0])
+def test_contact_law_against_quadrature(c, ratio):
+    force, moment, power = brute(c, ratio)
+    f, m, phi, _, _ = law(c, 1.0, ratio)
+    assert (f, m, phi) == pytest.approx((force, moment, power), rel=2e-6, abs=2e-7)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.4, 0.1, 0.01])
+def test_contact_law_against_the_closed_form(ratio):
+    """Single integrals here, confocal coordinates and Carlson integrals there."""
+    for s, w in [(0.0, 1.0), (0.2, -1.0), (-0.999, 1.0), (1.0001, 1.0), (3.0, 1.0), (1.0, 1e-5), (1.0, 0.0)]:
+        d = dissipation(contacts(1.0, ratio, 1.0, 1.0), np.array([[0.0, s, w]]))
+        f, m, phi, h, side = law(s, w, ratio)
+        assert (phi, f, m) == pytest.approx((d.value[0], *d.gradient[0, 1:]), rel=1e-8, abs=1e-9)
+        n = np.array([w / s, -1.0]) if side > 0.5 else np.array([1.0, -s / w])
+        np.testing.assert_allclose(h * np.outer(n, n), d.hessian[0, 1:, 1:], rtol=1e-5, atol=1e-7)
+
+
+def test_limits_of_pure_spin_and_pure_sliding():
+    """Lin (3.32), (3.33)."""
+    f, m, _, _, _ = law(0.0, -2.0, 0.3)
+    assert (f, m) == (0.0, pytest.approx(-0.375 * ellipe(1.0 - 0.09), rel=1e-13))
+    f, m, _, _, _ = law(-5.0, 0.0, 0.3)
+    assert (f, m) == (pytest.approx(-1.0, rel=1e-13), 0.0)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.1, 0.003])
+def test_number_of_nodes_suffices(ratio):
+    shape = np.array(contact_shape(ratio))
+    for s in (1.0, 1.0 + 1e-6, 1.1, 3.0):
+        coarse = kernel.slide_and_spin(s, 1.0, shape, nodes(node_count(ratio)).table)
+        fine = kernel.slide_and_spin(s, 1.0, shape, nodes(3 * node_count(ratio)).table)
+        assert coarse[:3] == pytest.approx(fine[:3], rel=1e-9)
+
+
+@pytest.mark.parametrize(("s", "w"), [(0.3, 1.0), (-0.2, 0.9), (1.4, -1.0), (1e-4, 2e-4)])
+def test_regularised_gradient_and_hessian_by_differences(s, w):
+    shape, table = np.array(contact_shape(0.25)), nodes(40).table
+    h = 1e-6 * np.hypot(s, w)
+    at = kernel.regularised(s, w, shape, table, 1e-3)
+    for k, (ds, dw) in enumerate([(h, 0.0), (0.0, h)]):
+        plus, minus = (kernel.regularised(s + i * ds, w + i * dw, shape, table, 1e-3) for i in (1, -1))
+        assert (plus[0] - minus[0]) / (2 * h) == pytest.approx(at[1 + k], rel=1e-6, abs=1e-9)
+        for row in range(2):
+            assert (plus[1 + row] - minus[1 + row]) / (2 * h) == pytest.approx(at[3 + k + row], rel=2e-5, abs=1e-6)
+
+
+def no_slip_matrix(gamma):
+    """Rows (v, R omega_x, R omega_y) of the sliding at points gamma on the ball, right sides for v = 1 on top."""
+    n = directions(gamma)
+    return np.column_stack([np.ones(4), n[:, 1], -n[:, 0]]), np.array([0.0, 0.0, 1.0, 1.0])
+
+
+def test_velocity_from_points_of_no_slip():
+    """(3.41) mended and (3.38) against the linear equations of rolling; as printed (3.41) is another number."""
+    gamma = np.radians([43.0, 48.0, 44.0, 46.5])
+    rows, right = no_slip_matrix(gamma)
+    motion = np.linalg.solve(rows[[0, 1, 3]], right[[0, 1, 3]])
+    assert analytic.ball_velocity(gamma) == pytest.approx(motion[0], rel=1e-12)
+    bl, br, _, tl = gamma
+    printed = np.sin(bl + bl) / (np.sin(bl + br) + np.sin(bl + tl) + np.sin(br - tl))
+    assert abs(printed - motion[0]) > 1e-4
+    for fourth in np.radians([40.0, 44.0, 48.0]):
+        gamma[2] = fourth
+        rows, right = no_slip_matrix(gamma)
+        determinant = np.linalg.det(np.column_stack([rows, right]))
+        assert abs(analytic.mismatch(gamma)) == pytest.approx(abs(determinant), rel=1e-9)
+
+
+@pytest.mark.parametrize("nominal", [35.0, 45.0, 55.0])
+def test_linear_deviation_of_velocity_by_differences(nominal):
+    """(3.42): slope tan(beta_0)/2 by Delta beta_TL - Delta beta_BR; 1 - cos(2 beta_0) holds at 45 degrees only."""
+    beta, h = np.radians(nominal), 1e-6
+    step = np.array([0.0, -h, 0.0, h])
+    slope = (analytic.ball_velocity(beta + step) - analytic.ball_velocity(beta - step)) / (2.0 * h)
+    bearing = replace(BEARING, contact_angle=beta)
+    assert 2.0 * slope == pytest.approx(analytic.deviation_from_shifts(bearing, step / h, np.zeros(4)), rel=1e-8)
+    printed = 1.0 - np.cos(2.0 * beta)
+    assert (abs(printed - 2.0 * slope) < 1e-6) == (nominal == 45.0)
+
+
+def linear_balance(bearing, angles, loads, x, force, k_f):
+    """Force and moments out of balance ``(3,)`` of one ball with the linear friction law, by vectors in space."""
+    radius, constants = bearing.ball_radius, bearing.hertz()
+    a = constants.C_a * np.cbrt(loads)
+    ellip = ellipe(1.0 - float(constants.C_b / constants.C_a) ** 2)
+    total, turn = -force, np.zeros(3)
+    omega = np.array([x[1], x[2], 0.0]) / radius
+    for i in range(4):
+        n = np.array([*directions(angles)[i], 0.0])
+        slide = x[0] + np.cross(omega, radius * n)[2] - (1.0 if i > 1 else 0.0)
+        spin = omega @ n
+        f = -bearing.mu * loads[i] * k_f * slide / (abs(spin) * a[i])
+        total += f
+        turn += np.cross(radius * n, [0.0, 0.0, f]) / radius
+        turn -= 0.375 * bearing.mu * loads[i] * a[i] * ellip * np.sign(spin) * n / radius
+    return np.array([total, turn[0], turn[1]])
+
+
+@pytest.mark.parametrize("nominal", [38.0, 45.0])
+def test_velocity_formula_against_brute_force(nominal):
+    """(3.37), (3.43): motion of one ball by solving its equilibrium in vectors with the same linear friction law."""
+    bearing = replace(BEARING, contact_angle=np.radians(nominal), young=2.1e14)
+    turn = 1e-4 * np.array([-1.0, 2.0, 0.5, -0.3])
+    loads = np.array([60.0, 20.0, 60.0, 20.0])
+    angles = bearing.contact_angle + turn
+    start = np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 1e-5])
+    x = fsolve(lambda x: linear_balance(bearing, angles, loads, x, 0.0, 1.4), start, xtol=1e-13)
+    exact = 2.0 * x[0] - 1.0
+    shift = analytic.shifts(bearing, turn, loads, k_f=1.4)
+    assert analytic.deviation_from_shifts(bearing, turn, shift) == pytest.approx(exact, rel=2e-3)
+    assert analytic.velocity_deviation(bearing.contact_angle, turn, 60.0, 20.0) == pytest.approx(exact, rel=2e-3)
+    assert analytic.mismatch(angles + shift) == pytest.approx(0.0, abs=1e-7)
+    rows, right = no_slip_matrix(angles)
+    sliding, spin = rows @ x - right, directions(angles) @ x[1:]
+    # Delta eta = s_i c_i / R (3.34); the source's spin is about the inward normal, so c_i = -sliding / spin
+    np.testing.assert_allclose([1.0, -1.0, 1.0, -1.0] * sliding / spin, shift, rtol=1e-2, atol=1e-7)
+
+
+def test_unequal_diagonals_against_brute_force():
+    """(3.37) mended with four different loads, spin moments and stiffness in the right rows."""
+    bearing = replace(BEARING, young=2.1e13)
+    turn = 1e-3 * np.array([-1.0, 2.0, 0.5, -0.3])
+    loads = np.array([60.0, 25.0, 50.0, 20.0])
+    angles, start = bearing.contact_angle + turn, np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 1e-5])
+    for force in (0.0, 0.05):
+        x = fsolve(lambda x, p=force: linear_balance(bearing, angles, loads, x, p, 1.4), start, xtol=1e-13)
+        shift = analytic.shifts(bearing, turn, loads, force, k_f=1.4)
+        found = analytic.deviation_from_shifts(bearing, turn, shift)
+        assert found == pytest.approx(2.0 * x[0] - 1.0, rel=2e-2, abs=2e-6)
+
+
+@pytest.mark.parametrize("nominal", [38.0, 45.0])
+def test_force_formula_against_brute_force(nominal):
+    """(3.51), exponents +2/3 and tan(beta_0): two balls forced to one velocity, solved in vectors."""
+    bearing = replace(BEARING, contact_angle=np.radians(nominal), young=2.1e14)
+    turn = 1e-4 * np.array([[-1.0, 1.0, 0.0, 0.0]] * 2)
+    loads = np.array([[30.0, 100.0, 30.0, 100.0], [90.0, 40.0, 90.0, 40.0]])[::-1]
+    angles = bearing.contact_angle + turn
+
+    def balance(y):
+        one = linear_balance(bearing, angles[0], loads[0], y[[0, 1, 2]], y[5], 1.4)
+        two = linear_balance(bearing, angles[1], loads[1], y[[0, 3, 4]], -y[5], 1.4)
+        return np.concatenate([one, two])
+
+    roll = 0.5 / np.cos(bearing.contact_angle)
+    exact = fsolve(balance, np.array([0.5, roll, 1e-5, roll, 1e-5, 1e-3]), xtol=1e-13)[5]
+    epsilon = analytic.velocity_deviation(bearing.contact_angle, turn, loads[:, 0], loads[:, 1])
+    assert exact > 0.0
+    force = analytic.ball_force(bearing, loads[:, :2], epsilon[0] - epsilon[1], k_f=1.4)
+    assert force == pytest.approx(exact, rel=3e-3)
+    assert analytic.ball_force(bearing, loads[:, :2], epsilon[1] - epsilon[0]) == 0.0
+
+
+def test_rubbing_speed_and_loss():
+    """(3.52), (3.53): two balls rolling at the nominal angle, in vectors."""
+    bearing = replace(BEARING, contact_angle=0.6, speed=-0.02)
+    omega = np.array([0.5 * bearing.speed / (bearing.ball_radius * np.cos(0.6)), 0.0, 0.0])
+    z = np.array([0.0, 0.0, bearing.ball_radius])
+    speed = np.linalg.norm(np.cross(omega, z) - np.cross(omega, -z))
+    assert analytic.sliding_speed(bearing) == pytest.approx(speed, rel=1e-12)
+    assert analytic.ball_loss(bearing, 3.0) == pytest.approx(0.1 * 3.0 * speed, rel=1e-12)
+
+
+def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
+    from lowfi.friction.linear.chain import prepare, solve
+
+    loads = diagonal_loads(100.0, np.array([0.2]))
+    numerical = solve(prepare(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
+    assert analytic.spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
+
+
+def forces_on_ball(angles, loads):
+    return np.einsum("...i,...ij->...j", loads, directions(angles))
+
+
+def test_loads_are_in_equilibrium():
+    rho = np.array([-0.6, 0.0, 0.3])
+    angles = BEARING.contact_angle + deviations(np.radians([2.0, -3.0, 5.0]))
+    carriage = 100.0 * np.column_stack([rho, -np.ones(3)])
+    for loads, turned in [(balanced_loads(angles, 100.0, rho), angles), elastic_loads(BEARING, angles, 100.0, rho)]:
+        np.testing.assert_allclose(forces_on_ball(turned, loads), 0.0, atol=1e-9)
+        on_top = forces_on_ball(turned, loads * [0.0, 0.0, 1.0, 1.0])
+        np.testing.assert_allclose(on_top, -carriage, atol=1e-9)
+    flat = np.full((3, 4), BEARING.contact_angle)
+    np.testing.assert_allclose(diagonal_loads(100.0, rho), balanced_loads(flat, 100.0, rho), atol=1e-11)
+
+
+def test_elastic_loads_of_a_stiff_bearing_are_the_balanced_ones():
+    angles, rho = BEARING.contact_angle + deviations(np.radians([3.0])), np.array([-0.4])
+    loads, turned = elastic_loads(replace(BEARING, young=2.1e17), angles, 100.0, rho)
+    np.testing.assert_allclose(loads, balanced_loads(angles, 100.0, rho), rtol=1e-4)
+    np.testing.assert_allclose(turned, angles, atol=1e-5)
+
+
+def test_elastic_loads_pass_to_two_points():
+    loads, _ = elastic_loads(BEARING, np.full((2, 4), BEARING.contact_angle), 1e-3, np.array([-1.2, 0.9999]))
+    assert loads[0, 1] == loads[0, 3] == 0.0
+    assert np.all(loads[1] > 0.0)
+
+
+def test_mated_grooves_take_the_dependence_on_load_away():
+    """Rule of 3.3.4.2 on the formula: any bottom groove, any loads."""
+    rng = np.random.default_rng(3)
+    bottom = rng.uniform(-0.05, 0.05, (20, 2))
+    turn = np.concatenate([bottom, mated_top(bottom)], axis=1)
+    up, down = rng.uniform(1.0, 100.0, (2, 20))
+    np.testing.assert_allclose(analytic.velocity_deviation(0.7, turn, up, down), 0.0, atol=1e-17)
+    np.testing.assert_array_equal(deviations(np.array(0.02), mated=True), [-0.02, 0.02, -0.02, 0.02])
+    assert pair_formulas(BEARING, 0.03, -0.6, 100.0, mated=True)[:2] == (0.0, 0.0)
+    assert pair_formulas(BEARING, 0.03, -0.6, 100.0)[1] > 1.0
+
+
+def test_semi_axes_follow_psi():
+    """(3.36)."""
+    a, b = semi_axes(BEARING, np.array([50.0]))
+    assert a[0] == pytest.approx(BEARING.psi() * np.cbrt(BEARING.ball_radius * 50.0), rel=1e-13)
+    assert 0.2 < b[0] / a[0] < 0.25
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"ball_radius": 0.0},
+        {"conformity": 0.5},
+        {"contact_angle": 1.6},
+        {"mu": 0.0},
+        {"mu_balls": -0.1},
+        {"young": -1.0},
+        {"poisson": 0.6},
+        {"speed": np.inf},
+    ],
+)
+def test_bad_bearings_are_refused(change):
+    with pytest.raises(ValueError, match=r"must|finite"):
+        replace(BEARING, **change)
+
+
+def test_bad_values_are_refused():
+    with pytest.raises(ValueError, match="diagonal opens"):
+        diagonal_loads(1.0, np.array(1.1))
+    with pytest.raises(ValueError, match="semi-axes"):
+        contact_shape(1.2)

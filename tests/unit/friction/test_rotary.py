@@ -1,0 +1,311 @@
+"""Ball of a rotary bearing: kinematics, loads, motion of least dissipation, energy balance, symmetry, uniqueness."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from lowfi.friction.bearing.module_load import Module, energy_at
+from lowfi.friction.bearing.rotary import (
+    INNER,
+    SIDES,
+    SIGN_X,
+    SIGN_Y,
+    Bearing,
+    ball_contacts,
+    bearing_load,
+    contact_maps,
+    groove_hertz,
+    inner_torque,
+    motion_problem,
+    solve_ball,
+    solve_ball_as_printed,
+    source_law,
+    sweep,
+    velocity_fields,
+)
+from lowfi.friction.contact.ellipse import contacts, dissipation
+from lowfi.friction.contact.kernel.motion import lock
+from lowfi.friction.contact.motion import Problem, balance_by_root, balance_by_sharpening, least_dissipation
+
+BEARING = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
+ANGLES = np.radians([43.0, 46.0, 47.5, 44.2])
+
+
+def problem_of(forces, bearing=BEARING, angles=ANGLES, free_z=False):
+    """Problem of motion with given contact forces (4,), axes of the right Hertz constants."""
+    h, f = groove_hertz(bearing), np.asarray(forces, dtype=float)
+    cube = np.cbrt(np.maximum(f, 1e-6))
+    maps, drives = contact_maps(bearing, angles, free_z)
+    return Problem(contacts(h.C_a * cube, h.C_b * cube, f, bearing.mu), maps, drives, np.zeros(maps.shape[2]))
+
+
+TWO, THREE, FOUR, VERGE = (
+    (140.0, 0.0, 140.0, 0.0),
+    (150.0, 20.0, 160.0, 0.0),
+    (188.0, 47.0, 189.0, 46.0),
+    (144.8, 3.36, 144.8, 3.36),
+)
+
+
+def rotation(axis, angle):
+    """Rotation matrix about x or z."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) if axis == "x" else np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+def test_maps_are_rigid_body_kinematics():
+    """Lin 3.4-3.9 in the fixed frame at an azimuth, differentiated in time by finite differences of positions."""
+    b, q, phi, eps = BEARING, np.array([27.4, -136.0, 108.0, 5.0]), 0.7, 1e-7
+    maps, drives = contact_maps(b, ANGLES, free_z=True)
+    for i in range(4):
+        n = np.array([SIGN_X[i] * np.sin(ANGLES[i]), SIGN_Y[i] * np.cos(ANGLES[i]), 0.0])
+        y = -n
+        x = np.cross(y, [0.0, 0.0, 1.0])
+        seen = drives[i] + maps[i] @ q
+        for px, pz in ((0.0, 0.0), (1e-4, 0.0), (0.0, 5e-5), (-1e-4, 2e-5)):
+            local = b.ball_radius * n + px * x + np.array([0.0, 0.0, pz])
+            spin = np.array([q[1], q[2], q[3]])
+
+            def on_ball(t, local=local, spin=spin):
+                turned = local + np.cross(spin, local) * t
+                return rotation("x", phi + q[0] * t) @ (np.array([0.0, b.pitch_radius, 0.0]) + turned)
+
+            def on_ring(t, local=local, i=i):
+                turn = b.speed * t if INNER[i] else 0.0
+                return rotation("x", phi + turn) @ (np.array([0.0, b.pitch_radius, 0.0]) + local)
+
+            rate = (on_ball(eps) - on_ball(-eps) - on_ring(eps) + on_ring(-eps)) / (2.0 * eps)
+            back = rotation("x", -phi) @ rate
+            assert back @ x == pytest.approx(seen[0] + seen[2] * pz, abs=2e-7)
+            assert back[2] == pytest.approx(seen[1] - seen[2] * px, abs=2e-7)
+
+
+def test_loads_balance_and_energy_has_their_gradient():
+    load = bearing_load(BEARING, 100.0, 6e-6)
+    assert load.converged
+    n = np.stack([SIGN_X * np.sin(load.angle), SIGN_Y * np.cos(load.angle)], axis=1)
+    assert load.force @ n == pytest.approx(0.0, abs=1e-9)
+    assert -(load.force @ (n[:, 0] * INNER)) == pytest.approx(100.0, rel=1e-10)
+    s = np.stack([SIGN_X, SIGN_Y], axis=1) * np.sqrt(0.5)
+    module = Module(s, 0.5e-3, 0.0, groove_hertz(BEARING).C, INNER)
+    z = np.array([9e-6, 4e-6, 3e-6])
+    _, gradient, hessian, _, _ = energy_at(module, z, 100.0, 6e-6)
+    for j in range(3):
+        step = np.eye(3)[j] * 1e-10
+        up, down = energy_at(module, z + step, 100.0, 6e-6), energy_at(module, z - step, 100.0, 6e-6)
+        assert (up[0] - down[0]) / 2e-10 == pytest.approx(gradient[j], rel=1e-6, abs=1e-5)
+        assert (up[1] - down[1]) / 2e-10 == pytest.approx(hessian[j], rel=1e-5)
+
+
+def test_clearance_opens_the_contacts():
+    """Distance of the ball's centre from each groove centre, less r_G - r_B and the play, is the approach C F^(2/3)."""
+    b = replace(BEARING, clearance=10e-6)
+    load = bearing_load(b, 100.0, 40e-6)
+    reach, s = b.groove_radius - b.ball_radius, np.stack([SIGN_X, SIGN_Y], axis=1) * np.sqrt(0.5)
+    gap = load.ball - np.where(INNER[:, None], load.ring, 0.0) + reach * s
+    approach = np.maximum(np.linalg.norm(gap, axis=1) - reach - 10e-6, 0.0)
+    assert np.sum(load.force > 0.0) == 4
+    assert approach == pytest.approx(groove_hertz(b).C * load.force ** (2.0 / 3.0), rel=1e-7)
+
+
+def test_rest_is_refused_where_the_reaction_exceeds_friction():
+    p = problem_of(FOUR)
+    m = least_dissipation(p)
+    shape = np.column_stack([p.at.a, p.at.b, p.at.strength])
+    sizes = np.sqrt(m.motion[:, 1] ** 2 + (p.at.a * m.motion[:, 2]) ** 2)
+    forces, rest = np.column_stack([-m.friction.force, -m.friction.moment]), np.zeros(4)
+    for still, count in ((1e-3 * np.min(sizes), 0), (1.0001 * np.min(sizes), 1)):
+        good, _, _ = lock(shape, p.maps, p.drives, p.push, m.q.copy(), forces.copy(), rest, still)
+        assert int(np.sum(rest)) == count
+        assert good == (count == 0)
+
+
+@pytest.mark.parametrize("clearance", [0.0, 10e-6, -2e-6])
+@pytest.mark.parametrize("force", [1e-3, 1.0, 1e5])
+def test_loads_over_the_range(clearance, force):
+    load = bearing_load(replace(BEARING, clearance=clearance), force, 3e-6)
+    assert load.converged
+    assert load.imbalance <= 1e-9 * (np.sum(load.force) + force)
+
+
+@pytest.mark.parametrize("forces", [TWO, THREE, FOUR, VERGE])
+def test_least_dissipation_is_least(forces):
+    """No other motion dissipates less: random ones at every scale, and a simplex search from a distance."""
+    p = problem_of(forces, free_z=True)
+    m = least_dissipation(p)
+    assert m.status == "exact"
+    loss = m.loss
+
+    def total(q):
+        return float(np.sum(dissipation(p.at, p.motion_at(q), fast=True).value))
+
+    assert total(m.q) == pytest.approx(loss, rel=1e-9)
+    rng = np.random.default_rng(6)
+    for scale in (1e-6, 1e-3, 1e-1, 10.0, 300.0):
+        for _ in range(40):
+            assert total(m.q + scale * rng.normal(size=4) * [0.1, 1.0, 1.0, 1.0]) >= loss * (1.0 - 1e-12)
+    start = m.q + np.array([0.05, 3.0, -3.0, 1.0])
+    found = minimize(
+        total, start, method="Nelder-Mead", options={"maxiter": 4000, "maxfev": 4000, "xatol": 1e-9, "fatol": 1e-13}
+    )
+    assert found.fun >= loss * (1.0 - 1e-12)
+    assert found.fun == pytest.approx(loss, rel=1e-2)
+    assert abs(m.q[3]) < 1e-6 * abs(m.q[1]), "the ball does not turn about its path: Lin's omega_z = 0"
+
+
+@pytest.mark.parametrize("forces", [TWO, THREE, FOUR, VERGE])
+def test_unique_from_random_starts(forces):
+    p = problem_of(forces)
+    m = least_dissipation(p)
+    rng = np.random.default_rng(7)
+    for _ in range(25):
+        start = rng.normal(size=3) * 10.0 ** rng.uniform(-2, 4)
+        other = least_dissipation(p, start, fast=True)
+        assert other.status == "exact"
+        assert other.q == pytest.approx(m.q, rel=1e-7)
+        assert other.loss == pytest.approx(m.loss, rel=1e-9)
+
+
+@pytest.mark.parametrize("forces", [TWO, THREE, FOUR, VERGE])
+def test_bounds_enclose_the_least(forces):
+    m = least_dissipation(problem_of(forces))
+    assert m.bounds[0] <= m.loss * (1.0 + 1e-12)
+    assert m.bounds[1] >= m.loss * (1.0 - 1e-9)
+    assert m.bounds[1] - m.bounds[0] <= 1e-5 * m.loss
+
+
+def test_energy_balance_over_random_scenes():
+    """Torque times speed equals the loss to 1e-8, whatever the geometry, load, friction, and with rest or slip."""
+    rng = np.random.default_rng(8)
+    rests = set()
+    for k in range(200):
+        b = replace(
+            BEARING,
+            contact_angle=np.radians(rng.uniform(20, 70)),
+            mu=10.0 ** rng.uniform(-3, -0.3),
+            speed=10.0 ** rng.uniform(-3, 3) * rng.choice([-1.0, 1.0]),
+            clearance=rng.choice([0.0, 1e-6, -1e-6, 1e-5]),
+            groove_radius=12.5e-3 * rng.uniform(0.505, 0.6),
+        )
+        load = bearing_load(b, 10.0 ** rng.uniform(-3, 5), rng.uniform(-5e-6, 1e-5))
+        m = least_dissipation(motion_problem(b, load, ball_contacts(b, load), free_z=bool(k % 2)), fast=True)
+        assert load.converged
+        assert m.status == "exact"
+        assert inner_torque(b, load, m) * b.speed == pytest.approx(m.loss, rel=1e-8)
+        assert np.all(m.friction.loss >= 0.0)
+        rests.add(int(np.sum(m.rest)))
+    assert rests >= {0, 1}
+
+
+def test_power_does_not_depend_on_the_frame():
+    """Both rings turned along by the same speed: the orbit follows, the loss stays."""
+    p = problem_of(FOUR)
+    turned = replace(p, drives=p.drives - 13.0 * p.maps[:, :, 0])
+    m, t = least_dissipation(p), least_dissipation(turned)
+    assert t.q - [13.0, 0.0, 0.0] == pytest.approx(m.q, rel=1e-9)
+    assert t.loss == pytest.approx(m.loss, rel=1e-11)
+
+
+def test_reversed_and_mirrored_motion():
+    right = solve_ball(BEARING, 100.0, 5e-6)
+    back = solve_ball(replace(BEARING, speed=-BEARING.speed), 100.0, 5e-6)
+    assert back.motion.q == pytest.approx(-right.motion.q, rel=1e-9)
+    assert back.torque == pytest.approx(-right.torque, rel=1e-10)
+    left = solve_ball(BEARING, -100.0, 5e-6)
+    assert left.load.force == pytest.approx(right.load.force[[1, 0, 3, 2]], rel=1e-9)
+    assert left.motion.q == pytest.approx(right.motion.q * [1.0, 1.0, -1.0], rel=1e-8)
+    assert left.torque == pytest.approx(right.torque, rel=1e-9)
+
+
+def test_two_points_rest_at_the_larger_ellipse():
+    """Contact forces along one line: only spin remains, all of it at the contact with the smaller moment."""
+    s = solve_ball(BEARING, 100.0, 0.0)
+    loaded = s.load.force > 0.0
+    assert np.sum(loaded) == 2
+    larger = np.argmax(s.at.a * loaded)
+    assert s.motion.rest[larger]
+    assert np.sum(s.motion.rest) == 1
+    assert s.motion.friction.loss[larger] == 0.0
+    moments = s.motion.friction.moment[loaded]
+    assert moments[0] == pytest.approx(moments[1], rel=1e-2)  # each about its own y: they face each other
+
+
+def test_no_motion_without_drive_and_no_loss_without_friction():
+    still = solve_ball(replace(BEARING, speed=0.0), 100.0, 5e-6)
+    assert (still.motion.status, still.motion.loss, still.torque) == ("at rest", 0.0, 0.0)
+    smooth = solve_ball(replace(BEARING, mu=0.0), 100.0, 5e-6)
+    assert smooth.motion.loss == 0.0
+
+
+def test_a_pushed_body_rests_below_the_limit_and_slides_above():
+    """One contact pushed along z: mu F holds; beyond it no motion is quasi-static, and the result says so."""
+    maps = np.eye(3)[None]
+    base = Problem(contacts(1e-3, 3e-4, 100.0, 0.1), maps, np.zeros((1, 3)), np.zeros(3))
+    held = least_dissipation(replace(base, push=np.array([0.0, 6.0, 1e-3])))
+    assert held.status == "exact"
+    assert held.rest[0]
+    assert held.friction.force[0, 1] == pytest.approx(-6.0, rel=1e-9)
+    assert held.friction.moment[0] == pytest.approx(-1e-3, rel=1e-9)
+    assert least_dissipation(replace(base, push=np.array([0.0, 12.0, 0.0]))).status == "failed"
+
+
+def test_engines_agree_on_the_motion():
+    p = problem_of(VERGE)
+    slow, quick = least_dissipation(p), least_dissipation(p, fast=True)
+    assert quick.q == pytest.approx(slow.q, rel=1e-9)
+    assert quick.loss == pytest.approx(slow.loss, rel=1e-10)
+
+
+def test_root_finding_of_the_source():
+    """It has the same total loss where it succeeds, and fails from plain starts near two-point contact."""
+    load = bearing_load(BEARING, 100.0, 5.2e-6, "as printed")
+    p = motion_problem(BEARING, load, ball_contacts(BEARING, load, "as printed"))
+    law = source_law(BEARING, map_spacing=None)
+    m = least_dissipation(p, fast=True)
+    root = balance_by_sharpening(p, law, m.q, fast=True)
+    assert root.status == "exact"
+    assert root.loss == pytest.approx(m.loss, rel=1e-6)
+    rng = np.random.default_rng(9)
+    starts = [m.q + rng.normal(size=3) * [0.1, 20.0, 20.0] for _ in range(20)]
+    found = [balance_by_root(p, law, s, fast=True).status for s in starts]
+    assert found.count("failed") > 10
+
+
+def test_sweep_and_velocity_fields():
+    u = np.linspace(0.0, 8e-6, 9)
+    right, printed = sweep(BEARING, 100.0, u), sweep(BEARING, 100.0, u, "as printed")
+    for s in (right, printed):
+        assert np.all(np.diff(s.load.sum(axis=1)) > 0.0)
+        assert s.torque[-1] > 10.0 * s.torque[0]
+    assert set(right.status) == {"exact"}
+    s = solve_ball(BEARING, 100.0, 8e-6)
+    fields = velocity_fields(s, rings=3, spokes=8)
+    assert [f.side for f in fields] == list(SIDES)
+    for i, f in enumerate(fields):
+        assert f.points.shape == f.velocity.shape == (25, 2)
+        assert np.max(np.sum((f.points / [f.a, f.b]) ** 2, axis=1)) == pytest.approx(1.0, rel=1e-12)
+        arm = f.points - f.centre  # velocity is at right angles to the arm from the centre, spin times its length
+        assert np.sum(arm * f.velocity, axis=1) == pytest.approx(0.0, abs=1e-12)
+        size = abs(s.motion.motion[i, 2]) * np.linalg.norm(arm, axis=1)
+        assert np.linalg.norm(f.velocity, axis=1) == pytest.approx(size, rel=1e-10)
+    two = velocity_fields(solve_ball(BEARING, 100.0, 0.0))
+    assert len(two) == 2
+    assert sorted(np.isnan(f.centre[0]) for f in two) == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [({"groove_radius": 6e-3}, "groove_radius"), ({"contact_angle": 0.0}, "contact_angle"), ({"mu": -0.1}, "mu")],
+)
+def test_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        replace(BEARING, **change)
+
+
+def test_printed_way_without_a_start_reports_a_plain_failure():
+    """With a start the search is the source's own, and its failure is data."""
+    plain = solve_ball_as_printed(BEARING, 100.0, 5.2e-6, start=np.array([30.0, -50.0, 50.0]), fast=True)
+    assert plain.motion.status == "failed"
+    assert solve_ball_as_printed(BEARING, 100.0, 5.2e-6, fast=True).motion.status == "exact"

@@ -1,0 +1,314 @@
+"""Motion and loads of balls in a ball screw: kinematics, limits, symmetry, energy, independent checks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from lowfi import jit
+from lowfi.friction.bearing.rotary import Bearing, solve_ball
+from lowfi.friction.contact.ellipse import dissipation
+from lowfi.friction.linear.bearing import LinearBearing
+from lowfi.friction.linear.pair import pair_state
+from lowfi.friction.linear.pair import solve_pair as solve_linear_pair
+from lowfi.friction.screw.chain import Chain, solve_chain
+from lowfi.friction.screw.coupled import coupled_ball
+from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
+from lowfi.friction.screw.load import load_arrays, load_state, screw_rows, settle
+from lowfi.friction.screw.motion import ball_cell, ball_motion, ball_motion_by_root, source_law
+from lowfi.friction.screw.pair import inferred, plain, table_3_6
+from tests.helpers import SCREW_STATES as STATES
+
+SCREW = table_3_6()
+TWO = np.radians(2.0)
+FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
+RNG = np.random.default_rng(3)
+
+
+def rotation(vector):
+    """Rotation matrix of a rotation vector."""
+    angle = np.linalg.norm(vector)
+    if angle == 0.0:
+        return np.eye(3)
+    k = vector / angle
+    cross = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
+    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+
+
+def helical(screw, point, angle):
+    """A point of a body after its helical motion by ``angle``."""
+    return rotation(np.array([0.0, 0.0, angle])) @ point + np.array([0.0, 0.0, screw.ratio * angle])
+
+
+def material_velocity(screw, q, offset, azimuth, h=1e-6):
+    """Velocity of a material point of the ball at ``offset`` (x3, y3, z3) from its centre, by central differences."""
+    places = []
+    for t in (-h, h):
+        turn = frame(screw, azimuth + q[0] * t).T @ rotation(q[1:] * t)
+        centre = helical(screw, frame(screw, azimuth)[0] * screw.pitch_radius, q[0] * t)
+        places.append(centre + turn @ offset)
+    return (places[1] - places[0]) / (2.0 * h)
+
+
+def test_maps_against_finite_differences_of_the_rigid_motions() -> None:
+    """Sliding and spin from positions of material points of ball, screw and nut (3.57-3.68, F.4-F.6)."""
+    screw = replace(SCREW, nut_speed=5.0, screw_speed=-1.5)
+    angle, q = np.array([0.6, 0.8, 0.9, 0.7]), np.array([2.0, -3.0, 0.7, 8.0])
+    normals = screw.normals(angle)
+    maps, drives = screw.maps(normals)
+    seen = drives + maps @ q
+    turn = frame(screw, 0.3)
+    for i in range(4):
+        y = -normals[i]
+        x, z = np.cross(y, [0.0, 1.0, 0.0]), np.array([0.0, 1.0, 0.0])
+        speed = screw.screw_speed if ON_SCREW[i] else screw.nut_speed
+        velocity = []
+        for small in (np.zeros(3), 1e-4 * x, 1e-4 * z):
+            offset = screw.ball_radius * normals[i] + small
+            point = turn[0] * screw.pitch_radius + turn.T @ offset
+            h = 1e-6
+            groove = (helical(screw, point, speed * h) - helical(screw, point, -speed * h)) / (2.0 * h)
+            velocity.append(turn @ (material_velocity(screw, q, offset, 0.3) - groove))
+        assert seen[i, :2] == pytest.approx([velocity[0] @ x, velocity[0] @ z], abs=1e-8)
+        assert velocity[0] @ y == pytest.approx(0.0, abs=1e-9)
+        spin = [(velocity[2] - velocity[0]) @ x / 1e-4, -(velocity[1] - velocity[0]) @ z / 1e-4]
+        assert spin == pytest.approx([seen[i, 2]] * 2, abs=1e-5)
+
+
+def test_printed_velocity_fields_3_65_and_f_4_to_f_6() -> None:
+    """The formulas as printed, at the contact centres, up to the sense of the axes."""
+    angle, (b, x, y, z) = np.array([0.6, 0.8, 0.9, 0.7]), np.array([2.0, -3.0, 0.7, 8.0])
+    r, pitch, lead, length = SCREW.ball_radius, SCREW.pitch_radius, SCREW.lead, 2.0 * np.pi * SCREW.radius
+    maps, drives = SCREW.maps(SCREW.normals(angle))
+    seen = drives + maps @ np.array([b, x, y, z])
+    cos, sin = np.cos(angle), np.sin(angle)
+    orbit = np.where(ON_SCREW, b, b - SCREW.nut_speed)
+    turn = np.array([-1.0, 1.0, 1.0, -1.0])  # of omega_x
+    side = np.where(ON_SCREW, -1.0, 1.0)
+    along = (length**2 + side * 4.0 * np.pi**2 * r * pitch * cos) / (2.0 * np.pi * length) * orbit
+    along += side * r * (cos * z + turn * sin * x)
+    assert seen[:, 1] == pytest.approx(along, rel=1e-12)
+    across = r * y + r * lead / length * orbit
+    assert np.abs(seen[:, 0]) == pytest.approx(np.abs(across), rel=1e-12)
+    spin = 2.0 * np.pi * pitch / length * orbit * sin + z * sin - turn * x * cos
+    assert np.abs(seen[:, 2]) == pytest.approx(np.abs(spin), rel=1e-12)
+
+
+def test_pair_geometry_against_finite_differences() -> None:
+    pair = SCREW.pair
+    ends = [helical(SCREW, SCREW.pitch_radius * np.array([1.0, 0.0, 0.0]), s * 0.5 * pair.spacing) for s in (-1, 1)]
+    line = ends[1] - ends[0]
+    assert np.linalg.norm(line) == pytest.approx(2.0 * SCREW.ball_radius, rel=1e-13)
+    line /= np.linalg.norm(line)
+    frames = [frame(SCREW, s * 0.5 * pair.spacing) for s in (-1, 1)]
+    q = [np.array([2.0, -3.0, 0.7, 8.0]), np.array([1.5, 1.0, -2.0, 7.0])]
+    v = [
+        material_velocity(SCREW, q[k], frames[k] @ (s * SCREW.ball_radius * line), s * -0.5 * pair.spacing)
+        for k, s in ((0, 1.0), (1, -1.0))
+    ]
+    for k, rows in ((0, pair.first), (1, pair.second)):
+        tangents = pair.slide[k] @ frames[k]
+        assert tangents @ tangents.T == pytest.approx(np.eye(2), abs=1e-14)
+        assert tangents @ line == pytest.approx([0.0, 0.0], abs=1e-14)
+        assert rows @ q[k] == pytest.approx(tangents @ v[k], abs=1e-8)
+        assert pair.push[k] @ frames[k] == pytest.approx((-line, line)[k], abs=1e-14)
+    assert (v[0] - v[1]) @ line == pytest.approx(pair.closing * (q[0][0] - q[1][0]), abs=1e-8)
+
+
+def test_contact_spacing_of_3_72_is_exact_for_zero_lead_only() -> None:
+    ring = replace(SCREW, lead=0.0)
+    assert ring.pair.spacing == pytest.approx(2.0 * np.arcsin(ring.ball_radius / ring.radius), rel=1e-13)
+    off = SCREW.pair.spacing / (2.0 * np.arcsin(SCREW.ball_radius / SCREW.radius)) - 1.0
+    assert off == pytest.approx(-1.67e-4, abs=2e-6)
+
+
+def cell_of(pair, push=None):
+    cell = pair.cell()
+    return cell if push is None else replace(cell, push=push)
+
+
+def test_loads_are_the_least_energy() -> None:
+    """Against a search that knows the energy only, and its gradient against differences."""
+    cell = cell_of(replace(inferred(TWO), free="rz", force=(3.0, 50.0)), push=np.array([[1.0, -2.0], [0.5, 3.0]]))
+    scale, arrays, state = 1e-6, load_arrays(cell), load_state(cell)
+
+    def energy_at(p, u):
+        return jit.kernels(jit.SCREW, compiled=True).evaluate(arrays, p, u, state) - np.sum(cell.push * p) - cell.force @ u
+
+    def energy(x):
+        return energy_at(scale * x[:4].reshape(2, 2), scale * x[4:]) / (50.0 * scale)
+
+    found = settle(cell)
+    assert found.converged
+    best = minimize(energy, np.zeros(6), method="BFGS", options={"gtol": 1e-9})
+    x = np.append(found.ball.ravel(), found.screw) / scale
+    assert energy(x) <= best.fun + 1e-12 * abs(best.fun)
+    assert x == pytest.approx(best.x, abs=1e-3)
+    p, u, h = RNG.normal(size=(2, 2)) * 1e-6, RNG.normal(size=2) * 1e-6, 1e-10
+    energy_at(p, u)
+    slope = np.append(state[0].ravel(), state[1])
+    for k in range(6):
+        step = np.eye(6)[k] * h
+        up = energy_at(p + step[:4].reshape(2, 2), u + step[4:])
+        down = energy_at(p - step[:4].reshape(2, 2), u - step[4:])
+        assert (up - down) / (2.0 * h) == pytest.approx(slope[k], rel=1e-5)
+
+
+@pytest.mark.parametrize("oversize", [-1e-5, 0.0, 1.7e-6])
+@pytest.mark.parametrize("force", [1e-3, 1.0, 1e3])
+def test_loads_from_random_starts(oversize: float, force: float) -> None:
+    cell = cell_of(replace(plain(TWO), oversize=oversize, force=(force,)))
+    reference = settle(cell)
+    assert reference.converged
+    for _ in range(5):
+        again = settle(cell, (RNG.normal(size=(2, 2)) * 1e-5, RNG.normal(size=1) * 1e-5))
+        assert again.converged
+        assert again.force == pytest.approx(reference.force, rel=1e-6, abs=1e-8 * force)
+
+
+def test_two_contacts_of_a_stiff_screw_follow_from_statics() -> None:
+    stiff = replace(SCREW, young=1e18)
+    found = settle(ball_cell(stiff, np.zeros(4), 0.0, "z", np.array([25.0])))
+    along = 25.0 / (np.sin(SCREW.contact_angle) * np.cos(SCREW.lead_angle))
+    assert found.force[0] == pytest.approx([along, 0.0, 0.0, along], rel=1e-4)
+    assert found.angle[0, [0, 3]] == pytest.approx([SCREW.contact_angle] * 2, rel=1e-4)
+
+
+def test_rows_of_the_screws_motion() -> None:
+    rows = screw_rows(SCREW, np.array([0.4]), "xyzr")
+    assert frame(SCREW, 0.4).T @ rows[0, :, :3] == pytest.approx(np.eye(3), abs=1e-15)
+    assert rows[0, :, 3] == pytest.approx([1.0, 0.0, 0.0])
+    with pytest.raises(ValueError, match="letters"):
+        screw_rows(SCREW, np.zeros(1), "q")
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_input_power_is_dissipation_in_any_frame(name: str) -> None:
+    force, angle = STATES[name]
+    one = ball_motion(SCREW, force, angle)
+    assert one.motion.status == "exact"
+    assert one.input_power == pytest.approx(one.motion.loss, rel=1e-10)
+    moved = ball_motion(replace(SCREW, nut_speed=SCREW.nut_speed + 3.7, screw_speed=3.7), force, angle)
+    assert moved.motion.loss == pytest.approx(one.motion.loss, rel=1e-10)
+    assert moved.input_power == pytest.approx(one.input_power, rel=1e-9)
+    assert moved.motion.q[0] == pytest.approx(one.motion.q[0] + 3.7, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_reversed_and_mirrored_motion(name: str) -> None:
+    force, angle = STATES[name]
+    one = ball_motion(SCREW, force, angle).motion
+    back = ball_motion(replace(SCREW, nut_speed=-SCREW.nut_speed), force, angle).motion
+    assert back.loss == pytest.approx(one.loss, rel=1e-10)
+    assert back.q == pytest.approx(-one.q, rel=1e-7, abs=1e-7)
+    mirror = ball_motion(replace(SCREW, lead=-SCREW.lead), force[FLIP], angle[FLIP]).motion
+    assert mirror.loss == pytest.approx(one.loss, rel=1e-10)
+    assert mirror.q == pytest.approx(one.q * [1.0, -1.0, -1.0, 1.0], rel=1e-7, abs=1e-7)
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_motion_is_the_least_dissipation(name: str) -> None:
+    """Random starts end at the same loss, and no point that a direct search finds dissipates less."""
+    force, angle = STATES[name]
+    one = ball_motion(SCREW, force, angle)
+    problem = one.problem
+    for _ in range(5):
+        start = one.motion.q * (1.0 + RNG.normal(size=4)) + RNG.normal(size=4)
+        again = ball_motion(SCREW, force, angle, start=start)
+        assert again.motion.loss == pytest.approx(one.motion.loss, rel=1e-9)
+
+    def loss(q):
+        return float(np.sum(dissipation(problem.at, problem.motion_at(q), fast=True).value))
+
+    assert loss(one.motion.q) == pytest.approx(one.motion.loss, rel=1e-12)
+    options = {"maxiter": 4000, "maxfev": 4000, "xatol": 1e-10, "fatol": 1e-16}
+    best = minimize(loss, one.motion.q + 0.05, method="Nelder-Mead", options=options)
+    assert best.fun >= one.motion.loss * (1.0 - 1e-9)
+    assert best.fun <= one.motion.loss * (1.0 + 1e-3)
+
+
+def test_root_of_the_sources_law() -> None:
+    """In four-point contact it spends what the least dissipation does; near two-point contact many starts fail."""
+    one = ball_motion(SCREW, *STATES["four"])
+    for sharpness, off in ((100.0, 1e-3), (1e4, 1e-9)):
+        root = ball_motion_by_root(one, source_law(SCREW, sharpness), one.motion.q)
+        assert root.status == "exact"
+        assert root.loss == pytest.approx(one.motion.loss, rel=off)
+    assert source_law(SCREW).reference == pytest.approx(2.0 * np.pi * 0.98193 * np.sqrt(0.5), rel=1e-4)
+    two = ball_motion(SCREW, *STATES["two"])
+    starts = [two.motion.q * (1.0 + 0.3 * RNG.normal(size=4)) for _ in range(20)]
+    failed = sum(ball_motion_by_root(two, source_law(SCREW, 1e3), s).status == "failed" for s in starts)
+    assert failed > 4
+
+
+@pytest.mark.parametrize("u_y", [0.0, 5.2e-6, 8.0e-6])
+def test_zero_lead_is_the_rotary_bearing(u_y: float) -> None:
+    """Its x, y, z (axis, radius, path) are z3, x3, y3 here; its inner ring is the screw."""
+    ring = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
+    s = solve_ball(ring, 100.0, u_y, fast=True)
+    screw = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 0.0, 20.0 * np.pi)
+    order = [0, 1, 3, 2]  # IL, IR, OL, OR
+    one = ball_motion(screw, s.load.force[order], s.load.angle[order])
+    assert one.at.a[s.load.force[order] > 0.0] == pytest.approx(s.at.a[order][s.load.force[order] > 0.0], rel=1e-9)
+    assert one.motion.loss == pytest.approx(s.motion.loss, rel=1e-9)
+    assert one.motion.q[[0, 3, 1]] == pytest.approx(s.motion.q, rel=1e-7)
+    assert one.motion.q[2] == pytest.approx(0.0, abs=1e-7)
+
+
+def test_long_radius_is_the_linear_bearing() -> None:
+    """Ball force and losses of a pair on a radius of 1 km are those of the linear bearing with the same loads."""
+    line = LinearBearing(2.5e-3, 0.54, 0.25 * np.pi, 0.1, 0.1, 0.08, 210e9, 0.28)
+    found = solve_linear_pair(line, np.radians(3.0), 0.5, 200.0)
+    angles, loads = pair_state(line, np.radians(3.0), 0.5, 200.0)
+    order = [0, 1, 3, 2]  # BL, BR, TL, TR of BL, BR, TR, TL
+    radius = 1000.0
+    screw = ScrewGroove(
+        line.ball_radius,
+        line.conformity * 2.0 * line.ball_radius,
+        radius,
+        0.0,
+        line.contact_angle,
+        line.young,
+        line.poisson,
+        line.mu,
+        line.speed / radius,
+        mu_balls=line.mu_balls,
+    )
+    normals = screw.normals(angles[:, order])
+    pairs = [solve_chain(Chain(screw, loads[:, order], normals, np.array([slack, np.inf]))) for slack in (np.inf, 0.0)]
+    assert pairs[1].ball_force[0] == pytest.approx(found.force, rel=1e-4)
+    assert pairs[0].loss == pytest.approx(found.free.loss, rel=1e-4)
+    assert pairs[1].loss == pytest.approx(found.touching.loss, rel=1e-4)
+
+
+@pytest.mark.parametrize("coupling", ["ball", "ball and screw"])
+@pytest.mark.parametrize("oversize", [-2e-6, 0.0, 1.7e-6])
+def test_coupled_ball_is_in_equilibrium(coupling: str, oversize: float) -> None:
+    """Forces and moments on the ball, normal and friction, and with them the axial force on the screw."""
+    cell = ball_cell(SCREW, np.array([TWO, TWO, 0.0, 0.0]), oversize, "z", np.array([25.0]))
+    r = coupled_ball(cell, coupling)  # type: ignore[arg-type]
+    assert r.converged
+    w, n = r.motion.wrench, r.motion.normals
+    scale = float(r.load.force.sum())
+    force = w[:, :3].sum(axis=0) - r.load.force[0] @ n
+    moment = w[:, 3:].sum(axis=0) + np.cross(SCREW.ball_radius * n, w[:, :3]).sum(axis=0)
+    assert np.abs(force).max() < 1e-8 * scale
+    assert np.abs(moment).max() < 1e-8 * scale * SCREW.ball_radius
+    on_screw = (r.load.force[0][:, None] * n - w[:, :3])[ON_SCREW].sum(axis=0) @ SCREW.axis
+    if coupling == "ball and screw":
+        assert on_screw == pytest.approx(-25.0, rel=1e-8)
+    else:
+        assert abs(on_screw + 25.0) > 1e-3
+    assert r.motion.input_power == pytest.approx(r.motion.motion.loss, rel=1e-10)
+
+
+def test_friction_brings_a_third_contact() -> None:
+    """In-plane friction of two contacts pushes the ball against a third one, which multiplies the loss."""
+    cell = ball_cell(SCREW, np.zeros(4), 0.0, "z", np.array([25.0]))
+    alone, with_friction = coupled_ball(cell, "none"), coupled_ball(cell, "ball")
+    assert list(alone.load.force[0] > 0.0) == [True, False, False, True]
+    assert list(with_friction.load.force[0] > 0.0) == [True, False, True, True]
+    assert with_friction.motion.motion.loss > 1.5 * alone.motion.motion.loss
+    back = coupled_ball(replace(cell, groove=replace(SCREW, nut_speed=-SCREW.nut_speed)), "ball")
+    assert list(back.load.force[0] > 0.0) == [True, True, False, True]

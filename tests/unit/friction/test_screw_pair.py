@@ -1,0 +1,229 @@
+"""Balls in contact in a ball screw, two and many: balance, symmetry, starts, constrained dissipation, bad input."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from lowfi import jit
+from lowfi.friction.contact.ellipse import dissipation
+from lowfi.friction.screw.chain import Chain, Search, solve_chain
+from lowfi.friction.screw.groove import SIGN_X, SIGN_Z
+from lowfi.friction.screw.kernel.balance import HALF
+from lowfi.friction.screw.load import Cell, settle
+from lowfi.friction.screw.motion import screw_contacts
+from lowfi.friction.screw.pair import BOTH, Pair, inferred, oversize_map, plain, solve_pair, table_3_6
+from tests.helpers import SCREW_STATES as STATES
+
+SCREW = table_3_6()
+TWO = np.radians(2.0)
+FLIP = [1, 0, 3, 2]  # SL <-> SR, NL <-> NR
+RNG = np.random.default_rng(3)
+
+
+@pytest.mark.parametrize("make", [plain, inferred])
+@pytest.mark.parametrize("coupling", ["none", "ball", "ball and screw"])
+def test_pair_in_equilibrium(make, coupling: str) -> None:
+    """All balls with ball-to-ball force and friction; energy; complementarity."""
+    pair = replace(make(TWO), coupling=coupling)
+    r = solve_pair(pair)
+    assert r.converged
+    t = r.touching
+    assert t.motion.input_power == pytest.approx(t.motion.loss, rel=1e-8)
+    assert r.free.motion.input_power == pytest.approx(r.free.motion.loss, rel=1e-8)
+    assert r.closing > 0.0
+    assert t.motion.q[0, 0] == pytest.approx(t.motion.q[1, 0], rel=1e-11)
+    assert r.force > 0.0
+    n, g = SCREW.normals(t.load.angle), SCREW.pair
+    tangents = [g.slide[k] for k in (0, 1)]
+    w = g.first @ t.motion.q[0] - g.second @ t.motion.q[1]
+    rub = SCREW.mu * r.force * w / np.linalg.norm(w)
+    for k, sign in ((0, -1.0), (1, 1.0)):
+        pushed = r.force * g.push[k] + sign * rub @ tangents[k]
+        assert pushed == pytest.approx(t.motion.ball_push[k], rel=1e-6, abs=1e-9)
+        arm = SCREW.ball_radius * -sign * (g.push[k] * sign)
+        moment = t.motion.wrench[k, :, 3:].sum(axis=0) + np.cross(-SCREW.ball_radius * g.push[k], pushed)
+        moment += np.cross(SCREW.ball_radius * n[k], t.motion.wrench[k, :, :3]).sum(axis=0)
+        assert np.abs(arm) == pytest.approx(np.abs(SCREW.ball_radius * g.push[k]))
+        assert np.abs(moment).max() < 1e-7 * SCREW.ball_radius * t.load.force.sum()
+        force = t.motion.wrench[k, :, :3].sum(axis=0) + pushed - t.load.force[k] @ n[k]
+        seen = force[[0, 1, 2]] if coupling != "none" else force[[1]]
+        assert np.abs(seen).max() < 1e-7 * t.load.force.sum()
+
+
+def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
+    """Lin 3.75 calls the force on ball 2 opposite; its radial part is not."""
+    push = SCREW.pair.push
+    assert push[0, 0] == pytest.approx(push[1, 0], rel=1e-13)
+    assert push[0, 0] > 0.1
+    assert push[0, 1:] == pytest.approx(-push[1, 1:], rel=1e-13)
+
+
+def test_swapped_balls() -> None:
+    """Half a turn about x3 swaps the balls, left and right, and reverses the motion and the axial force."""
+    one = solve_pair(inferred(TWO))
+    turned = replace(inferred(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed), theta=(TWO, 0.0), force=(-50.0,))
+    two = solve_pair(turned)
+    assert two.force == pytest.approx(one.force, rel=1e-9)
+    assert two.friction_increase == pytest.approx(one.friction_increase, rel=1e-9)
+    loss = two.touching.motion.groove_loss[::-1][:, FLIP]
+    assert loss == pytest.approx(one.touching.motion.groove_loss, rel=1e-7)
+
+
+def test_reversed_motion_parts_the_pair() -> None:
+    pair = replace(inferred(TWO), groove=replace(SCREW, nut_speed=-SCREW.nut_speed))
+    r = solve_pair(pair)
+    assert r.force == 0.0
+    assert r.touching.motion.q[1, 0] > r.touching.motion.q[0, 0]
+    assert r.touching.motion.loss == pytest.approx(r.free.motion.loss, rel=1e-9)
+    same = solve_pair(replace(inferred(0.0), coupling="none"))
+    assert same.force == pytest.approx(0.0, abs=1e-6)
+
+
+def test_pair_does_not_depend_on_the_start() -> None:
+    cell = inferred(TWO).cell()
+    load = settle(cell)
+    chain = Chain(SCREW, load.force, SCREW.normals(load.angle), np.array([0.0, np.inf]))
+    one = solve_chain(chain)
+    for _ in range(5):
+        start = one.q * (1.0 + 0.5 * RNG.normal(size=one.q.shape)), RNG.uniform(0.0, 5.0, size=2)
+        again = solve_chain(chain, start)
+        assert again.converged
+        assert again.ball_force == pytest.approx(one.ball_force, rel=1e-8)
+
+
+def test_chain_jacobian_against_differences() -> None:
+    """The band of the kernels, every entry."""
+    force, angle = np.tile(STATES["four"][0], (4, 1)), np.tile(STATES["four"][1], (4, 1))
+    s = Search(Chain(SCREW, force, SCREW.normals(angle), np.array([0.1, 0.0, 0.2, np.inf])))
+    x, f, eps = s.alone() * (1.0 + 0.1 * RNG.normal(size=(4, 4))), RNG.uniform(0.1, 0.3, size=4), 1e-2
+    band = np.zeros((20, 3 * HALF + 1))
+
+    def residual(z):
+        s.kernels.residual(s.groove, s.balls, z.reshape(4, 5)[:, :4].copy(), z.reshape(4, 5)[:, 4].copy(), eps, s.parts)
+        return np.column_stack([s.parts[0], s.parts[1]]).ravel()
+
+    z, h = np.column_stack([x, f]).ravel(), 1e-6
+    residual(z)
+    jit.kernels(jit.SCREW, compiled=False).jacobian(s.groove, s.balls, x, f, s.parts, eps, 0, band)
+    full = np.zeros((20, 20))
+    for i, j in np.ndindex(20, 20):
+        full[i, j] = band[i, HALF + j - i] if abs(j - i) <= HALF else 0.0
+    columns = [(residual(z + h * e) - residual(z - h * e)) / (2.0 * h) for e in np.eye(20)]
+    found = np.array(columns).T
+    found[:5, 15:], found[15:, :5] = 0.0, 0.0  # the last ball does not touch the first
+    assert full == pytest.approx(found, abs=1e-6)
+
+
+def test_frictionless_chain_is_a_constrained_least_dissipation() -> None:
+    """Without ball-to-ball friction the chain solves a convex problem: against a general optimiser."""
+    screw = replace(SCREW, mu_balls=0.0)
+    force = np.tile(STATES["four"][0], (3, 1))
+    angle = STATES["four"][1] + np.array([0.0, 0.02, 0.03])[:, None] * np.array(BOTH)
+    chain = Chain(screw, force, screw.normals(angle), np.array([0.0, 0.0, np.inf]))
+    r = solve_chain(chain)
+    assert np.all(r.ball_loss == 0.0)
+    s, at = Search(chain), screw_contacts(screw, force)
+    maps, drives = screw.maps(chain.normals)
+
+    def seen(x):
+        q = x.reshape(3, 4) * s.speed / s.units
+        return (drives + np.einsum("kirj,kj->kir", maps, q)).reshape(-1, 3)
+
+    def loss(x):
+        return float(np.sum(dissipation(at, seen(x), fast=True).value)) / r.loss
+
+    def slope(x):
+        d = dissipation(at, seen(x), fast=True).gradient.reshape(3, 4, 3)
+        return (np.einsum("kir,kirj->kj", d, maps) * s.speed / s.units).ravel() / r.loss
+
+    order = [{"type": "ineq", "fun": lambda x, k=k: x[4 * k + 4] - x[4 * k]} for k in range(2)]
+    best = minimize(loss, s.alone().ravel(), jac=slope, method="SLSQP", constraints=order, options={"ftol": 1e-14})
+    assert best.fun == pytest.approx(1.0, rel=1e-7)
+    assert best.x[::4] == pytest.approx(r.q[:, 0] * s.units[0] / s.speed, rel=1e-5)
+
+
+@pytest.mark.parametrize("count", [2, 10, 60, 200])
+@pytest.mark.parametrize("load", [2e-5, 1.0, 2e3])
+def test_chains_converge(count: int, load: float) -> None:
+    force = load * np.tile(STATES["four"][0], (count, 1))
+    theta = np.radians(5.0) * np.sin(np.arange(count))
+    normals = SCREW.normals(STATES["four"][1] + theta[:, None] * np.array(BOTH))
+    slack = np.zeros(count)
+    slack[-1] = np.inf
+    r = solve_chain(Chain(SCREW, force, normals, slack))
+    assert r.converged
+    assert r.violation < 1e-10 * SCREW.speed
+    assert np.all(r.ball_force >= 0.0)
+    rate = np.diff(r.q[:, 0])
+    assert np.max(r.ball_force[:-1] * rate) < 1e-9 * SCREW.speed * load * 100.0
+    assert r.input_power == pytest.approx(r.loss, rel=1e-8)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.001, 0.5])
+def test_friction_coefficients(mu: float) -> None:
+    r = solve_pair(replace(inferred(TWO), groove=replace(SCREW, mu=mu)))
+    assert r.converged
+    assert r.free.motion.loss == pytest.approx(mu / 0.1 * solve_pair(inferred(TWO)).free.motion.loss, rel=1e-8)
+    if mu == 0.0:
+        assert np.isnan(r.friction_increase)
+
+
+@pytest.mark.parametrize(("coupling", "least"), [("none", -3.0), ("ball and screw", 0.0)])
+def test_random_pairs_converge(coupling: str, least: float) -> None:
+    """Friction coefficients, deviations to 5 deg, clearances to 10 um, loads from 1 mN or 1 N to 10 kN: no failure."""
+    rng = np.random.default_rng(5)
+    for _ in range(25):
+        mu, force = float(np.exp(rng.uniform(np.log(1e-3), np.log(0.5)))), float(10.0 ** rng.uniform(least, 4.0))
+        first, second = (float(v) for v in np.radians(rng.uniform(-5.0, 5.0, size=2)))
+        oversize = float(rng.uniform(-10e-6, 3e-6))
+        pair = Pair(table_3_6(mu=mu), (first, second), oversize=oversize, force=(force,))
+        r = solve_pair(replace(pair, coupling=coupling))  # type: ignore[arg-type]
+        assert r.converged
+        assert r.touching.motion.input_power == pytest.approx(r.touching.motion.loss, rel=1e-8)
+        assert r.force >= 0.0
+        if abs(r.closing) > 1e-4:
+            assert (r.force > 0.0) == (r.closing > 0.0)
+
+
+def test_rest() -> None:
+    r = solve_pair(replace(inferred(TWO), groove=replace(SCREW, nut_speed=0.0)))
+    assert r.converged
+    assert r.free.motion.loss == pytest.approx(0.0, abs=1e-20)
+    assert r.force == 0.0
+
+
+def test_two_point_chain_with_unloaded_balls_converges() -> None:
+    """Sticking contacts and balls without loads, as roundness errors make them: the stages of the search."""
+    count = 30
+    force = np.tile(STATES["two"][0], (count, 1)) * (1.0 + 0.5 * np.sin(np.arange(count)))[:, None]
+    force[10:13] = 0.0
+    force[20:22] = 0.0
+    normals = SCREW.normals(np.full((count, 4), np.pi / 4) + 0.01 * np.cos(np.arange(count))[:, None])
+    slack = np.zeros(count)
+    slack[-1] = np.inf
+    r = solve_chain(Chain(SCREW, force, normals, slack))
+    assert r.converged
+    assert r.input_power == pytest.approx(r.loss, rel=1e-8)
+
+
+def test_map_of_the_assumptions() -> None:
+    m = oversize_map(inferred(TWO), np.array([1.0, 1.7, 2.5]) * 1e-6, np.array([0.0, 50.0]))
+    assert m.converged.all()
+    assert np.all(np.diff(m.force, axis=0) > 0.0)
+    assert np.all(np.diff(m.increase, axis=0)[:, 0] < 0.0)
+    assert m.load[1, 1] == pytest.approx(solve_pair(inferred(TWO)).load.mean(), rel=1e-9)
+
+
+def test_bad_input() -> None:
+    with pytest.raises(ValueError, match="ball_radius"):
+        replace(SCREW, groove_radius=1e-3)
+    with pytest.raises(ValueError, match="contact_angle"):
+        replace(SCREW, contact_angle=0.0)
+    with pytest.raises(ValueError, match="mu"):
+        replace(SCREW, mu=-0.1)
+    with pytest.raises(ValueError, match="too large"):
+        replace(SCREW, pitch_radius=3.2e-3, lead=0.0).pair  # noqa: B018
+    assert np.array_equal(SIGN_X * SIGN_Z, [1.0, -1.0, -1.0, 1.0])
+    assert isinstance(Pair(SCREW, (0.0, 0.0)).cell(), Cell)

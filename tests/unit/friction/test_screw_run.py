@@ -1,0 +1,167 @@
+"""A whole ball screw in time: order, gaps, energy, recirculation, limits."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from lowfi.friction.screw.motion import ball_motion
+from lowfi.friction.screw.run import RunResult, deviation, groups, lin_3_4_4, run_cell, sensitivity, simulate, summarise
+
+THREE = np.radians(3.0)
+
+
+@cache
+def result(**changes) -> RunResult:
+    return simulate(lin_3_4_4(**changes))
+
+
+CASES = {
+    "nominal": {},
+    "no oversize": {"oversize": 0.0, "coupling": "ball and screw", "steps": 60, "duration": 0.6},
+    "tube": {"tube": 0.4, "amplitude": np.radians(5.0)},
+    "coarse": {"steps": 40},
+    "backwards": {"phase": 0.5, "steps": 80},
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_balls_keep_their_order_and_never_overlap(name: str) -> None:
+    r = result(**CASES[name])
+    run = r.run
+    assert r.converged.all()
+    assert r.gap.min() >= 0.0
+    free = run.ring - run.count * run.groove.pair.spacing
+    assert r.gap.sum(axis=1) == pytest.approx(np.full(run.steps, free), abs=1e-11)
+    ahead = np.diff(np.column_stack([r.azimuth, r.azimuth[:, 0] + run.ring]), axis=1)
+    assert ahead[1:] == pytest.approx(r.spacing[:-1], abs=1e-11)
+    assert ahead.min() >= run.groove.pair.spacing - 1e-11
+    assert r.contact.any()
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_force_only_where_the_gap_is_closed(name: str) -> None:
+    r = result(**CASES[name])
+    assert r.ball_force.min() >= 0.0
+    assert np.max(r.gap[r.contact]) < 1e-10
+    assert np.abs(r.imbalance).max() < 1e-8
+
+
+def test_without_deviation_nothing_touches() -> None:
+    r = result(amplitude=0.0, steps=20, duration=0.2)
+    assert not r.contact.any()
+    assert np.ptp(r.omega) < 1e-6 * r.run.groove.speed
+    assert np.all(r.ball_torque == 0.0)
+
+
+def test_free_balls_follow_their_speeds() -> None:
+    """While nothing touches, each ball's azimuth is the integral of its own speed over theta: separate quadrature."""
+    run = lin_3_4_4(amplitude=np.radians(0.5), steps=400, duration=0.4)
+    r = simulate(run)
+    assert not r.contact.any()
+    angles = np.linspace(-0.5, 0.5, 9)
+    loads = np.median(r.load.reshape(-1, 4), axis=0)
+    speeds = []
+    for a in np.radians(angles):
+        angle = run.groove.contact_angle + a * np.array(run.pattern)
+        speeds.append(ball_motion(run.groove, loads, angle).motion.q[0])
+    speed = CubicSpline(np.radians(angles), speeds)
+    azimuth, h = r.azimuth[0].copy(), run.duration / run.steps
+    for _ in range(run.steps - 1):
+        k1 = speed(deviation(run, azimuth))
+        k2 = speed(deviation(run, azimuth + 0.5 * h * k1))
+        azimuth += h * k2
+    assert np.diff(r.azimuth[-1]) == pytest.approx(np.diff(azimuth), abs=3e-5)
+    assert np.abs(r.spacing[-1] - r.spacing[0]).max() > 1e-3  # what the tolerance has to tell apart
+
+
+def test_finer_steps_converge() -> None:
+    torque = [result(duration=0.5, steps=n).ball_torque.max() for n in (25, 50, 100, 200)]
+    change = np.abs(np.diff(torque))
+    assert change[-1] < 0.5 * change[0]
+    assert change[-1] < 0.03 * torque[-1]
+
+
+def test_recirculation_folds_balls_into_the_nut() -> None:
+    run = lin_3_4_4(tube=0.4)
+    azimuth = np.array([-7.0, -6.0, 0.0, 6.0, 6.4, 6.9])
+    there, loaded = run.place(azimuth, 0.0)
+    assert there == pytest.approx([-7.0 + run.ring, -6.0, 0.0, 6.0, 6.4, -6.9 + 2.0 * 6.9 - run.ring], abs=1e-12)
+    assert list(loaded) == [True, True, True, True, False, True]
+    later, _ = run.place(azimuth + 1.0, 1.0)
+    assert later == pytest.approx(there + 1.0)
+    cell = run_cell(run, there, loaded)
+    assert cell.interference[4].max() < -1e-4
+
+
+def test_balls_in_the_tube_bear_no_load() -> None:
+    r = result(**CASES["tube"])
+    idle = r.load.sum(axis=2) == 0.0
+    assert 0 < idle.sum() < 0.1 * idle.size
+    _, loaded = zip(*(r.run.place(a, n) for a, n in zip(r.azimuth, r.nut_angle, strict=True)), strict=True)
+    assert np.array_equal(~np.array(loaded), idle)
+
+
+def test_axial_force_is_carried() -> None:
+    r = result()
+    g = r.run.groove
+    push = np.array([1.0, -1.0, 0.0, 0.0])
+    total = np.sum(r.load * push, axis=(1, 2)) * np.sin(g.contact_angle) * np.cos(g.lead_angle)
+    assert total == pytest.approx(np.full(r.run.steps, 1500.0), rel=0.03)  # angles turn by a few degrees
+
+
+def test_reversed_motion_and_mirrored_pattern() -> None:
+    """Half a turn about x swaps left and right, order and direction: the same torque."""
+    run = lin_3_4_4(steps=40, duration=0.4)
+    one = simulate(run)
+    g = run.groove
+    back = replace(run, groove=replace(g, nut_speed=-g.nut_speed), force=(-1500.0,), amplitude=-run.amplitude)
+    two = simulate(back)
+    assert one.contact.any()
+    assert two.torque == pytest.approx(one.torque, rel=1e-6)
+    assert two.ball_force[:, ::-1] == pytest.approx(np.roll(one.ball_force, 1, axis=1), abs=1e-5)
+
+
+def test_groups() -> None:
+    touching = np.array([[1, 0, 0, 1, 1, 0, 1], [0, 0, 0, 0, 0, 0, 0], [1, 1, 1, 1, 1, 1, 1], [0, 1, 1, 0, 1, 0, 0]])
+    assert list(groups(touching.astype(bool))) == [2, 0, 1, 2]
+
+
+def test_sensitivity_table() -> None:
+    run = lin_3_4_4(steps=60, duration=0.6)
+    rows = sensitivity(run, {"amplitude": (0.0, THREE), "oversize": (3e-6,)})
+    assert [(name, value) for name, value, _ in rows] == [
+        ("none", None),
+        ("amplitude", 0.0),
+        ("amplitude", THREE),
+        ("oversize", 3e-6),
+    ]
+    assert rows[1][2].largest == 0.0
+    assert repr(rows[2][2]) == repr(rows[0][2])
+    assert rows[3][2].largest < rows[0][2].largest
+
+
+def test_summary() -> None:
+    s = summarise(result())
+    assert s.groups == 4
+    assert 0.0 < s.at < s.none_at
+
+
+def test_bad_input() -> None:
+    with pytest.raises(ValueError, match="more balls"):
+        lin_3_4_4(count=38)
+    with pytest.raises(ValueError, match="steps"):
+        lin_3_4_4(steps=0)
+
+
+@pytest.mark.parametrize("coupling", ["ball", "ball and screw"])
+def test_rounds_agree_in_every_step(coupling: str) -> None:
+    """Loads and friction of each step, begun from the step before; with one round the friction lags behind."""
+    lagged, agreed = (result(coupling=coupling, rounds=n, steps=50, duration=0.5) for n in (1, 100))
+    assert agreed.converged.all()
+    assert np.all(agreed.change <= 1e-11 * agreed.load.sum(axis=(1, 2)))
+    assert np.all(lagged.change > 1e-6 * lagged.load.sum(axis=(1, 2)))  # what the rounds are for
+    assert agreed.contact.any()
+    assert np.abs(agreed.imbalance).max() < 1e-8

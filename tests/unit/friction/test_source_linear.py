@@ -1,0 +1,137 @@
+"""The source's root finding for balls of a linear bearing: our answers where it succeeds, and its faults."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi.as_source.chain import balance, blocks, closing_in, solve_by_root
+from lowfi.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
+from lowfi.friction.contact.laws import Coulomb, Sigmoid
+from lowfi.friction.linear.bearing import LinearBearing, deviations
+from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.loads import balanced_loads
+from lowfi.friction.linear.pair import pair_state, solve_pair
+
+BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.08, 2.1e11, 0.28)
+CASE = (np.radians(2.0), -0.6, 100.0)
+
+
+def state(theta, rho):
+    """Contact angles and loads of balls with the given deviations [deg] and side force ratios."""
+    angles = BEARING.contact_angle + deviations(np.radians(theta))
+    return angles, balanced_loads(angles, 100.0, np.asarray(rho))
+
+
+@pytest.mark.parametrize("sharpness", [None, 100.0])
+def test_pair_is_ours(sharpness):
+    ours = solve_pair(BEARING, *CASE)
+    found = linear_pair_by_root(BEARING, *CASE, law=linear_law(BEARING, sharpness))
+    assert found.status == "exact"
+    assert found.ball_force[0] == pytest.approx(ours.force, rel=1e-9)
+    np.testing.assert_allclose(found.free[:, 0], ours.free.velocity, rtol=1e-10)
+    np.testing.assert_allclose(found.q[:, 0], ours.touching.velocity, rtol=1e-10)
+    np.testing.assert_allclose(found.q[:, 1:], ours.touching.rotation, atol=1e-8)
+    assert found.loss == pytest.approx(ours.touching.loss, rel=1e-9)
+    np.testing.assert_allclose(found.groove_loss, ours.touching.groove_loss, rtol=1e-8)
+
+
+def test_answer_goes_to_ours_as_the_sigmoid_sharpens():
+    """Friction lacks the part 1 - tanh(k_S / 2) about the reference spin: so does the force, within a small factor."""
+    ours = solve_pair(BEARING, *CASE).force
+    for k in (6.0, 9.0, 12.0, 15.0):
+        lacking = 1.0 - np.tanh(0.5 * k)
+        off = abs(linear_pair_by_root(BEARING, *CASE, law=linear_law(BEARING, k)).ball_force[0] / ours - 1.0)
+        assert 0.2 * lacking < off < 3.0 * lacking
+
+
+def test_chain_is_ours_where_the_rule_for_contact_holds():
+    """Each ball faster than the next: all touch."""
+    angles, loads = state([2.5, 2.0, 1.0, 1.5, 2.5], [-0.5, -0.3, 0.1, 0.3, 0.5])
+    ours, found = solve(prepare(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
+    assert found.status == "exact"
+    assert np.all(ours.ball_force > 0.0)
+    np.testing.assert_allclose(found.ball_force, ours.ball_force, rtol=1e-8)
+    np.testing.assert_allclose(found.ball_loss, ours.ball_loss, rtol=1e-8)
+    assert found.left < 1e-10
+
+
+def test_balls_that_part_or_are_out_of_reach_stay_apart():
+    angles, loads = state([2.0, 2.0], [0.6, -0.6])
+    parting = solve_linear_by_root(BEARING, angles, loads)
+    assert parting.status == "exact"
+    assert parting.q[1, 0] > parting.q[0, 0]
+    assert parting.ball_force[0] == 0.0
+    far = solve_linear_by_root(BEARING, angles[::-1], loads[::-1], False)
+    assert far.ball_force[0] == 0.0
+    np.testing.assert_array_equal(far.q, far.free)
+
+
+def test_rule_for_contact_lets_balls_overlap():
+    """The first is slower than the second, but not than the second held up by the third: 3.31 does not see that."""
+    angles, loads = state([2.0, 2.5, 2.0], [-0.1, -0.2, 0.6])
+    ours, found = solve(prepare(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
+    assert found.free[0, 0] < found.free[1, 0]
+    assert found.q[0, 0] > found.q[1, 0] * (1.0 + 1e-4)
+    assert found.status == "overlapping"
+    assert found.ball_force[0] == 0.0
+    assert ours.ball_force[0] > 0.1
+    assert np.all(np.diff(ours.velocity) > -1e-9 * BEARING.speed)
+
+
+def test_failure_is_a_status():
+    """All but two contacts unloaded, one rests under Coulomb's law: there is no root to find."""
+    state_2p = pair_state(BEARING, np.radians(2.0), -1.0 + 1e-6, 100.0, loads="elastic")
+    assert solve_linear_by_root(BEARING, *state_2p).status == "failed"
+
+
+def test_friction_is_the_slope_of_dissipation():
+    """Forces out of balance without neighbours, against differences of the losses."""
+    angles, loads = state([2.0, -1.0], [0.3, -0.5])
+    balls, q = linear_balls(BEARING, angles, loads), np.array([[5.1e-3, 1.3, 0.2], [4.8e-3, 1.5, -0.3]])
+    there = balance(balls, Coulomb(), q, np.zeros(1))
+    for j, k in np.ndindex(2, 3):
+        step = np.zeros((2, 3))
+        step[j, k] = 1e-6 * q[j, k]
+        up, down = (balance(balls, Coulomb(), q + s * step, np.zeros(1)).groove_loss.sum() for s in (1.0, -1.0))
+        assert -there.left[j, k] == pytest.approx((up - down) / (2.0 * step[j, k]), rel=1e-6)
+
+
+def test_power_between_balls_is_lost_by_sliding():
+    """Forces between two balls of equal velocity take away the power that their sliding dissipates (3.28)."""
+    angles, loads = state([2.0, 2.0], [-0.6, 0.6])
+    balls, q = linear_balls(BEARING, angles, loads), np.array([[5e-3, 1.3, 0.2], [5e-3, 1.5, -0.3]])
+    none, some = (balance(balls, Coulomb(), q, np.array([f])) for f in (0.0, 3.0))
+    assert float(np.sum((none.left - some.left) * q)) == pytest.approx(float(some.ball_loss[0]), rel=1e-12)
+    slide = BEARING.ball_radius * np.array([q[:, 2].sum(), -q[:, 1].sum()])
+    assert some.ball_loss[0] == pytest.approx(0.08 * 3.0 * np.linalg.norm(slide), rel=1e-12)
+    np.testing.assert_allclose(some.rub[0], slide / np.linalg.norm(slide), rtol=1e-12)
+    assert (some.left - none.left)[:, 0] == pytest.approx([-3.0, 3.0])
+
+
+def test_start_does_not_change_a_root():
+    angles, loads = state([2.0, 2.0], [-0.6, 0.6])
+    balls, reach = linear_balls(BEARING, angles, loads), np.array([True])
+    first = solve_by_root(balls, linear_law(BEARING), reach)
+    close = first.q, first.ball_force
+    for start, touching in ((first.free, None), (None, close), (first.free, close)):
+        again = solve_by_root(balls, linear_law(BEARING), reach, start, touching)
+        assert again.status == "exact"
+        assert again.calls < first.calls - 3
+        np.testing.assert_allclose(again.ball_force, first.ball_force, rtol=1e-9)
+
+
+def test_groups_of_touching_balls():
+    assert blocks(np.array([True, False, False, True])) == [slice(0, 2), slice(2, 3), slice(3, 5)]
+    assert blocks(np.zeros(0, dtype=bool)) == [slice(0, 1)]
+    pair = linear_balls(BEARING, *state([2.0], [0.0])).pair
+    q = np.array([[1.0, 0, 0], [1.0, 0, 0], [1.0 + 1e-6, 0, 0], [0.9, 0, 0]])
+    assert closing_in(pair, q).tolist() == [True, False, True]
+    assert closing_in(pair, q, 1e-3).tolist() == [False, False, True]
+
+
+def test_laws():
+    assert linear_law(BEARING, None) == Coulomb()
+    assert linear_law(BEARING, 50.0) == Sigmoid(50.0, pytest.approx(0.5 * 0.01 / 5e-3))
+    steep = linear_law(replace(BEARING, contact_angle=np.radians(60.0)))
+    assert steep.reference == pytest.approx(np.sqrt(3.0))

@@ -1,0 +1,175 @@
+"""The source's root finding for balls of a ball screw: loads, pairs and a whole screw against ours."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi.as_source import run as source_run
+from lowfi.as_source import screw as source_screw
+from lowfi.as_source.chain import solve_by_root
+from lowfi.as_source.loads import Places, contact_forces, first_place, loads_by_root
+from lowfi.as_source.run import simulate_by_root
+from lowfi.as_source.screw import rolling, screw_balls, screw_pair_by_root, state_of
+from lowfi.friction.screw.load import settle
+from lowfi.friction.screw.motion import source_law
+from lowfi.friction.screw.pair import inferred, plain, solve_pair, table_3_6
+from lowfi.friction.screw.run import Run, lin_3_4_4, run_cell, simulate
+
+TWO = np.radians(2.0)
+
+
+def few_balls(count=6, steps=40) -> Run:
+    """A screw with few balls that fill its turns as 3.4.4 does."""
+    base = lin_3_4_4()
+    turns = count * base.groove.pair.spacing / (2.0 * np.pi * 0.978)
+    return replace(base, count=count, turns=turns, force=(1500.0 * count / 37,), steps=steps, duration=0.01 * steps)
+
+
+@pytest.mark.parametrize("pair", [inferred(TWO), plain(TWO), replace(plain(TWO), free="zr", force=(30.0, 20.0))])
+def test_loads_are_ours(pair):
+    cell = pair.cell()
+    ours, found = settle(cell), loads_by_root(cell)
+    assert found.converged
+    np.testing.assert_allclose(found.force, ours.force, atol=1e-8 * ours.force.max())
+    loaded = ours.force > 1e-3 * ours.force.max()
+    np.testing.assert_allclose(found.angle[loaded], ours.angle[loaded], atol=1e-9)
+
+
+def test_loads_of_many_balls_are_ours():
+    run = lin_3_4_4()
+    cell = run_cell(run, *run.place(run.ring * np.arange(37) / 37, 0.0))
+    np.testing.assert_allclose(loads_by_root(cell).force, settle(cell).force, rtol=1e-9)
+
+
+def test_loads_that_are_not_found_are_not_converged():
+    cell = plain(TWO).cell()
+    away = first_place(cell)
+    lost = Places(away.ball, away.gamma, -away.screw)  # off the flanks: nothing has stiffness
+    assert not loads_by_root(cell, lost).converged
+
+
+def test_contact_conditions():
+    """Without displacement the normals point along the groove angles, and only the interference loads a contact."""
+    cell = replace(inferred(TWO)).cell()
+    at = Places(np.zeros((2, 2)), cell.angle.copy(), np.zeros(1))
+    force, bent, normal = contact_forces(cell, at)
+    np.testing.assert_allclose(force, (cell.interference / cell.groove.constants.C) ** 1.5, rtol=1e-9)
+    np.testing.assert_allclose(bent, 0.0, atol=1e-15)
+    np.testing.assert_allclose(normal, cell.groove.normals(cell.angle)[..., [0, 2]], atol=1e-15)
+    turned = contact_forces(cell, replace(at, gamma=cell.angle + 0.01))[1]
+    np.testing.assert_allclose(np.abs(turned), np.sin(0.01), rtol=1e-9)
+
+
+@pytest.mark.parametrize("theta", [1.0, 3.0])
+def test_pair_at_given_loads_is_ours(theta):
+    pair = inferred(np.radians(theta))
+    ours, found = solve_pair(pair), screw_pair_by_root(pair)
+    assert found.motion.status == "exact"
+    assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-8)
+    np.testing.assert_allclose(found.motion.free, ours.free.motion.q, atol=1e-8)
+    np.testing.assert_allclose(found.motion.q, ours.touching.motion.q, atol=1e-8)
+    assert found.motion.loss == pytest.approx(ours.touching.motion.loss, rel=1e-8)
+
+
+def test_pair_goes_to_ours_as_the_sigmoid_sharpens():
+    """Contacts spin with about four times the reference: friction lacks 1 - tanh(2 k_S), the force about as much."""
+    ours = solve_pair(inferred(TWO)).force
+    for k in (1.0, 1.5, 2.0, 3.0):
+        law, lacking = source_law(table_3_6(), k), 1.0 - np.tanh(2.0 * k)
+        off = abs(screw_pair_by_root(inferred(TWO), law).motion.ball_force[0] / ours - 1.0)
+        assert 0.5 * lacking < off < 1.5 * lacking
+
+
+@pytest.mark.parametrize("theta", [1.0, 2.0, 3.0])
+def test_coupled_pair_has_ours_as_a_root(theta):
+    """Ten equations a ball and one of contact hold where loads and friction agree by our own way (3.71, 3.75-3.77)."""
+    pair = plain(np.radians(theta))
+    ours = solve_pair(pair)
+    found = screw_pair_by_root(pair, None, state_of(ours, False), state_of(ours, True))
+    assert found.motion.status == "exact"
+    assert found.motion.ball_force[0] == pytest.approx(ours.force, rel=1e-7)
+    np.testing.assert_allclose(found.force, ours.touching.load.force, atol=1e-6)
+    np.testing.assert_allclose(found.motion.free, ours.free.motion.q, atol=1e-6)
+    assert found.motion.loss == pytest.approx(ours.touching.motion.loss, rel=1e-7)
+    assert np.abs(found.force - found.load.force).max() > 1.0
+
+
+def test_what_the_source_has_not_is_refused(monkeypatch):
+    with pytest.raises(ValueError, match="coupling"):
+        screw_pair_by_root(replace(plain(TWO), coupling="ball and screw"))
+    lost = replace(loads_by_root(plain(TWO).cell()), converged=False)
+    monkeypatch.setattr(source_screw, "loads_by_root", lambda _: lost)
+    with pytest.raises(RuntimeError, match="no root for the loads"):
+        screw_pair_by_root(plain(TWO))
+
+
+def test_rolling_slides_little():
+    g = table_3_6()
+    maps, drives = g.maps(g.normals(np.full(4, g.contact_angle)))
+    sliding = (drives + maps @ rolling(g))[:, :2]
+    assert np.abs(sliding).max() < 0.04 * g.speed * g.radius
+    assert rolling(g)[0] == pytest.approx(g.nominal_orbit, rel=0.05)
+
+
+def test_reach_decides_on_contact():
+    pair = inferred(TWO)
+    load = loads_by_root(pair.cell())
+    balls = screw_balls(pair.groove, load.force, load.angle)
+    apart = solve_by_root(balls, source_law(pair.groove), np.array([False]))
+    assert apart.ball_force[0] == 0.0
+    assert apart.q[0, 0] > apart.q[1, 0]
+
+
+def test_run_is_ours_until_balls_meet_and_near_it_after():
+    """Ours meets at the end of a step, the source's after it has overlapped: places differ by part of a step."""
+    run = few_balls(steps=24)
+    ours, found = simulate(run), simulate_by_root(run)
+    assert found.failures == 0
+    meets = int(np.argmax(ours.contact.any(axis=1)))
+    assert 5 < meets < 22
+    np.testing.assert_allclose(found.omega[:meets], ours.omega[:meets], rtol=1e-10)
+    np.testing.assert_allclose(found.gap[:meets], ours.gap[:meets], atol=1e-12)
+    np.testing.assert_allclose(found.groove_torque[:meets], ours.groove_torque[:meets], rtol=1e-9)
+    first = np.flatnonzero(found.ball_force.any(axis=1))
+    assert first[0] in (meets, meets + 1)
+    assert int(np.argmax(found.ball_force[first[0]])) in np.flatnonzero(ours.contact[first[0]])
+    late = first[first > meets + 2]
+    same = late[np.array([found.status[k] == "exact" for k in late])]
+    np.testing.assert_allclose(found.ball_force[same].max(axis=1), ours.ball_force[same].max(axis=1), rtol=5e-3)
+    np.testing.assert_allclose(found.ball_force[same].argmax(axis=1), ours.ball_force[same].argmax(axis=1))
+    np.testing.assert_allclose(found.ball_torque[same], ours.ball_torque[same], rtol=5e-3)
+    assert same.size > 2
+    assert 0.0 < found.overlap < 0.05 * run.groove.pair.spacing
+
+
+def test_steps_that_are_asked_for():
+    found = simulate_by_root(few_balls(), 3)
+    assert found.gap.shape == (3, 6)
+    assert len(found.status) == found.nut_angle.size == 3
+    np.testing.assert_allclose(found.nut_angle, 2.0 * np.pi * 0.01 * np.arange(3))
+
+
+def test_a_failed_step_is_counted_and_keeps_the_speeds(monkeypatch):
+    real, calls = source_run.loads_by_root, []
+
+    def sometimes(cell, start=None):
+        calls.append(start)
+        return replace(real(cell, start), converged=len(calls) != 3)
+
+    monkeypatch.setattr(source_run, "loads_by_root", sometimes)
+    found = simulate_by_root(few_balls(), 4)
+    assert found.status == ("exact", "exact", "failed", "exact")
+    assert found.failures == 1
+    assert found.overlapping == 0
+    np.testing.assert_array_equal(found.omega[2], found.omega[1])
+    assert np.abs(found.omega[3] - found.omega[2]).max() > 1e-6
+
+
+def test_run_refuses_what_it_leaves_out():
+    for change in ({"tube": 0.1}, {"coupling": "ball"}):
+        with pytest.raises(ValueError, match="tube = 0"):
+            simulate_by_root(replace(few_balls(), **change), 1)
+    run = few_balls()
+    with pytest.raises(RuntimeError, match="no place to be cut"):
+        source_run._step(run, np.ones((6, 4)), np.ones((6, 4)), np.ones(6, dtype=bool), source_law(run.groove), None)

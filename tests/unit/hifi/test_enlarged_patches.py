@@ -1,0 +1,128 @@
+"""Contacts at the rim of their patch: patches grow to what was found, only where that changes them, or say both numbers."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from compare.reference import runs as reference
+from compare.reference.runs import BEYOND, ENLARGE, Task, compute_with_bodies, enlarged, settings_of
+from compare.scenes import catalogue
+from hifi.expected import expected_contacts
+from hifi.fit import patch_lines, socket_size
+from hifi.reference import AT_RIM
+from meshes.groove_map import GrooveMap
+from meshes.helix import ball_layout
+from meshes.solid import dimensions
+
+CASE = catalogue.scene("lin-case1")
+
+
+def prepared(**changes):
+    """What `enlarged` reads of a set-up."""
+    settings = replace(settings_of([CASE], 1), **changes)
+    return SimpleNamespace(
+        scene=CASE, map=GrooveMap.of(CASE), layout=ball_layout(CASE), dims=dimensions(CASE), sides=(0, 3), settings=settings
+    )
+
+
+def zone(settings):
+    """Half widths [m] of the contact zone across and along the groove."""
+    setup = prepared()
+    size = socket_size(CASE, setup.map, setup.layout, setup.sides, setup.dims, settings)
+    width = size.gamma * float(setup.map.radius.mean())
+    widths = (width, size.phi * setup.map.R)
+    shares = patch_lines(settings, widths, size.depth)[1]
+    return shares[0] * widths[0], shares[1] * widths[1]
+
+
+def room(settings):
+    """Half width [m] of the contact zone across the groove."""
+    return zone(settings)[0]
+
+
+def found(factor):
+    """A run with the expected loads times a factor, at the nominal angles."""
+    load = factor * expected_contacts(CASE).load
+    return SimpleNamespace(load=load, angle=np.where(load > 0.0, 45.0, np.nan))
+
+
+@pytest.mark.parametrize("factor", [1.0, 8.0])
+def test_patches_grow_to_the_loads_found(factor):
+    setup = prepared()
+    larger, words = enlarged(setup, [CASE], [found(factor)])
+    assert larger is not None
+    needs = factor ** (1.0 / 3.0) * expected_contacts(CASE).across.max()
+    assert larger.reach[0] >= max(BEYOND * setup.settings.reach[0], needs) * (1.0 - 1e-12)
+    assert max(after / before for after, before in zip(zone(larger), zone(setup.settings), strict=True)) > 1.0
+    assert f"needs {1e3 * needs:.3g} mm across" in words
+    assert "the patch has" in words
+
+
+def test_patches_that_fill_the_flank_are_not_built_again():
+    larger, words = enlarged(prepared(reach=(1.568e-3, 0.2e-3)), [CASE], [found(1.0)])
+    assert larger is None
+    assert "mm across" in words
+    assert "a larger one is refused: no room for the contact ellipse" in words
+    assert "deepen the groove" in words
+
+
+@pytest.mark.parametrize(("rim", "built"), [(0, 1), (1, 2), (9, ENLARGE + 1)])
+def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch, rim, built):
+    made = []
+
+    def prepare(_scene, _sides, settings, *_rest, **_named):
+        made.append(settings.reach)
+        return prepared(reach=settings.reach)
+
+    def one(_task, _number, scene, _setup, _sides, _step):
+        run = found(1.0)
+        return reference.Run(
+            scene.name,
+            1,
+            "",
+            AT_RIM if len(made) <= rim else "converged",
+            run.load,
+            run.angle,
+            run.load,
+            run.load,
+            {},
+            {},
+            (0, 3),
+            0,
+            {},
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            {},
+            {},
+            (),
+            {},
+            "",
+        )
+
+    monkeypatch.setattr("hifi.setup.prepare", prepare)
+    monkeypatch.setattr(reference, "_one", one)
+    monkeypatch.setattr("hifi.condensed.condensed_bodies", lambda *_: "bodies")
+    said = []
+    (run,), bodies = compute_with_bodies(Task((CASE,), 1), said.append)
+    assert len(made) == built
+    assert made == sorted(made)
+    if rim > ENLARGE:
+        assert run.status.startswith("a contact reaches the rim of its patch: by the loads found it needs 0.4")
+        assert bodies is None
+    else:
+        assert (run.status, bodies) == ("converged", "bodies")
+    assert len(said) == built - 1
+    assert all("needs" in text and "has" in text for text in said)
+
+
+def test_patches_grow_to_the_edge_where_a_whole_step_is_refused():
+    setup = prepared(reach=(1.45e-3, 0.2e-3))
+    larger, _ = enlarged(setup, [CASE], [found(1.0)])
+    assert larger is not None
+    assert room(setup.settings) < room(larger)
+    assert 1.54e-3 < larger.reach[0] < 1.58e-3

@@ -1,0 +1,145 @@
+"""The cheap model that tells the mesh what contacts to expect: closed forms, symmetries, limits, what it sees."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.models.study import with_groove
+from compare.scenes import catalogue
+from hifi.expected import ExpectedContacts, expected_contacts, hertz_units
+from hifi.fit import Settings, expected_reach, expected_semi_axes, socket_size
+from hifi.hertz import hertz
+from meshes.groove_map import GrooveMap
+from meshes.helix import ball_layout, lead_angle
+from meshes.parts import BallErrors, Errors, FourierTerm, Load, SideErrors, Support
+from meshes.solid import dimensions
+from tests.helpers import small_screw
+
+CASE = catalogue.scene("lin-case1")
+RING = catalogue.scene("bearing-9")
+
+
+def axial_ring(force: float):
+    return replace(RING, loads=(Load(8e-3, (0.0, 0.0, force)),))
+
+
+def test_ring_under_axial_load_is_the_closed_form():
+    """Equal loads Q = F / (z sin a); cos a falls as both arcs and approaches in series grow beyond the arcs alone."""
+    force, z = 3000.0, 9
+    found = expected_contacts(axial_ring(force))
+    units = hertz_units(RING)
+    nut, screw = RING.nut, RING.screw
+    arms = [part.groove_radius - RING.balls.radius for part in (screw, nut)]
+    beta = RING.track.contact_angle
+    angle = beta
+    for _ in range(200):
+        load = force / (z * np.sin(angle))
+        length = sum(arms) + (units[0].approach + units[2].approach) * load ** (2.0 / 3.0)
+        angle = np.arccos(sum(arms) * np.cos(beta) / length)
+    np.testing.assert_allclose(found.load[:, [0, 3]], load, rtol=1e-5)
+    np.testing.assert_allclose(found.angle[:, [0, 3]], angle, rtol=1e-5)
+    assert found.load[:, [1, 2]].max() == 0.0
+    assert found.sides() == (0, 3)
+    a = hertz(1.0, *radii(RING, -1.0), 210e9, 0.28).semi_x * np.cbrt(load)
+    assert found.across[0, 0] == pytest.approx(a, rel=1e-6)
+    assert found.shift[0, 0] == pytest.approx((angle - beta) * screw.groove_radius, rel=1e-4)
+
+
+def radii(scene, sign):
+    r, track = scene.balls.radius, scene.track
+    hollow = sign * np.cos(track.contact_angle) / (track.pitch_radius + sign * r * np.cos(track.contact_angle))
+    part = scene.screw if sign < 0 else scene.nut
+    return 1.0 / (1.0 / r - 1.0 / part.groove_radius), 1.0 / (1.0 / r - hollow)
+
+
+def test_preload_alone_is_the_closed_form():
+    """A ball larger by e in its four contacts: the approaches of both arcs close e each on a rigid ring."""
+    e = 5e-6
+    scene = replace(axial_ring(0.0), errors=Errors(balls=BallErrors(oversize=e)))
+    found = expected_contacts(scene)
+    units = hertz_units(scene)
+    load = (2.0 * e / (units[0].approach + units[2].approach)) ** 1.5  # both approaches of a diagonal close 2 e
+    np.testing.assert_allclose(found.load, load, rtol=2e-3)
+    assert found.sides() == (0, 1, 2, 3)
+
+
+def test_forces_balance_the_load():
+    found, track = expected_contacts(CASE), CASE.track
+    alpha = lead_angle(track)
+    total = (found.load[:, 3] * np.sin(found.angle[:, 3])).sum() * np.cos(alpha)
+    assert total == pytest.approx(5000.0, rel=1e-4)
+
+
+@pytest.mark.parametrize(("name", "sums"), [("lin-case1", 14198.0), ("lin-case3", 33439.0), ("lin-case3-offset", 33679.0)])
+def test_near_the_reference(name, sums):
+    """Within 3 % of the sum of loads of the finest 3D runs."""
+    assert expected_contacts(catalogue.scene(name)).load.sum() == pytest.approx(sums, rel=0.03)
+
+
+def test_hand_and_direction_do_not_matter():
+    left = replace(CASE, track=replace(CASE.track, hand="left"))
+    other = replace(CASE, loads=(Load(0.0, (0.0, 0.0, -5000.0)),))
+    assert expected_contacts(left).reach() == pytest.approx(expected_contacts(CASE).reach(), rel=1e-3)
+    assert expected_contacts(other).sides() == (1, 2)
+    assert expected_contacts(other).semi() == pytest.approx(expected_contacts(CASE).semi(), rel=1e-2)
+
+
+def test_prescribed_displacements_are_seen():
+    bent = replace(CASE, supports=(*CASE.supports, Support(0.8, (("ux", 1e-3), ("uy", 0.0)))))
+    near = replace(bent, supports=(*CASE.supports, Support(0.5, (("ux", 1e-3), ("uy", 0.0)))))
+    largest = [expected_contacts(scene).load.max() for scene in (CASE, bent, near)]
+    assert largest[0] < largest[1] < largest[2]
+    assert expected_reach(near)[0] > 1.3 * expected_reach(CASE)[0]
+
+
+@pytest.mark.parametrize(
+    "errors",
+    [
+        Errors(SL=SideErrors(profile=(10e-6,))),
+        Errors(NR=SideErrors(pitch=(FourierTerm(1.0, sin=20e-6),))),
+        Errors(SL=SideErrors(roundness=(FourierTerm(2.0, cos=20e-6),))),
+        Errors(balls=BallErrors(listed=((7, 10e-6),))),
+    ],
+)
+def test_errors_are_seen(errors):
+    changed = expected_contacts(replace(CASE, errors=errors)).load
+    assert np.abs(changed - expected_contacts(CASE).load).max() > 2.0
+
+
+def test_a_smaller_conformity_moves_contacts_farther():
+    wide, close = (expected_contacts(with_groove(CASE, c)) for c in (0.58, 0.52))
+    assert np.abs(close.shift).max() > 2.5 * np.abs(wide.shift).max()
+    assert close.across.max() > 1.6 * wide.across.max()
+
+
+@pytest.mark.parametrize("name", ["lin-random", "lin-combined", "lin-pitch-4p1", "unseen-four-point", "unseen-63x20"])
+def test_shipped_scenes_are_found_in_balance(name):
+    found = expected_contacts(catalogue.scene(name))
+    assert isinstance(found, ExpectedContacts)
+    assert found.load.max() > 0.0
+    assert np.all((found.gap < 0.0) == (found.load > 0.0))
+
+
+def test_a_screw_that_nothing_holds_is_refused():
+    free = replace(CASE, supports=())
+    with pytest.raises(ValueError, match=r"no equilibrium.*support the screw"):
+        expected_contacts(free)
+
+
+def test_axes_are_rounded_up():
+    a, b = expected_semi_axes(CASE)
+    semi = expected_contacts(CASE).semi()
+    assert a >= semi[0] > a - 5e-6
+    assert b >= semi[1] > b - 5e-6
+    assert a / 5e-6 == pytest.approx(round(a / 5e-6))
+
+
+def test_sockets_take_cuts_and_reach_from_the_settings():
+    case = small_screw(4)
+    m, layout, dims = GrooveMap.of(case), ball_layout(case), dimensions(case)
+    size = socket_size(case, m, layout, (0, 3), dims, Settings(reach=(0.9e-3, 0.1e-3), cuts=(4, 3, 4)))
+    assert size.cuts == (4, 3, 4)
+    assert size.gamma > 0.3
+    with pytest.raises(ValueError, match=r"reaches 3 mm .* room for"):
+        socket_size(case, m, layout, (0, 3), dims, Settings(reach=(3e-3, 0.1e-3)))

@@ -1,0 +1,125 @@
+"""A stretch of screw between beams: against one beam model of the whole screw, and against statics."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from compare.scenes import catalogue
+from hifi.mounting import Stretch, beam_stretch, mount, unheld
+from hifi.response import transport
+from hifi.shaft import beam_stiffness, round_section
+from meshes.parts import FREEDOMS, Load, Support
+
+SECTION = round_section(15e-3, 210e9, 0.28)
+STATIONS = np.array([0.36, 0.39, 0.42, 0.43])
+LOW, HIGH = 0.35, 0.45
+
+
+def stretch(ports=(HIGH,), observers=(0.4,)):
+    """A stretch that is itself a beam; every contact has the six motions of its section as modes."""
+    empty = Stretch(np.zeros((0, 0)), np.zeros((0, 6)), LOW, ports, observers, (LOW, HIGH), 0)
+    return beam_stretch(np.broadcast_to(np.eye(6), (4, 6, 6)), STATIONS, empty, SECTION)
+
+
+def whole_beam(scene, stations):
+    """Compliance at ``stations`` and their motion by loads and prescribed values, from one beam of all nodes."""
+    own = [x.at for x in (*scene.supports, *scene.loads)]
+    nodes = sorted({LOW, HIGH, 0.4, *own, *stations})
+    place = {z: 6 * k for k, z in enumerate(nodes)}
+    K, P = np.zeros((6 * len(nodes),) * 2), np.zeros(6 * len(nodes))
+    for a, b in pairwise(nodes):
+        dof = np.r_[place[a] : place[a] + 6, place[b] : place[b] + 6]
+        K[np.ix_(dof, dof)] += beam_stiffness(b - a, SECTION)
+    for load in scene.loads:
+        P[place[load.at] : place[load.at] + 6] += [*load.force, *load.moment]
+    fixed = [place[x.at] + FREEDOMS.index(f) for x in scene.supports for f, _ in x.fixed]
+    values = np.array([v for x in scene.supports for _, v in x.fixed])
+    free = np.setdiff1d(np.arange(len(K)), fixed)
+    F = np.zeros_like(K)
+    F[np.ix_(free, free)] = np.linalg.inv(K[np.ix_(free, free)])
+    U = F @ (P - K[:, fixed] @ values)
+    U[fixed] = values
+    pick = np.concatenate([np.arange(place[z], place[z] + 6) for z in stations])
+    return F[np.ix_(pick, pick)], U[pick]
+
+
+def close(found, wanted, scale=1e-9):
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=scale * np.abs(wanted).max())
+
+
+SCENES = {
+    "clamped left, guided right": (
+        (Support(0.0, tuple((f, 0.0) for f in FREEDOMS)), Support(0.8, (("ux", 3e-4), ("uy", 0.0)))),
+        (Load(0.6, (0.0, 100.0, 0.0)), Load(0.8, (0.0, 0.0, 5e3), (1.0, 2.0, 3.0))),
+    ),
+    "both ends clamped": (
+        tuple(Support(z, tuple((f, 0.0) for f in FREEDOMS)) for z in (0.0, 0.8)),
+        (Load(0.1, (50.0, 0.0, 7.0)),),
+    ),
+    "the stretch is the screw's end": (
+        (Support(HIGH, tuple((f, 0.0) for f in FREEDOMS)),),
+        (Load(LOW, (10.0, -20.0, 30.0)),),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_stretch_that_is_a_beam_answers_like_the_whole_beam(name):
+    supports, loads = SCENES[name]
+    scene = replace(catalogue.scene("lin-case1"), supports=supports, loads=loads)
+    found = mount(stretch(), scene, SECTION)
+    G, U = whole_beam(scene, [float(z) for z in STATIONS])
+    scale = np.tile(np.r_[np.ones(3), np.full(3, 0.016)], 4)
+    close(found.G * np.outer(scale, scale), G * np.outer(scale, scale))
+    close(found.loads * scale, U * scale, 1e-8)
+    assert found.motions.shape == (6, 0)
+
+
+def test_a_station_inside_the_stretch_has_a_port():
+    supports = (Support(0.0, tuple((f, 0.0) for f in FREEDOMS)),)
+    scene = replace(catalogue.scene("lin-case1"), supports=supports, loads=(Load(0.4, (1e3, 0.0, 0.0)),))
+    with pytest.raises(ValueError, match="400 mm lies inside"):
+        mount(stretch(), scene, SECTION)
+    found = mount(stretch(ports=(HIGH, 0.4)), scene, SECTION)
+    _, U = whole_beam(scene, [float(z) for z in STATIONS])
+    close(found.loads, U, 1e-8)
+
+
+def test_centreline_by_loads_and_by_contact_forces():
+    supports, loads = SCENES["clamped left, guided right"]
+    scene = replace(catalogue.scene("lin-case1"), supports=supports, loads=loads)
+    found = mount(stretch(), scene, SECTION)
+    nodes = [*found.stations]
+    _, U = whole_beam(scene, nodes)
+    close(found.line[:, :3].ravel(), U.reshape(-1, 6)[:, :3].ravel(), 1e-8)
+    both, _ = whole_beam(scene, nodes + [float(z) for z in STATIONS])
+    by_modes = both[: 6 * len(nodes), 6 * len(nodes) :]
+    translations = np.arange(6 * len(nodes)).reshape(-1, 6)[:, :3].ravel()
+    close(found.line_modes.reshape(-1, 24)[translations][:, ::6], by_modes[translations][:, ::6], 1e-8)
+
+
+def test_an_unheld_screw_moves_rigidly_and_its_loads_do_work():
+    scene = replace(
+        catalogue.scene("lin-case1"), supports=(Support(0.0, (("rz", 0.0),)),), loads=(Load(0.8, (0.0, 4.0, 9.0)),)
+    )
+    found = mount(stretch(), scene, SECTION)
+    assert found.motions.shape == (6, 5)
+    arm = 0.8 - found.origin
+    wrench = np.array([0.0, 4.0, 9.0, -4.0 * arm, 0.0, 0.0])
+    np.testing.assert_allclose(found.work, found.motions.T @ wrench, atol=1e-12)
+    held = [transport(0.0 - found.origin)[5]]
+    np.testing.assert_allclose(held @ found.motions, 0.0, atol=1e-15)
+    assert np.linalg.matrix_rank(unheld(scene, 0.0)) == 5
+
+
+def test_a_ring_on_a_stiff_shaft_follows_its_bore():
+    base = 0.4
+    F = np.diag(np.full(6, 1e-9))
+    ring = Stretch(F, np.eye(6), base, (), (), (0.39, 0.41), 6, rigid=True)
+    fixed = tuple((f, v) for f, v in zip(FREEDOMS, (1e-6, 0.0, 0.0, 0.0, 2e-3, 0.0), strict=True))
+    scene = replace(catalogue.scene("lin-case1"), supports=(Support(0.45, fixed),), loads=())
+    found = mount(ring, scene, SECTION)
+    np.testing.assert_allclose(found.G, F)
+    np.testing.assert_allclose(found.loads, [1e-6 - 0.05 * 2e-3, 0.0, 0.0, 0.0, 2e-3, 0.0], atol=1e-15)

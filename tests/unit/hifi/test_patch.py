@@ -1,0 +1,431 @@
+"""Fine patches of hexahedra and of first-order tetrahedra: tie to the socket, condensation, convergence, contact nodes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache, partial
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from hifi import assembly
+from hifi.bodies import Socket, assemble, freedoms, of_order
+from hifi.fit import ball_place
+from hifi.forms import elasticity
+from hifi.patch import Lines, PatchMesh, build_patch, build_tet_patch, condense_patch, field, graded, growing, tie_matrix
+from hifi.pressures import mean_weights
+from hifi.rigid import rigid_modes
+from meshes.fem import mesh_of, nodes_on, points_of
+from meshes.groove_map import GrooveMap
+from meshes.sockets import SocketMesh, SocketSize, local_points
+from meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box
+from tests.fe_meshes import boundary, boundary_faces, cube, jacobians, stiffness, strain_stress, volume
+from tests.helpers import relative, small_screw
+
+E, NU = 210e9, 0.28
+MAP = GrooveMap.of(small_screw(6))
+SIZE = SocketSize(0.30, 1.2e-3, 1.24e-3 / MAP.R)
+WIDTH = (SIZE.gamma * float(MAP.radius.mean()), SIZE.phi * MAP.R)
+SEMI = (0.40e-3, 0.105e-3)
+ZONE = (0.62, 0.17)
+
+
+def lines(b_over_h):
+    """Elements of a second-order patch with so many nodes across the short semi-axis."""
+    step = 2.0 * SEMI[1] / b_over_h / WIDTH[1]
+    across = graded(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], 1.7)
+    return Lines(across, growing(0.0, 1.0, 0.6 * step, 1.8), graded(ZONE[1], step, 1.7))
+
+
+@cache
+def holed_cube():
+    """Unit cube of second-order tetrahedra without a block under its upper face: mesh, nodes of the block's five faces, and
+    these as a socket with gamma along x, azimuth along y."""
+    points, cells = cube("P2", 4)
+    local = (points - [0.5, 0.5, 1.0]) / [0.25, 0.25, -0.5]
+    xi = np.column_stack([local[:, 0], local[:, 2], local[:, 1]])
+    inside = (np.abs(xi - [0.0, 0.5, 0.0]) < np.array([1.0, 0.5, 1.0]) + 1e-9).all(axis=1)
+    cells = cells[~inside[cells].all(axis=1)]
+    faces = boundary_faces(cells, "P2")
+    faces = faces[inside[faces].all(axis=1)]
+    nodes, triangles = np.unique(faces, return_inverse=True)
+    triangles = triangles.reshape(-1, 6)
+    assert len(triangles) == 5 * 8
+    mesh, number = mesh_of(points, cells, "P2")
+    return mesh, number[nodes], SocketMesh(xi[nodes], triangles, np.zeros(len(triangles), dtype=np.int64), {})
+
+
+def socket(*, turned=False):
+    """Socket of the holed cube; turned: its mirror image, with the diagonals of two faces the other way."""
+    own = holed_cube()[2]
+    return replace(own, xi=own.xi * [-1.0, 1.0, 1.0]) if turned else own
+
+
+def flat(xi):
+    """Place of the block in the unit cube."""
+    return np.column_stack([0.5 + 0.25 * xi[:, 0], 0.5 + 0.25 * xi[:, 2], 1.0 - 0.5 * xi[:, 1]])
+
+
+def places(side):
+    """Maps into groove and ball at a side, and the ball's centre in each."""
+    groove = partial(local_points, MAP, SIZE, side)
+    return {"groove": (groove, np.array([MAP.R, 0.0, 0.0])), "ball": (ball_place(MAP, SIZE, side, ZONE)[1], np.zeros(3))}
+
+
+@cache
+def tets(fine, own="straight"):
+    return build_tets(source_box(WIDTH, SIZE.depth, ZONE, fine), None if own == "none" else socket(turned=own == "turned"))
+
+
+def patch(kind, where="groove", side=0, fine=0.16e-3, linear=None):
+    """Patch mesh and the directions of its contact forces."""
+    place, centre = places(side)[where]
+    linear = kind == "P1" if linear is None else linear
+    if kind == "Q2":
+        mesh = build_patch(lines(2.0), ZONE, place, socket(), linear=linear)
+    else:
+        mesh = build_tet_patch(tets(fine), place, socket(), linear=linear)
+    arms = mesh.points[mesh.contact] - centre
+    return mesh, arms / np.linalg.norm(arms, axis=1)[:, None]
+
+
+@cache
+def condensed(*args, **options):
+    mesh, normals = patch(*args, **options)
+    return mesh, normals, condense_patch(mesh, normals, E, NU)
+
+
+KINDS = [("Q2", False), ("P1", True), ("P1", False)]
+
+
+@pytest.mark.parametrize("linear", [True, False])
+def test_tie_reproduces_the_socket_s_functions(linear):
+    own = socket()
+    np.testing.assert_allclose(tie_matrix(own.xi, own, linear=linear).toarray(), np.eye(len(own.xi)), atol=1e-12)
+    rng = np.random.default_rng(0)
+    weights = rng.dirichlet(np.ones(3), len(own.triangles))
+    points = np.einsum("tk,tkd->td", weights, own.xi[own.triangles[:, :3]])
+    T = tie_matrix(points, own, linear=linear)
+    np.testing.assert_allclose(T @ own.xi, points, atol=1e-13)
+    np.testing.assert_allclose(T @ np.ones(len(own.xi)), 1.0, atol=1e-13)
+    bent = own.xi[:, :1] * own.xi[:, 1:2] + own.xi**2
+    if not linear:
+        np.testing.assert_allclose(T @ bent, points[:, :1] * points[:, 1:2] + points**2, atol=1e-13)
+        return
+    middles = own.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
+    expected = bent[middles].mean(axis=1)
+    np.testing.assert_allclose(tie_matrix(own.xi[middles].mean(axis=1), own, linear=True) @ bent, expected, atol=1e-13)
+
+
+@pytest.mark.parametrize("kind", ["Q2", "P1"])
+def test_interface_lies_on_the_socket(kind):
+    """Inside the flat triangles between three of its nodes, or on its second-order ones."""
+    for linear in (True, False):
+        mesh = patch(kind, linear=linear)[0]
+        weights = mesh.tie.toarray()
+        assert (np.abs(weights) > 1e-9).sum(axis=1).max() == (3 if linear else 6)
+        assert (weights.min() > -1e-6) == linear
+        np.testing.assert_allclose(mesh.points[mesh.interface], weights @ places(0)["groove"][0](socket().xi), rtol=1e-14)
+
+
+def test_point_off_the_socket_is_refused():
+    own = socket()
+    with pytest.raises(ValueError, match="lies on no triangle"):
+        tie_matrix(np.array([[0.5, 0.5, 0.5]]), own, linear=True)
+
+
+@pytest.mark.parametrize("where", ["groove", "ball"])
+@pytest.mark.parametrize(("kind", "linear"), KINDS)
+def test_rigid_motions_strain_nothing(kind, linear, where):
+    mesh, normals, c = condensed(kind, where, linear=linear)
+    middle = mesh.points.mean(axis=0)
+    motions = rigid_modes(places(0)[where][0](socket().xi), middle) / np.array([1, 1, 1, 1e-3, 1e-3, 1e-3])
+    scale = np.abs(c.S).max() * np.abs(motions).max()
+    assert np.abs(c.S @ motions).max() < 1e-12 * scale
+    at_contact = rigid_modes(mesh.points[mesh.contact], middle) / np.array([1, 1, 1, 1e-3, 1e-3, 1e-3])
+    expected = np.einsum("ci,cim->cm", normals, at_contact.reshape(-1, 3, 6))
+    np.testing.assert_allclose(c.H @ motions, mean_weights(mesh.weights) @ expected, atol=1e-11)
+    u = field(mesh, normals, E, NU, np.zeros(len(normals)), motions[:, 4])
+    np.testing.assert_allclose(u.ravel(), rigid_modes(mesh.points, middle)[:, 4] / 1e-3, atol=1e-11)
+
+
+@pytest.mark.parametrize(("kind", "linear"), KINDS)
+def test_condensed_matrices_are_definite(kind, linear):
+    _, _, c = condensed(kind, linear=linear)
+    for matrix in (c.S, c.A):
+        assert np.array_equal(matrix, matrix.T)
+    values = np.linalg.eigvalsh(c.S)
+    assert values[0] > -1e-11 * values[-1]
+    assert values[6] > 1e-6 * values[-1]
+    assert np.linalg.eigvalsh(c.A)[0] > 0.0
+
+
+@pytest.mark.parametrize(("kind", "linear"), KINDS)
+def test_condensed_is_the_full_system(kind, linear):
+    """Displacements, reactions and energy of the full matrix, solved at once with the socket's motion prescribed."""
+    mesh, normals, c = condensed(kind, linear=linear)
+    rng = np.random.default_rng(1)
+    f, q = 100.0 * rng.random(len(normals)), 1e-6 * rng.standard_normal(c.S.shape[0])
+    n, k = len(mesh.points), mesh.tie.shape[1]
+    loose = np.setdiff1d(np.arange(n), mesh.interface)
+    place = sp.lil_matrix((n, loose.size + k))  # nodes from inner nodes and socket nodes
+    place[loose, np.arange(loose.size)] = 1.0
+    place[mesh.interface, loose.size :] = mesh.tie
+    C = sp.kron(place, sp.identity(3)).tocsc()
+    K = (C.T @ stiffness(mesh.points, mesh.cells, mesh.kind, E, NU) @ C).tocsc()
+    load = np.zeros((n, 3))
+    mean = mean_weights(mesh.weights)
+    load[mesh.contact] = (mean.T @ f)[:, None] * normals
+    right = C.T @ load.ravel()
+    i = 3 * loose.size
+    inner = sp.linalg.spsolve(K[:i, :i], right[:i] - K[:i, i:] @ q)
+    whole = np.concatenate([inner, q])
+    u = (C @ whole).reshape(-1, 3)
+    assert relative(c.A @ f + c.H @ q, mean @ (u[mesh.contact] * normals).sum(axis=1)) < 1e-10
+    reaction = (K @ whole)[i:]
+    assert relative(c.S @ q - c.H.T @ f, reaction) < 1e-10
+    assert relative(field(mesh, normals, E, NU, f, q), u) < 1e-10
+    assert f @ c.A @ f + q @ c.S @ q == pytest.approx(whole @ K @ whole, rel=1e-10)
+
+
+@pytest.mark.parametrize("kind", ["P1", "P2", "Q1", "Q2"])
+def test_patch_of_any_element(kind):
+    """A cube held by five faces node to node, against dense algebra."""
+    points, cells = cube(kind, 2 if kind == "Q2" else 3)
+    held = boundary(points[:, :] * [1.0, 1.0, 0.5])  # all faces but z = 1
+    contact = np.setdiff1d(np.flatnonzero(points[:, 2] > 1.0 - 1e-9), held)
+    normals = np.tile([0.0, 0.6, 0.8], (contact.size, 1))
+    faces = boundary_faces(cells, kind)
+    body, number = mesh_of(points, cells, kind, {"interface": faces[np.isin(faces, held).all(axis=1)]})
+    held, contact = number[held], number[contact]
+    mesh = PatchMesh(
+        body,
+        points_of(body),
+        contact,
+        None,
+        np.zeros(contact.size, dtype=bool),
+        held,
+        sp.identity(held.size, format="csr"),
+        sp.identity(contact.size, format="csr"),
+    )
+    c = condense_patch(mesh, normals, 1.0, NU)
+    K = assembly.assemble(elasticity(1.0, NU), body).toarray()
+    o, i = freedoms(held), freedoms(np.setdiff1d(np.arange(len(points)), held))
+    P = np.zeros((len(K), contact.size))
+    P[3 * contact + 1, np.arange(contact.size)], P[3 * contact + 2, np.arange(contact.size)] = 0.6, 0.8
+    inverse = np.linalg.inv(K[np.ix_(i, i)])
+    assert relative(c.A, P[i].T @ inverse @ P[i]) < 1e-10
+    assert relative(c.H, -P[i].T @ inverse @ K[np.ix_(i, o)]) < 1e-10
+    assert relative(c.S, K[np.ix_(o, o)] - K[np.ix_(o, i)] @ inverse @ K[np.ix_(i, o)]) < 1e-10
+    assert c.shape is None
+
+
+#: Displacement gradient without stress on planes z = constant, for a free top.
+SLOPE = 1e-3 * np.array([[1.0, 0.3, -0.2], [0.5, -0.7, 0.4], [0.2, -0.4, -NU / (1 - NU) * 0.3]])
+
+
+@cache
+def in_the_cube(*, conforming=True):
+    """First-order patch in the block of the holed cube; the zone is loaded along z."""
+    box = source_box((0.25, 0.25), 0.5, (0.5, 0.4), 0.05, 0.2)
+    mesh = build_tet_patch(build_tets(box, socket() if conforming else None), flat, socket(), linear=True)
+    return mesh, condense_patch(mesh, np.tile([0.0, 0.0, 1.0], (len(mesh.contact), 1)), 1.0, NU)
+
+
+def test_free_top_is_free():
+    points, cells = cube("P1", 1)
+    _, stress = strain_stress(points, cells, "P1", (points @ SLOPE.T).ravel(), 1.0, NU)
+    np.testing.assert_allclose(stress[..., [2, 3, 4]], 0.0, atol=1e-18)
+
+
+def test_constant_strain_through_a_first_order_patch():
+    """Body and patch of first order conform: a linear field on the cube's surface goes through both unchanged."""
+    body, nodes, own = holed_cube()
+    points = points_of(body)
+    mesh, c = in_the_cube()
+    K = assemble(of_order(body, "P1"), [Socket(nodes, np.eye(3), 0)], {0: c}, 1.0, NU)
+    exact = points @ SLOPE.T
+    held = freedoms(np.setdiff1d(boundary(points), nodes))
+    loose = np.setdiff1d(np.arange(K.shape[0]), held)
+    u = exact.ravel().copy()
+    u[loose] = sp.linalg.spsolve(K[loose][:, loose], -(K[loose][:, held] @ u[held]))
+    assert relative(u.reshape(-1, 3), exact) < 1e-11
+    q = u[freedoms(nodes)]
+    moved = (mesh.points[mesh.contact] @ SLOPE.T)[:, 2]
+    assert relative(c.H @ q, mean_weights(mesh.weights) @ moved) < 1e-11
+    whole = field(mesh, c.normals, 1.0, NU, np.zeros(len(c.A)), q)
+    assert relative(whole, mesh.points @ SLOPE.T) < 1e-11
+    # each side's reaction is that of the constant stress on the socket's own first-order triangles
+    strain, stress = strain_stress(mesh.points, mesh.cells, "P1", whole.ravel(), 1.0, NU)
+    s = stress[0, 0][[[0, 5, 4], [5, 1, 3], [4, 3, 2]]]
+    assert np.ptp(strain, axis=0).max() < 1e-12 * np.abs(strain).max() * 100
+    triangles = own.triangles[:, np.array(SUB_TRIANGLES)].reshape(-1, 3)
+    corner = flat(own.xi)[triangles]
+    outward = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    outward *= np.sign(np.einsum("ti,ti->t", outward, corner.mean(axis=1) - [0.5, 0.5, 0.8]))[:, None]
+    expected = np.zeros((len(own.xi), 3))
+    np.add.at(expected, triangles, np.repeat((outward / 6.0 @ s)[:, None], 3, axis=1))
+    assert relative(c.S @ q, expected.ravel()) < 1e-11
+
+
+def test_plain_faces_conform_only_nearly():
+    """Without the socket's triangles on its faces a patch follows a linear field, but hands on its reaction roughly."""
+    body, nodes, _ = holed_cube()
+    q = (points_of(body)[nodes] @ SLOPE.T).ravel()
+    mesh, c = in_the_cube(conforming=False)
+    _, exact = in_the_cube()
+    moved = (mesh.points[mesh.contact] @ SLOPE.T)[:, 2]
+    assert relative(c.H @ q, mean_weights(mesh.weights) @ moved) < 1e-11
+    assert 1e-6 < relative(c.S @ q, exact.S @ q) < 0.2
+    total = [(x.S @ q).reshape(-1, 3).sum(axis=0) for x in (c, exact)]
+    np.testing.assert_allclose(total, 0.0, atol=1e-14)
+
+
+def indentation(kind, where, fine=None, b_over_h=None):
+    """Mean indentation [um] under a total of 225 N spread like Hertz's pressure, the socket held."""
+    if kind == "Q2":
+        grid = lines(b_over_h)
+        place, centre = places(0)[where]
+        mesh = build_patch(grid, ZONE, place, socket())
+        axes = [np.union1d(x, 0.5 * (x[1:] + x[:-1])) for x in (grid.across, grid.along)]
+        axes = [x[np.abs(x) < half + 1e-9] for x, half in zip(axes, ZONE, strict=True)]
+        local = np.stack(np.meshgrid(axes[0], 0.0, axes[1], indexing="ij"), -1).reshape(-1, 3)
+        arms = mesh.points[mesh.contact] - centre
+        normals = arms / np.linalg.norm(arms, axis=1)[:, None]
+    else:
+        mesh, normals = patch(kind, where, fine=fine)
+        local = tets(fine).xi[mesh.contact]
+    a, b = SEMI
+    f = np.sqrt(np.maximum(1.0 - (local[:, 0] * WIDTH[0] / a) ** 2 - (local[:, 2] * WIDTH[1] / b) ** 2, 0.0)) * mesh.areas
+    f *= 225.0 / f.sum()
+    u = field(mesh, normals, E, NU, f, np.zeros(3 * mesh.tie.shape[1]))
+    return 1e6 * float(f @ mean_weights(mesh.weights) @ (u[mesh.contact] * normals).sum(axis=1)) / 225.0
+
+
+@pytest.mark.parametrize("where", ["groove", "ball"])
+def test_first_order_is_stiff_and_converges(where):
+    """The source's 0.08 mm are 6 to 8 % too stiff within the patch.
+
+    Hertz's pressure is sampled at the nodes, so that its edge falls anywhere between two of them: 3 % on four cells.
+    """
+    limit = indentation("Q2", where, b_over_h=8.0)
+    assert indentation("Q2", where, b_over_h=4.0) == pytest.approx(limit, rel=0.03)
+    missing = [1.0 - indentation("P1", where, fine=fine) / limit for fine in (0.16e-3, 0.08e-3, 0.04e-3)]
+    assert missing[0] > 1.7 * missing[1] > 1.7**2 * missing[2] > 0.0
+    assert 0.04 < missing[1] < 0.10
+    assert missing[2] < 0.04
+
+
+@pytest.mark.parametrize("side", range(4))
+@pytest.mark.parametrize("where", ["groove", "ball"])
+def test_cells_fill_the_patch(where, side):
+    """Left- and right-handed maps: every cell positive, volume and top that of the hexahedra."""
+    hexa, tetra = patch("Q2", where, side)[0], patch("P1", where, side, 0.08e-3)[0]
+    assert jacobians(tetra.points, tetra.cells, "P1").min() > 0.0
+    assert jacobians(hexa.points, hexa.cells, "Q2").min() > 0.0
+    first, second = (volume(x.points, x.cells, x.kind) for x in (hexa, tetra))
+    assert second == pytest.approx(first, rel=0.01)
+
+
+@pytest.mark.parametrize("where", ["groove", "ball"])
+def test_contact_areas(where):
+    """The hats of all contact nodes share out the zone, on hexahedra and on tetrahedra."""
+    place = places(0)[where][0]
+    x, w = np.polynomial.legendre.leggauss(6)
+    a, b = np.meshgrid(ZONE[0] * x, ZONE[1] * x, indexing="ij")
+    xi = np.column_stack([a.ravel(), np.zeros(a.size), b.ravel()])
+    tangents = [(place(xi + d) - place(xi - d)) / 2e-6 for d in 1e-6 * np.eye(3)[[0, 2]]]
+    zone = ZONE[0] * ZONE[1] * float(np.outer(w, w).ravel() @ np.linalg.norm(np.cross(*tangents), axis=1))
+    assert patch("P1", where, fine=0.08e-3)[0].areas.sum() == pytest.approx(zone, rel=2e-3)
+    assert patch("Q2", where)[0].areas.sum() == pytest.approx(zone, rel=1e-4)
+
+
+@pytest.mark.parametrize("side", [0, 3])
+def test_contact_nodes_of_ball_and_groove_coincide(side):
+    """On rays from the ball's centre, also where the two sockets are triangulated differently."""
+    groove = patch("P1", "groove", side)[1]
+    local = tets(0.16e-3, "turned")
+    mesh = build_tet_patch(local, places(side)["ball"][0], socket(turned=True), linear=True)
+    ball = mesh.points[mesh.contact]
+    np.testing.assert_allclose(ball / np.linalg.norm(ball, axis=1)[:, None], groove, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(ball, axis=1), MAP.ball, rtol=1e-14)
+
+
+def test_rim_is_the_outermost_ring():
+    mesh, _, c = condensed("Q2")
+    grid = mesh.rim.reshape(mesh.contact_shape)
+    assert grid[[0, -1]].all()
+    assert grid[:, [0, -1]].all()
+    assert not grid[1:-1, 1:-1].any()
+    assert c.shape == mesh.contact_shape
+    assert np.array_equal(c.rim, mesh.rim)
+    mesh, _, c = condensed("P1")
+    xi = tets(0.16e-3).xi[mesh.contact]
+    expected = (np.abs(np.abs(xi[:, 0]) - ZONE[0]) < 1e-9) | (np.abs(np.abs(xi[:, 2]) - ZONE[1]) < 1e-9)
+    assert np.array_equal(c.rim, expected)
+    assert 0 < expected.sum() < len(c.rim)
+    assert c.shape is None
+
+
+def test_map_that_turns_cells_inside_out_is_refused():
+    def folded(xi):
+        return np.column_stack([np.abs(xi[:, 0]), xi[:, 2], -xi[:, 1]])
+
+    with pytest.raises(ValueError, match="inside out"):
+        build_tet_patch(tets(0.16e-3), folded, socket(), linear=True)
+
+
+@pytest.mark.parametrize("kind", ["P1", "P2"])
+def test_assembled_body(kind):
+    """Of its own cells or of the split ones, with the patch turned into its socket."""
+    whole, nodes, _ = holed_cube()
+    body = of_order(whole, kind)
+    _, c = in_the_cube()
+    R = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    bare = assembly.assemble(elasticity(1.0, NU), body).toarray()
+    dof, turn = freedoms(nodes), np.kron(np.eye(len(nodes)), R)
+    bare[np.ix_(dof, dof)] += turn @ c.S @ turn.T
+    assert len(bare) == whole.doflocs.size
+    found = assemble(body, [Socket(nodes, R, 0)], {0: c}, 1.0, NU).toarray()
+    assert relative(found, bare) < 1e-14
+
+
+def test_body_of_other_elements_is_refused():
+    with pytest.raises(ValueError, match="'Q1' elements"):
+        of_order(holed_cube()[0], "Q1")
+
+
+@pytest.mark.parametrize("where", ["groove", "ball"])
+@pytest.mark.parametrize("kind", ["P1", "Q2"])
+def test_contact_weights_share_out_the_zone(kind, where):
+    """Inside the rim their sums over pressures are the areas of the displacements' own functions."""
+    mesh, _, c = condensed(kind, where)
+    assert c.weights.shape == (len(c.areas),) * 2
+    assert (abs(c.weights - mesh.weights)).max() == 0.0
+    over = np.asarray(mesh.weights.sum(axis=0)).ravel()
+    assert over.sum() == pytest.approx(mesh.areas.sum(), rel=1e-12)
+    nodal = assembly.nodal_areas(mesh.mesh, "surface")[mesh.contact]
+    np.testing.assert_allclose(over[~mesh.rim], nodal[~mesh.rim], rtol=1e-6)
+    assert (over[mesh.rim] < nodal[mesh.rim]).all()
+    assert np.asarray(mesh.weights.sum(axis=1)).min() > 0.0
+
+
+def test_hats_of_a_patch_carry_equal_areas():
+    """On equal cells all hats inside the zone carry alike, where the displacements' functions carry 4 : 8 : 16."""
+    mesh = patch("Q2")[0]
+    n, m = mesh.contact_shape
+    hats = np.asarray(mesh.weights.sum(axis=1)).reshape(n, m)[1:-1, 1:-1]
+    assert np.ptp(hats) < 0.1 * hats.mean()
+    own = np.asarray(mesh.weights.sum(axis=0)).reshape(n, m)[1:-1, 1:-1]
+    assert own.max() / own.min() == pytest.approx(16.0 / 4.0, rel=0.1)
+
+
+def test_boundaries_of_a_patch_are_named():
+    for kind in ("P1", "Q2"):
+        mesh = patch(kind)[0]
+        assert set(mesh.mesh.boundaries) == {"surface", "contact", "interface"}
+        assert np.array_equal(nodes_on(mesh.mesh, "interface"), np.sort(mesh.interface))
+        assert np.array_equal(nodes_on(mesh.mesh, "contact"), np.sort(mesh.contact))
+        whole = len(mesh.mesh.boundary_facets())
+        assert len(mesh.mesh.boundaries["surface"]) + len(mesh.mesh.boundaries["interface"]) == whole

@@ -1,0 +1,296 @@
+"""The 3D reference on two balls: condensation against the whole mesh, statics, symmetry."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.linalg import block_diag
+
+from compare.scenes import catalogue
+from hifi import condensed, grid_wave, part_meshes, reference, setup
+from hifi.assembly import assemble
+from hifi.balls import solve_balls
+from hifi.bodies import freedoms, isostatic
+from hifi.compliance import uncoupled
+from hifi.fit import Settings, ball_place
+from hifi.forms import elasticity
+from hifi.part_meshes import placed
+from hifi.patch import hat_rows
+from hifi.pressures import mean_weights
+from hifi.response import compliance
+from meshes.cache import Cache
+from meshes.parts import Load, Support
+from meshes.sockets import local_points
+
+SMALL = Settings(
+    b_over_h=0.8,
+    semi=(0.5e-3, 0.14e-3),
+    reach=(0.5e-3, 0.14e-3),
+    fine=3e-3,
+    coarse=12e-3,
+    ball_fine=1e-3,
+    ball_coarse=2e-3,
+    cell=9e-3,
+    modes=10**6,
+    ball_modes=10**6,
+    own_cuts=(3, 2, 3),
+    own_sizes=(2e-3, 8e-3),
+    own_ball_sizes=(0.9e-3, 1.8e-3),
+)
+
+
+def two_balls(**changes):
+    """Two balls side by side in a short nut, the screw held on both sides close to it."""
+    s = catalogue.scene("lin-case1")
+    scene = replace(
+        s,
+        nut=replace(s.nut, position=30e-3, length=16e-3),
+        screw=replace(s.screw, length=60e-3),
+        supports=(s.supports[0], Support(60e-3, (("ux", 0.0), ("uy", 0.0)))),
+        balls=replace(s.balls, azimuths=(-0.35, 0.3)),
+        loads=(Load(0.0, (0.0, 0.0, 400.0)),),
+        solid=replace(s.solid, shaft=6e-3, shaft_diameter=30e-3),
+    )
+    return replace(scene, **changes)
+
+
+@pytest.fixture(scope="module")
+def small():
+    return setup.prepare(two_balls(), (0, 3), SMALL)
+
+
+@pytest.fixture(scope="module")
+def meshes(small):
+    return part_meshes.mesh_parts(small.scene, small.map, small.layout, small.dims, small.sides, SMALL)
+
+
+def whole(body, patches, material, reduce):
+    """Compliance of the hats from one mesh of the body and all its patches, tied node by node.
+
+    patches: (mesh, rows of the hats, socket's nodes, rotation); reduce: (freedoms of the body) -> what holds it.
+    """
+    E, nu = material.youngs_modulus, material.poissons_ratio
+    blocks, columns, loads = [assemble(elasticity(E, nu), body)], [], []
+    size = body.doflocs.size
+    inner_of = [np.setdiff1d(np.arange(len(p.points)), p.interface) for p, *_ in patches]
+    total = size + 3 * sum(len(i) for i in inner_of)
+    columns.append(sp.hstack([sp.identity(size), sp.csr_matrix((size, total - size))]))
+    start = size
+    for (mesh, hats, nodes, R), inner in zip(patches, inner_of, strict=True):
+        blocks.append(assemble(elasticity(E, nu), mesh.mesh))
+        C = sp.lil_matrix((3 * len(mesh.points), total))
+        C[freedoms(inner), start + np.arange(3 * len(inner))] = 1.0
+        turn = sp.kron(sp.identity(len(nodes)), R.T)  # the body moves in space, the patch in its own frame
+        C[np.ix_(freedoms(mesh.interface), freedoms(nodes))] = (sp.kron(mesh.tie, sp.identity(3)) @ turn).toarray()
+        columns.append(C.tocsr())
+        left, right = (sp.csr_matrix((hats.shape[0], n)) for n in (start, total - start - 3 * len(inner)))
+        loads.append(sp.hstack([left, hats[:, freedoms(inner)], right]))
+        start += 3 * len(inner)
+    C = sp.vstack(columns).tocsr()
+    K = (C.T @ sp.block_diag(blocks) @ C).tocsc()
+    T = sp.block_diag([reduce(size), sp.identity(total - size)]).tocsc()
+    return compliance((T.T @ K @ T).tocsc(), sp.vstack(loads) @ T)
+
+
+def patch(small, meshes, side, *, ball=False):
+    """The patch that is condensed with its socket, and the rows of the finer one's hats on it."""
+    body = meshes.ball if ball else meshes.screw if side < 2 else meshes.nut
+    place = (
+        ball_place(small.map, meshes.size, side, meshes.zone)[1]
+        if ball
+        else (lambda xi: local_points(small.map, meshes.size, side, xi))
+    )
+    mesh = part_meshes.patch_mesh(meshes, body.sockets[side], place, SMALL)
+    carrier = part_meshes.carrier_mesh(meshes, body.sockets[side], place, SMALL)
+    centre = np.zeros(3) if ball else np.array([small.map.R, 0.0, 0.0])
+    normals = (-1.0 if ball else 1.0) * part_meshes.patch_normals(mesh, centre)
+    return carrier, hat_rows(mesh, normals, carrier)
+
+
+def bodies(small, meshes):
+    """Compliance of screw, nut and ball at their hats, each from one whole mesh."""
+    places = {
+        s: [(float(a), float(z), s) for a, z in zip(small.layout.azimuth, small.layout.z, strict=True)] for s in (0, 3)
+    }
+    out = {}
+    for name, side, mesh, material in (
+        ("screw", 0, meshes.screw, small.scene.screw.material),
+        ("nut", 3, meshes.nut, small.scene.nut.material),
+    ):
+        own, hats = patch(small, meshes, side)
+        parts = [(own, hats, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
+        if name == "screw":
+            reduce = lambda _, m=mesh: setup.screw_transform(m, small.dims, small.dims.ends(small.scene)[1])  # noqa: E731
+        else:
+            reduce = lambda _, m=mesh: setup.nut_transform(m, small.dims)  # noqa: E731
+        out[name] = whole(mesh.mesh, parts, material, reduce)
+    parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
+    held = isostatic(meshes.ball.points, np.concatenate([p[2] for p in parts]))
+    out["ball"] = whole(
+        meshes.ball.mesh,
+        parts,
+        small.scene.balls.material,
+        lambda size: sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)],
+    )
+    return out
+
+
+def test_condensed_bodies_are_those_of_the_whole_mesh(small, meshes):
+    found = bodies(small, meshes)
+    A = {s: p.groove.A for s, p in small.patches.items()}
+    V = {0: small.screw.modes[0], 3: small.nut.modes[3]}
+    m = small.screw.stretch.modes
+    for name, side, G in (("screw", 0, small.screw.stretch.F[:m, :m]), ("nut", 3, small.nut.G)):
+        U = block_diag(V[side], V[side])
+        wanted = block_diag(A[side], A[side]) + U @ G @ U.T
+        np.testing.assert_allclose(found[name], wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
+    U = block_diag(*small.ball.modes.values())
+    wanted = block_diag(*(p.ball.A for p in small.patches.values())) + U @ small.ball.G @ U.T
+    np.testing.assert_allclose(found["ball"], wanted, rtol=0, atol=1e-10 * np.abs(wanted).max())
+
+
+def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
+    """Two balls, both bodies, same mesh, each contact's own compliance exchanged as submodels ask for, the grid's wave left
+    in: loads with nothing condensed agree to 1e-10."""
+    small = replace(small, patches={s: replace(pair, wave=None) for s, pair in small.patches.items()})
+    found = bodies(small, meshes)
+    sides = (0, 3)
+    mounted = reference.mounted_screw(small, small.scene)
+    m = small.screw.stretch.modes
+    C = reference.compliance_of(small, mounted, sides)
+    # the beam to the support is not meshed: its share of the screw's compliance comes on top
+    beam = np.zeros((C.coupling.shape[0],) * 2)
+    pick = reference._screw_columns(small, sides)
+    beam[np.ix_(pick, pick)] = (mounted.G - small.screw.stretch.F[:m, :m])[
+        np.ix_(reference._modal_rows(small, sides), reference._modal_rows(small, sides))
+    ]
+    n = [len(small.patches[s].groove.A) for s in sides]
+    U = np.zeros((2 * sum(n), len(beam)))
+    for i, (V, c) in enumerate(zip(C.modes, C.columns, strict=True)):
+        U[i * sum(n) : (i + 1) * sum(n), c] = V
+    exchanged = block_diag(*(small.patches[s].own - small.patches[s].groove.A - small.patches[s].ball.A for s in sides))
+    dense = U @ beam @ U.T + block_diag(*2 * [found["ball"] + exchanged])
+    for name, part in (("screw", slice(0, n[0])), ("nut", slice(n[0], sum(n)))):
+        own = np.concatenate([i * sum(n) + np.arange(sum(n))[part] for i in range(2)])
+        dense[np.ix_(own, own)] += found[name]
+    normals = np.concatenate([small.patches[s].groove.points - [small.map.R, 0, 0] for s in sides])
+    length = np.linalg.norm(normals, axis=1)
+    mean = sp.block_diag([mean_weights(small.patches[s].groove.weights) for s in sides])
+    gap = np.tile(mean @ (length - small.map.ball), 2)
+    directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
+    zones = reference._zones(small, sides)
+    rows = reference._screw_rows(small, directions, zones, mounted.origin).reshape(-1, 6)
+    rows = sp.block_diag([mean, mean]) @ rows
+    directions = np.stack([mean @ d for d in directions])
+    N = reference._directions_matrix(directions, rows, mounted.motions)
+    f = np.concatenate([np.zeros(6), mounted.work])
+    frozen = reference.solve_reference(small, small.scene, updates=0)
+    start = (np.zeros(0), frozen.contact.motions * 1.01)
+    by_loads = mounted.loads[reference._modal_rows(small, sides)]
+    at_rest = reference._modal_motion(C, reference._spread(small, C, sides, by_loads))
+    other, _ = solve_balls(uncoupled(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
+    assert other.converged
+    assert frozen.status == "converged"
+    largest = frozen.contact.forces.max()
+    np.testing.assert_allclose(other.forces, frozen.contact.forces, rtol=0, atol=1e-10 * largest)
+
+
+def test_balance_and_no_force_along_the_groove(small):
+    result = reference.solve_reference(small, small.scene)
+    assert result.status == "converged"
+    assert result.balance < 1e-8
+    assert abs(result.along_groove) < 1e-3
+    assert result.screw_balance < 1e-8
+    m = small.map
+    axial = result.load[:, 0] @ np.sin(result.contact_angle[:, 0]) * np.cos(m.alpha)
+    assert axial == pytest.approx(400.0, rel=2e-3)  # the contact's own width tilts its resultant a little
+    assert (result.load[:, [1, 2]] == 0.0).all()
+
+
+def test_two_opposite_balls_without_lead_carry_the_same():
+    """A ring free to tilt on two opposite balls: statics alone divides the load."""
+    s = catalogue.scene("bearing-9")
+    scene = replace(
+        s,
+        balls=replace(s.balls, azimuths=(0.0, np.pi)),
+        loads=(Load(8e-3, (0.0, 0.0, 600.0)),),
+        supports=(Support(8e-3, (("uy", 0.0), ("rx", 0.0), ("rz", 0.0))),),
+    )
+    ratio = s.balls.radius / 2.778e-3
+    settings = replace(
+        SMALL,
+        semi=(1.0e-3, 0.3e-3),
+        reach=(1.0e-3, 0.3e-3),
+        fine=3e-3 * ratio,
+        coarse=12e-3 * ratio,
+        ball_fine=1e-3 * ratio,
+        ball_coarse=2e-3 * ratio,
+        modes=16,
+    )
+    made = setup.prepare(scene, (0, 3), settings)
+    result = reference.solve_reference(made, scene)
+    assert result.status == "converged"
+    load = result.load[:, [0, 3]]
+    assert np.ptp(load) < 1e-6 * load.mean()
+    assert load.mean() * 2.0 * np.sin(result.contact_angle[0, 0]) == pytest.approx(600.0, rel=5e-3)
+
+
+def test_what_is_left_out_changes_the_answer_and_a_wrong_name_is_refused(small):
+    full = reference.solve_reference(small, small.scene)
+    for name in reference.INGREDIENTS:
+        other = reference.solve_reference(small, small.scene, leave_out=frozenset([name]))
+        assert other.status == "converged"
+        assert np.abs(other.load - full.load).max() > 1e-6 * full.load.max(), name
+    with pytest.raises(ValueError, match="unknown"):
+        reference.solve_reference(small, small.scene, leave_out=frozenset(["elastic ball"]))
+
+
+def test_ball_errors_and_lost_contact(small):
+    errors = replace(small.scene.errors, balls=replace(small.scene.errors.balls, listed=((1, -60e-6),)))
+    lost = reference.solve_reference(small, replace(small.scene, errors=errors))
+    assert lost.load[0, 0] == 0.0
+    assert lost.load[1, 0] > 400.0
+    assert np.isnan(lost.contact_angle[0, 0])
+
+
+def test_a_prepared_geometry_comes_whole_from_the_cache(small, tmp_path):
+    """Also what depends on records that came from the cache themselves."""
+    first, again = Cache(tmp_path), Cache(tmp_path)
+    setup.prepare(two_balls(), (0, 3), SMALL, cache=first)
+    found = setup.prepare(two_balls(), (0, 3), SMALL, cache=again)
+    assert first.hits == again.misses == 0
+    assert first.misses == again.hits > 5
+    np.testing.assert_array_equal(found.ball.G, small.ball.G)
+    np.testing.assert_array_equal(found.patches[0].own, small.patches[0].own)
+    np.testing.assert_array_equal(found.screw.stretch.F, small.screw.stretch.F)
+
+
+def test_own_approaches_of_condensed_bodies(small, monkeypatch):
+    """Spread forces have unit resultants, the matrices' own force adds nothing, the place on the grid hardly matters.
+
+    Cells are wider here than the ellipse is thick.
+    """
+    forces = {s: condensed.forces_of(small, s) for s in small.sides}
+    spreads = {s: condensed.spread(small, s, float(np.median(f))) for s, f in forces.items()}
+    for s, f in spreads.items():
+        groove = small.patches[s].groove
+        nodal = mean_weights(groove.weights).T @ f
+        assert nodal @ (groove.normals @ grid_wave.contact_frame(small.map, s)[0]) == pytest.approx(1.0, rel=1e-12)
+    found = condensed.condensed_bodies(small, 1)
+    middle = np.array([float(np.median(f)) for f in forces.values()])
+    own = {s: condensed.spread(small, s, x) for s, x in zip(small.sides, middle, strict=True)}
+    np.testing.assert_allclose(condensed.rest_of(small, own), condensed.rest_of(small, spreads), rtol=1e-12)
+    for k, s in enumerate(small.sides):
+        loads = forces[s]
+        assert found.force[k] == pytest.approx(loads, rel=1e-12)
+        assert found.scatter(s) < 0.02  # cells are wider than the ellipse is thick: 1 % here, 0.1 % on level 1
+        approach = condensed.patch_approaches(small, s, loads)
+        assert np.all(np.diff(approach) > 0.0)
+        # Hertz's 2/3, less what the held sockets take away
+        assert 0.59 < np.log(approach[-1] / approach[0]) / np.log(loads[-1] / loads[0]) < 2 / 3
+        aside = tuple((x + 0.125, y + 0.125) for x, y in grid_wave.PLACES)
+        for places, tolerance in ((aside, 8e-3), (((0.0, 0.0),), 0.15)):
+            with monkeypatch.context() as patch:
+                patch.setattr(grid_wave, "PLACES", places)
+                assert condensed.patch_approaches(small, s, loads) == pytest.approx(approach, rel=tolerance)

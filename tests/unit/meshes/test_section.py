@@ -1,0 +1,105 @@
+"""Cross-section of the grooved screw: groove range and area, volume ratio, Cowper's shear coefficient."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.scenes import catalogue
+from meshes.section import groove_section, nut_groove_range, screw_section, tube_section, volume_ratio
+from tests.helpers import STEEL, small_screw, with_ingredients
+
+
+@pytest.fixture(scope="module")
+def lin():
+    return catalogue.scene("lin-case1")
+
+
+def outline(scene, points=4001):
+    """The gothic arch below the screw's surface as a polygon in (x3, z3): both arcs from land to land."""
+    r, beta = scene.screw.groove_radius, scene.track.contact_angle
+    x0, z0 = (r - scene.balls.radius) * np.cos(beta), (r - scene.balls.radius) * np.sin(beta)
+    land = scene.screw.outer_diameter / 2 - scene.track.pitch_radius
+    gamma = np.linspace(np.arccos((x0 - land) / r), np.arcsin(z0 / r), points)  # land edge to apex
+    x, z = x0 - r * np.cos(gamma), z0 - r * np.sin(gamma)
+    return np.concatenate([x, x[::-1]]), np.concatenate([z, -z[::-1]])
+
+
+def polygon_area(x, z):
+    return 0.5 * abs(np.sum(x * np.roll(z, -1) - z * np.roll(x, -1)))
+
+
+def test_groove_range_printed_in_2_4_2(lin):
+    section = groove_section(lin)
+    assert round(section.gamma_1 / np.pi, 3) == 0.033
+    assert round(section.gamma_2 / np.pi, 3) == 0.417
+
+
+@pytest.mark.parametrize(("outer", "beta"), [(32e-3, np.pi / 4), (33e-3, np.pi / 4), (31e-3, 0.6), (34e-3, 1.2)])
+def test_groove_area_against_a_polygon(lin, outer, beta):
+    scene = replace(lin, screw=replace(lin.screw, outer_diameter=outer), track=replace(lin.track, contact_angle=beta))
+    x, z = outline(scene)
+    assert x.max() == pytest.approx(outer / 2 - 16.5e-3, abs=1e-15)
+    assert groove_section(scene).area == pytest.approx(polygon_area(x, z), rel=1e-6)
+
+
+def test_screw_surface_that_misses_the_groove_is_refused(lin):
+    with pytest.raises(ValueError, match="does not cut"):
+        groove_section(replace(lin, screw=replace(lin.screw, outer_diameter=25e-3)))
+
+
+def test_nut_groove_range(lin):
+    low, high = nut_groove_range(replace(lin, nut=replace(lin.nut, groove_radius=3.4e-3)))
+    assert 3.4e-3 * np.sin(low) == pytest.approx((3.4e-3 - 2.778e-3) * np.sin(np.pi / 4), rel=1e-14)
+    assert high == np.pi / 2
+
+
+@pytest.mark.parametrize("starts", [1, 2])
+def test_volume_ratio(lin, starts):
+    """1 minus the groove's volume per lead (polygon's area along the ball path) over the cylinder's."""
+    scene = replace(lin, track=replace(lin.track, starts=starts))
+    path = np.hypot(2 * np.pi * 16.5e-3, 20e-3)
+    expected = 1 - starts * polygon_area(*outline(scene)) * path / (np.pi * 16e-3**2 * 20e-3)
+    assert volume_ratio(scene) == pytest.approx(expected, rel=1e-6)
+    assert 0.5 < expected < 1.0
+
+
+def test_no_lead_no_groove_volume():
+    assert volume_ratio(small_screw(lead=0.0)) == 1.0
+
+
+@pytest.mark.parametrize(("reading", "power"), [("full", 0.0), ("groove", 0.5), ("groove squared", 1.0)])
+def test_readings_of_c_8(lin, reading, power):
+    """k_r scales the diameter: stiffnesses as its square and fourth power."""
+    k = volume_ratio(lin) ** power
+    found, full = screw_section(with_ingredients(lin, section=reading)), tube_section(32e-3, 0.0, STEEL)
+    ratios = [getattr(found, name) / getattr(full, name) for name in ("EA", "EI", "GJ", "kGA")]
+    assert ratios == pytest.approx([k**2, k**4, k**4, k**2], rel=1e-13)
+
+
+def test_groove_that_takes_all_is_refused(lin):
+    with pytest.raises(ValueError, match="more volume"):
+        screw_section(replace(lin, track=replace(lin.track, lead=1e-3)))
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.28, 0.5])
+def test_cowper_limits(nu):
+    """Solid circle 6 (1 + nu)/(7 + 6 nu); thin tube 2 (1 + nu)/(4 + 3 nu)."""
+    material = replace(STEEL, poissons_ratio=nu)
+
+    def kappa(outer, bore):
+        area = np.pi / 4 * (outer**2 - bore**2)
+        return tube_section(outer, bore, material).kGA / (material.shear_modulus * area)
+
+    assert kappa(0.03, 0.0) == pytest.approx(6 * (1 + nu) / (7 + 6 * nu), rel=1e-14)
+    assert kappa(0.03, 0.03 * (1 - 1e-6)) == pytest.approx(2 * (1 + nu) / (4 + 3 * nu), rel=1e-9)
+    assert kappa(0.03, 0.015) == pytest.approx(
+        6 * (1 + nu) * 1.25**2 / ((7 + 6 * nu) * 1.25**2 + (20 + 12 * nu) * 0.25), rel=1e-14
+    )
+
+
+def test_tube_stiffnesses():
+    found, g = tube_section(0.03, 0.01, STEEL), 210e9 / 2.56
+    assert pytest.approx(210e9 * np.pi * (0.015**2 - 0.005**2), rel=1e-14) == found.EA
+    assert pytest.approx(210e9 * np.pi / 4 * (0.015**4 - 0.005**4), rel=1e-14) == found.EI
+    assert pytest.approx(g * np.pi / 2 * (0.015**4 - 0.005**4), rel=1e-14) == found.GJ

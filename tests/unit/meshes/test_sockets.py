@@ -1,0 +1,399 @@
+"""Sockets: their faces and coordinates, the size that fits a scene, and refusals that name cause and remedy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from compare.scenes.catalogue import scene
+from meshes.groove_map import GrooveMap
+from meshes.helix import ball_layout
+from meshes.sockets import (
+    ALONG,
+    AWAY,
+    BESIDE,
+    BETWEEN,
+    CLOSE,
+    DEPTH,
+    FILLED,
+    GAMMA,
+    LEAST,
+    SPARE,
+    UNDER,
+    ZONE,
+    SocketSize,
+    fitted_socket,
+    flank_limits,
+    local_points,
+    reach,
+    refuse_misfit,
+    rim,
+    socket_coordinates,
+    socket_mesh,
+    socket_points,
+    track_gaps,
+    turn_left,
+    wall_left,
+)
+from tests.helpers import body_specs, small_screw, solid_sizes
+
+SIZE = SocketSize(0.30, 1.2e-3, 0.075)
+ALL = (0, 1, 2, 3)
+
+
+def fitted(case, sides=ALL, **changes):
+    names = ("land_screw", "bore_screw", "land_nut", "outer_nut", "ends")
+    given = dict(zip(names, solid_sizes(case), strict=True)) | changes
+    return fitted_socket(GrooveMap.of(case), ball_layout(case), sides, **given)
+
+
+def shares(case, size):
+    m = GrooveMap.of(case)
+    return size.gamma / GAMMA, size.depth / (DEPTH * m.ball), size.phi * m.R / (ALONG * m.ball)
+
+
+def with_balls(case, azimuths):
+    return replace(case, balls=replace(case.balls, azimuths=tuple(float(a) for a in azimuths)))
+
+
+# --- shape -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(params=[(2, 2, 2), (1, 1, 1), (3, 2, 1)], ids=str)
+def faces(request):
+    m = GrooveMap.of(small_screw(6))
+    return m, *socket_mesh(partial(local_points, m, SIZE, 0), request.param)
+
+
+def test_socket_mesh_covers_five_faces(faces):
+    _, mesh, _ = faces
+    area = {}
+    for tri, face in zip(mesh.triangles[:, :3], mesh.face, strict=True):
+        a, b, c = mesh.xi[tri]
+        area[int(face)] = area.get(int(face), 0.0) + 0.5 * float(np.linalg.norm(np.cross(b - a, c - a)))
+    assert sorted(area.values()) == pytest.approx([2.0, 2.0, 2.0, 2.0, 4.0], rel=1e-12)
+
+
+def test_socket_mesh_is_of_second_order_and_closed_but_for_its_rim(faces):
+    _, mesh, _ = faces
+    count = {}
+    for tri in mesh.triangles:
+        for k, (i, j) in enumerate(((0, 1), (1, 2), (2, 0))):
+            pair = tuple(sorted((int(tri[i]), int(tri[j]))))
+            assert mesh.edges[pair] == tri[3 + k]
+            np.testing.assert_allclose(mesh.xi[tri[3 + k]], mesh.xi[list(pair)].mean(axis=0), atol=1e-15)
+            count[pair] = count.get(pair, 0) + 1
+    loop = rim(mesh).tolist()
+    around = {tuple(sorted(p)) for p in zip(loop, [*loop[1:], loop[0]], strict=True)}
+    assert {pair for pair, times in count.items() if times == 1} == around
+    assert set(count.values()) == {1, 2}
+    assert np.all(mesh.xi[loop, 1] == 0.0)
+    assert len(np.unique(np.round(mesh.xi, 12), axis=0)) == len(mesh.xi)
+
+
+@pytest.mark.parametrize("cuts", [(2, 2, 2), (3, 3, 3), (4, 3, 4), (6, 4, 6)], ids=str)
+@pytest.mark.parametrize("lead", [0.0, 20e-3, 100e-3])
+@pytest.mark.parametrize("side", [0, 3])
+def test_diagonals_of_bulging_faces_stand_out(lead, side, cuts):
+    """Seen from the body, no two triangles of a rectangle make a hollow in which a flat cell would fit."""
+    m = GrooveMap.of(small_screw(6, lead=lead))
+    place = partial(local_points, m, SIZE, side)
+    mesh, raised = socket_mesh(place, cuts)
+    x, inside = place(raised), place(np.array([[0.0, 0.5, 0.0]]))[0]
+    np.testing.assert_array_equal(raised[rim(mesh)], mesh.xi[rim(mesh)])
+    assert np.abs(raised - mesh.xi[: len(raised)]).max() < 0.25
+    for first, second in mesh.triangles[:, :3].reshape(-1, 2, 3):
+        ends = np.intersect1d(first, second)
+        others = np.setxor1d(first, second)
+        normal = np.cross(x[ends[1]] - x[ends[0]], x[others[1]] - x[others[0]])
+        normal *= np.sign(normal @ (x[ends].mean(axis=0) - inside))
+        assert (x[ends].mean(axis=0) - x[others].mean(axis=0)) @ normal > 0.0
+
+
+@pytest.mark.parametrize("cuts", [(2, 2, 2), (4, 3, 4), (6, 4, 6)], ids=str)
+def test_faces_bulge_out_of_the_box_and_are_convex_beyond_their_first_row(cuts):
+    """In local coordinates, where the faces are plane, no corner lies beyond the plane of a triangle away from the rim."""
+    mesh, raised = socket_mesh(lambda xi: xi, cuts)
+    top = mesh.xi[: len(raised), 1] == 0.0
+    assert np.all(np.abs(raised[:, [0, 2]]) >= np.abs(mesh.xi[: len(raised), [0, 2]]))
+    sides = [np.flatnonzero(mesh.xi[: len(raised), axis] == end) for axis, end in ((0, 1.0), (2, -1.0))]
+    for own, axis, sign in zip(sides, (0, 2), (1.0, -1.0), strict=True):
+        inner = own[~top[own] & (np.abs(mesh.xi[own, 2 - axis]) < 1.0)]
+        assert np.all(sign * (raised[inner, axis] - mesh.xi[inner, axis]) > 0.02)
+
+
+@pytest.mark.parametrize("side", range(4))
+def test_socket_coordinates_invert_socket_points(side):
+    case = small_screw(6, hand="left", phase=0.2)
+    m = GrooveMap.of(case)
+    layout = ball_layout(case)
+    xi = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5), np.linspace(0, 1, 4), np.linspace(-1, 1, 5)]), -1).reshape(-1, 3)
+    for phi, z in zip(layout.azimuth, layout.z, strict=True):
+        socket = (float(phi), float(z), side)
+        x = socket_points(m, SIZE, socket, xi)
+        found = socket_coordinates(m, SIZE, socket, np.arctan2(x[:, 1], x[:, 0]), x[:, 2], np.hypot(x[:, 0], x[:, 1]))
+        np.testing.assert_allclose(found, xi, atol=1e-11)
+
+
+@pytest.mark.parametrize("side", range(4))
+def test_middle_of_a_socket_is_the_nominal_contact_point(side):
+    m = GrooveMap.of(small_screw(6))
+    x = local_points(m, SIZE, side, np.zeros((1, 3)))[0] - [m.R, 0.0, 0.0]
+    assert np.linalg.norm(x) == pytest.approx(m.ball, abs=1e-15)
+    assert x[0] == pytest.approx(m.signs[side, 0] * m.ball * np.cos(m.beta), abs=1e-15)
+
+
+# --- distances along the track ---------------------------------------------------------------------------------------
+
+
+def test_gaps_follow_each_start_over_all_turns():
+    case = replace(small_screw(2, lead=20e-3), track=replace(small_screw(2).track, starts=2))
+    case = with_balls(case, [-4.0, 0.5, 0.9, 7.0])
+    layout = ball_layout(case)
+    gaps, pairs = track_gaps(GrooveMap.of(case), layout.azimuth, layout.z)
+    np.testing.assert_allclose(sorted(gaps), sorted(2 * [4.5, 0.4, 6.1]), atol=1e-9)
+    assert {tuple(p) for p in pairs[np.abs(gaps - 0.4) < 1e-9]} == {(1, 2), (5, 6)}
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_gaps_do_not_depend_on_how_turns_are_counted(hand):
+    case = with_balls(small_screw(2, hand=hand), [-3.0, -1.0, 0.3, 2.0])
+    layout = ball_layout(case)
+    wrapped = layout.azimuth + 2.0 * np.pi * np.array([0, 1, -2, 1])
+    gaps, _ = track_gaps(GrooveMap.of(case), wrapped, layout.z)
+    np.testing.assert_allclose(sorted(gaps), [1.3, 1.7, 2.0], atol=1e-9)
+
+
+def test_gaps_of_a_ring_close_around():
+    case = with_balls(scene("bearing-9"), [0.0, 2.0, -2.5])
+    layout = ball_layout(case)
+    gaps, _ = track_gaps(GrooveMap.of(case), layout.azimuth, layout.z)
+    np.testing.assert_allclose(sorted(gaps), sorted([2.0, 2.5, 2 * np.pi - 4.5]), atol=1e-9)
+    gaps, pairs = track_gaps(GrooveMap.of(case), layout.azimuth[:1], layout.z[:1])
+    np.testing.assert_allclose(gaps, [2.0 * np.pi])
+    assert pairs.tolist() == [[0, 0]]
+
+
+# --- fitting ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["lin-case1", "lin-case3"])
+@pytest.mark.parametrize("sides", [(0, 3), ALL])
+def test_lins_case_gets_the_usual_socket(name, sides):
+    size = fitted(scene(name), sides)
+    assert size == SocketSize(0.30, pytest.approx(1.2e-3), pytest.approx(1.24e-3 / 16.5e-3))
+
+
+def test_the_usual_socket_grows_with_the_ball():
+    case = scene("lin-nominal-4p1")
+    assert shares(case, fitted(case)) == pytest.approx((1.0, 1.0, 1.0))
+    assert fitted(case).depth == pytest.approx(1.2e-3 * 2.0 / 2.778)
+
+
+def test_narrow_beside_the_edge_of_the_groove():
+    case = scene("lin-case1")
+    m = GrooveMap.of(case)
+    low = 15.2e-3
+    size = fitted(case, (0,), land_screw=low)
+    _, edge = flank_limits(m, 0, low)
+    assert size.gamma < 0.9 * GAMMA
+    assert m.beta + (1.0 + BESIDE) * size.gamma == pytest.approx(edge)
+    assert shares(case, size)[1:] == pytest.approx((1.0, 1.0))
+    assert fitted(case, (3,), land_screw=low).gamma == GAMMA  # the nut's land is elsewhere
+
+
+# --- room for the contacts -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("reach", [0.2e-3, 0.55e-3, 0.8e-3, 1.2e-3, 1.5e-3])
+def test_sockets_are_as_wide_as_their_contacts_need(reach):
+    case = scene("lin-case1")
+    m = GrooveMap.of(case)
+    size, need = fitted(case, need=(reach, 0.1e-3)), reach / m.radius[0]
+    apex, edge = flank_limits(m, 0, case.screw.outer_diameter / 2.0)
+    room = min(m.beta - apex, edge - m.beta)
+    assert need <= ZONE * size.gamma * (1.0 + 1e-12)
+    assert (1.0 + CLOSE) * size.gamma <= room * (1.0 + 1e-12)
+    wanted = min(max(GAMMA, need / FILLED), room / (1.0 + BESIDE))
+    assert size.gamma == pytest.approx(max(wanted, min(SPARE * need / ZONE, 0.5 * (need / ZONE + room / (1.0 + CLOSE)))))
+    assert shares(case, size)[1:] == pytest.approx((1.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({}, r"of side SL: it reaches 1\.6 mm \(28\.2 deg\).*room for 1\.57 mm \(27\.6 deg\).*edge.*deepen the groove"),
+        ({"land_screw": 15.6e-3}, r"\(28\.2 deg\).*room for 1\.18 mm \(20\.8 deg\).*15\.6 mm, is 22\.5 deg.*lower"),
+    ],
+)
+def test_contacts_beyond_the_edge_are_refused_with_both_numbers(changes, match):
+    with pytest.raises(ValueError, match=match):
+        fitted(scene("lin-case1"), need=(1.6e-3, 0.1e-3), **changes)
+
+
+def test_contacts_beyond_the_apex_are_refused_with_both_numbers():
+    case = small_screw(4, beta=np.radians(20.0))
+    with pytest.raises(ValueError, match=r"reaches 1 mm .*because the apex between the two arcs is .* deg.*groove radius"):
+        fitted(case, need=(1e-3, 0.1e-3))
+
+
+def test_long_contacts_get_long_sockets_or_are_refused():
+    case = scene("lin-case1")
+    assert fitted(case, need=(0.2e-3, 0.9e-3)).phi == pytest.approx(0.9e-3 / FILLED / GrooveMap.of(case).R)
+    close = with_balls(small_screw(4), [0.0, 1.0, 1.12])
+    assert fitted(close, need=(0.2e-3, 0.5e-3)).phi == pytest.approx(0.12 / 2.6)
+    with pytest.raises(ValueError, match=r"too short.*balls 2 and 3"):
+        fitted(close, need=(0.2e-3, 0.8e-3))
+
+
+def test_sockets_beside_the_next_turn_stay_as_wide_as_their_contacts():
+    case = replace(scene("lin-nominal-4p1"), track=replace(scene("lin-nominal-4p1").track, lead=5.2e-3))
+    m = GrooveMap.of(case)
+    size, reach = fitted(case, need=(0.58e-3, 0.05e-3)), 0.58e-3
+    assert size.gamma >= reach / m.radius.min() / ZONE * (1.0 - 1e-12)
+    assert size.depth < DEPTH * m.ball
+
+
+def test_narrow_beside_the_apex():
+    case = small_screw(4, beta=np.radians(18.0))
+    m = GrooveMap.of(case)
+    size = fitted(case, (0,))
+    apex, _ = flank_limits(m, 0, case.screw.outer_diameter / 2.0)
+    assert m.beta - (1.0 + BESIDE) * size.gamma == pytest.approx(apex)
+
+
+@pytest.mark.parametrize("beta", [14.0, 30.0, 60.0, 74.0])
+@pytest.mark.parametrize("conformity", [1.02, 1.3])
+def test_sockets_of_a_ball_stay_apart(beta, conformity):
+    """Seen from the ball's centre, no rim comes nearer than a tenth of the way to the middle between two contacts."""
+    case = small_screw(4, beta=np.radians(beta))
+    radius = conformity * case.balls.radius
+    case = replace(case, screw=replace(case.screw, groove_radius=radius), nut=replace(case.nut, groove_radius=radius))
+    m = GrooveMap.of(case)
+    size = fitted(case, land_screw=16.45e-3, land_nut=16.55e-3)
+    for side in ALL:
+        x3, z3 = m.section(side, m.beta + size.gamma * np.array([-1.0, 1.0]), np.full(2, m.radius[side]))
+        angle = np.degrees(np.arctan2(np.abs(z3), np.abs(x3)))
+        assert np.all(np.sign(x3) == m.signs[side, 0])
+        assert np.all(np.sign(z3) == m.signs[side, 1])
+        assert 0.1 * beta < angle.min()
+        assert angle.max() < 90.0 - 0.1 * (90.0 - beta)
+
+
+@pytest.mark.parametrize(("sides", "change"), [((0,), {"bore_screw": 12.6e-3}), ((3,), {"outer_nut": 20.4e-3})])
+def test_shallow_over_a_thin_wall(sides, change):
+    case = scene("lin-case1")
+    m = GrooveMap.of(case)
+    size = fitted(case, sides, **change)
+    assert shares(case, size)[0] == 1.0
+    assert LEAST < shares(case, size)[1] < 0.95
+    assert wall_left(m, size, sides[0], next(iter(change.values()))) == pytest.approx(UNDER * size.depth, rel=1e-6)
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_short_between_close_balls(hand):
+    case = small_screw(2, hand=hand)
+    m = GrooveMap.of(case)
+    close = 1.8 * ALONG * m.ball / m.R
+    case = with_balls(case, [-3.0, -2.0, -2.0 + close, 0.0, 2.9])
+    size = fitted(case)
+    assert size.phi == pytest.approx(close / (2.0 + BETWEEN))
+    assert shares(case, size)[:2] == pytest.approx((1.0, 1.0))
+
+
+def test_small_beside_a_flat_end():
+    case = scene("bearing-9")
+    m = GrooveMap.of(case)
+    size = fitted(case)
+    found = shares(case, size)
+    assert found == pytest.approx((found[0],) * 3)
+    assert LEAST < found[0] < 0.95
+    below, above = reach(m, size, ALL)
+    assert max(below, above) + AWAY * m.ball == pytest.approx(8e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize(("sides", "lead"), [((0, 3), 4.1e-3), (ALL, 5.2e-3)])
+def test_small_beside_the_next_turn(sides, lead):
+    case = replace(scene("lin-nominal-4p1"), track=replace(scene("lin-nominal-4p1").track, lead=lead))
+    m = GrooveMap.of(case)
+    size = fitted(case, sides)
+    assert LEAST < shares(case, size)[0] < 0.95
+    left = min(turn_left(m, size, tuple(s for s in sides if (s < 2) == screw)) for screw in (True, False))
+    assert left == pytest.approx(AWAY * m.ball, rel=1e-6)
+
+
+def test_ends_are_measured_from_the_outermost_balls():
+    """A ball pattern off the nut's middle is nearer to one end."""
+    case = small_screw(4, lead=20e-3)
+    far = with_balls(case, np.array(case.balls.azimuths) + 6.0)
+    near_end = float(ball_layout(far).z.max()) + 3.7e-3
+    assert shares(case, fitted(case, ends=(0.0, near_end)))[0] == 1.0
+    assert shares(far, fitted(far, ends=(0.0, near_end)))[0] < 1.0
+
+
+@pytest.mark.parametrize(
+    ("case", "sides", "change", "match"),
+    [
+        (scene("lin-case1"), (0,), {"land_screw": 14.9e-3}, r"narrow.*edge of the groove.*14\.9 mm.*deepen the groove"),
+        (scene("lin-case1"), (0,), {"land_screw": 14.3e-3}, "SL flank ends before its contact.*move the land"),
+        (small_screw(4, beta=np.radians(8.0)), (0,), {}, "narrow.*apex.*bring the groove radius closer"),
+        (small_screw(4, beta=np.radians(9.0)), (0, 1), {}, "narrow.*deg.*contact|narrow.*apex"),
+        (scene("lin-case1"), (0,), {"bore_screw": 13.5e-3}, "shallow.*wall.*screw's bore.*thicken"),
+        (scene("lin-case1"), (3,), {"outer_nut": 19.5e-3}, "shallow.*wall.*nut's outside.*thicken"),
+        (with_balls(small_screw(4), [0.0, 1.0, 1.06]), ALL, {}, "short.*balls 2 and 3 are 0.99 mm apart.*spread them"),
+        (with_balls(small_screw(4), [0.0, 1.0, 1.0]), ALL, {}, "only 0 %.*balls 2 and 3 are 0 mm apart"),
+        (scene("bearing-9"), ALL, {"ends": (2.5e-3, 13.5e-3)}, "outermost balls are 5.5 mm and 5.5 mm.*lengthen the nut"),
+        (scene("lin-case1"), ALL, {"ends": (0.3, 0.41)}, "from the flat ends; lengthen the nut or move balls"),
+    ],
+)
+def test_no_room_is_refused_with_cause_and_remedy(case, sides, change, match):
+    with pytest.raises(ValueError, match=match):
+        fitted(case, sides, **change)
+
+
+def test_no_room_before_the_next_turn_is_refused():
+    case = scene("lin-nominal-4p1")
+    case = replace(case, track=replace(case.track, lead=4.0e-3))
+    with pytest.raises(ValueError, match="next turn of the groove is 4 mm on; raise the lead"):
+        fitted(case)
+
+
+# --- sockets that do not fit -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("size", "match"),
+    [
+        (replace(SIZE, gamma=0.55), "over its flank"),
+        (replace(SIZE, depth=1.8e-3), "through the wall"),
+        (replace(SIZE, phi=0.6), "balls 1 and 2 overlap"),
+    ],
+)
+def test_misfits_are_refused(size, match):
+    spec = body_specs(small_screw(6), (0,))["screw"]
+    with pytest.raises(ValueError, match=rf"socket.*{match}.*make the sockets smaller"):
+        refuse_misfit(GrooveMap.of(small_screw(6)), size, spec.sockets, 16e-3, 12.6e-3, (0.0, 0.2))
+
+
+def test_sockets_at_an_end_or_on_no_groove_are_refused():
+    case = small_screw(6)
+    m, spec = GrooveMap.of(case), body_specs(case, (0,))["screw"]
+    refuse_misfit(m, SIZE, spec.sockets, 16e-3, 1.5e-3, (0.08, 0.12))
+    with pytest.raises(ValueError, match="flat end"):
+        refuse_misfit(m, SIZE, spec.sockets, 16e-3, 1.5e-3, (0.08, 0.107))
+    phi, z, side = spec.sockets[0]
+    with pytest.raises(ValueError, match="lies on no groove"):
+        refuse_misfit(m, SIZE, ((phi + 0.1, z, side),), 16e-3, 1.5e-3, (0.08, 0.12))
+    refuse_misfit(m, SIZE, ((phi + 2.0 * np.pi, z, side),), 16e-3, 1.5e-3, (0.08, 0.12))
+
+
+def test_sockets_of_neighbouring_turns_that_meet_are_refused():
+    case = scene("lin-nominal-4p1")
+    case = replace(case, track=replace(case.track, lead=4.4e-3))
+    m, layout = GrooveMap.of(case), ball_layout(case)
+    sockets = tuple((float(a), float(z), s) for a, z in zip(layout.azimuth, layout.z, strict=True) for s in (2, 3))
+    with pytest.raises(ValueError, match="next turn"):
+        refuse_misfit(m, SocketSize(0.3, 0.9e-3, 0.05), sockets, 15e-3, 22e-3, (0.1, 0.2))

@@ -1,0 +1,77 @@
+"""Dimensions that only the 3D reference needs, the homogenised shaft, and compliances of held bodies."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from compare.scenes import catalogue
+from hifi import response
+from hifi.cell import homogenise, with_core
+from hifi.shaft import round_section
+from meshes.groove_map import GrooveMap
+from meshes.parts import Solid
+from meshes.solid import dimensions
+
+
+def test_what_a_scene_does_not_give_is_assumed_and_said():
+    scene = catalogue.scene("lin-case1")
+    d = dimensions(scene)
+    assert (d.land, d.hole, d.shaft) == pytest.approx((17e-3, 1.5e-3, 24.75e-3))
+    assert (d.nut_held, d.screw_held, d.shaft_radius) == ("left face", "ends", None)
+    assert d.ends(scene) == pytest.approx((0.34825, 0.45175))
+    text = " ".join(d.assumed)
+    assert all(word in text for word in ("34 mm", "3 mm diameter", "left face", "24.8 mm"))
+    given = replace(scene, solid=Solid(33.6e-3, 4e-3, 10e-3, 30e-3, "both faces", "ends"))
+    d = dimensions(given)
+    assert (d.land, d.hole, d.shaft, d.shaft_radius) == pytest.approx((16.8e-3, 2e-3, 10e-3, 15e-3))
+    assert d.nut_held == "both faces"
+    assert len(d.assumed) == 1  # flat faces and a groove that runs through: nothing else
+
+
+def test_a_bearing_on_a_stiff_shaft():
+    d = dimensions(catalogue.scene("bearing-9"))
+    assert (d.nut_held, d.screw_held, d.shaft, d.hole) == ("outer surface", "bore", 0.0, 25e-3)
+    assert "bore" in " ".join(d.assumed)
+
+
+def test_the_stretch_ends_where_the_screw_does():
+    scene = catalogue.scene("lin-case1")
+    short = replace(scene, nut=replace(scene.nut, position=30e-3))
+    assert dimensions(short).ends(short)[0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("solid", "key"), [(Solid(nut_inner_diameter=33e-3), "nut_inner_diameter"), (Solid(hole_diameter=28e-3), "hole")]
+)
+def test_dimensions_without_groove_or_wall_are_refused(solid, key):
+    with pytest.raises(ValueError, match=key):
+        dimensions(replace(catalogue.scene("lin-case1"), solid=solid))
+
+
+def test_homogenised_shaft_lies_between_root_and_lands():
+    scene = catalogue.scene("lin-case1")
+    m, steel = GrooveMap.of(scene), scene.screw.material
+    found = homogenise(m, 16e-3, 1.5e-3, steel, 8e-3)
+    root = m.R - m.radius[0] * np.cos(np.pi / 4)
+    assert all(root < r < 16e-3 for r in found.radii)
+    assert found.radii[0] < found.radii[1] < found.radii[2]  # axial, bending, torsion
+    assert abs(found.coupling) < 0.02
+    core, whole = round_section(1.5e-3, steel.youngs_modulus, steel.poissons_ratio), with_core(found.section, 1.5e-3, steel)
+    assert pytest.approx(core.EA) == whole.EA - found.section.EA
+    # volume: the axial section can be no stiffer than the mean cross-section (Voigt)
+    groove = 0.5 * 3.254e-3**2 * (np.pi - 0.9)
+    area = np.pi * (16e-3**2 - 1.5e-3**2) - 2.0 * np.pi * m.R * groove / (20e-3) * 0.8
+    assert 1.02 * steel.youngs_modulus * area > found.section.EA
+
+
+def test_compliance_of_many_rows():
+    rng = np.random.default_rng(3)
+    n = 60
+    A = sp.random(n, n, 0.1, random_state=rng) + sp.identity(n) * 4.0
+    K = (A @ A.T).tocsc()
+    rows = sp.random(12, n, 0.3, random_state=rng).tocsr()
+    wanted = rows @ np.linalg.solve(K.toarray(), rows.toarray().T)
+    np.testing.assert_allclose(response.compliance(K, rows), wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
+    assert response.compliance(K, rows[:0]).shape == (0, 0)

@@ -1,0 +1,200 @@
+"""Groove surfaces against an independent S(phi, gamma): derivatives, normals and principal curvatures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi.statics.kernel.contact import flank
+from meshes.errors import specimen
+from meshes.helix import ball_layout, lead_angle, reduced_lead
+from meshes.parts import SIDES, Errors
+from meshes.surface import fundamental_forms, groove_profile, principal_curvatures, surface_derivatives
+from tests.helpers import FLANK_ERRORS, small_screw
+
+#: Signs (s_x, s_z) of the contact direction, written out once more.
+DIRECTION = {"SL": (-1, -1), "SR": (-1, 1), "NL": (1, -1), "NR": (1, 1)}
+SCREWS = {
+    "nominal": {},
+    "left hand": {"hand": "left", "phase": 0.7},
+    "bearing": {"lead": 0.0},
+    "steep": {"lead": 40e-3, "beta": 0.9},
+}
+
+
+def surface(scene, name, phi, gamma):
+    """S(phi, gamma) of Lin 2.1, 2.3, 2.6, 2.27, 4.1, 4.3 at one point, for complex arguments too."""
+    track, side = scene.track, scene.errors.side(name)
+    body = scene.screw if name[0] == "S" else scene.nut
+    sx, sz = DIRECTION[name]
+    slack, beta = body.groove_radius - scene.balls.radius, track.contact_angle
+    own = phi - (scene.nut.azimuth if name[0] == "N" else 0.0)
+
+    def series(terms):
+        return sum(t.sin * np.sin(t.harmonic * own) + t.cos * np.cos(t.harmonic * own) for t in terms)
+
+    rg = (1 if track.hand == "right" else -1) * track.lead / (2 * np.pi)
+    alpha = np.arctan(rg / track.pitch_radius)
+    rho = body.groove_radius - sum(c * gamma**k for k, c in enumerate(side.profile))
+    pitch = series(side.pitch) * (np.cos(alpha) if side.pitch_along == "axis" else 1.0)
+    x3 = sx * rho * np.cos(gamma) - slack * sx * np.cos(beta) + series(side.roundness)
+    z3 = sz * rho * np.sin(gamma) - slack * sz * np.sin(beta) + pitch
+    x, y = track.pitch_radius + x3, -z3 * np.sin(alpha)
+    c, s = np.cos(phi), np.sin(phi)
+    z = scene.nut.position + rg * (phi - track.phase) + z3 * np.cos(alpha)
+    return np.array([x * c - y * s, x * s + y * c, z])
+
+
+def derivatives(scene, name, phi, gamma, h=1e-5):
+    """First derivatives by complex step; second ones by central differences of those (error about 1e-10)."""
+    tiny = 1e-30
+
+    def by_phi(p, g):
+        return surface(scene, name, p + 1j * tiny, g).imag / tiny
+
+    def by_gamma(p, g):
+        return surface(scene, name, p, g + 1j * tiny).imag / tiny
+
+    return {
+        "Sp": by_phi(phi, gamma),
+        "Sg": by_gamma(phi, gamma),
+        "Spp": (by_phi(phi + h, gamma) - by_phi(phi - h, gamma)) / (2 * h),
+        "Spg": (by_phi(phi, gamma + h) - by_phi(phi, gamma - h)) / (2 * h),
+        "Sgg": (by_gamma(phi, gamma + h) - by_gamma(phi, gamma - h)) / (2 * h),
+    }
+
+
+def cylindrical(vector, phi):
+    c, s = np.cos(phi), np.sin(phi)
+    return np.array([c * vector[0] + s * vector[1], -s * vector[0] + c * vector[1], vector[2]])
+
+
+def setup(errors=None, **options):
+    scene = replace(small_screw(**options), errors=errors or Errors())
+    scene = replace(scene, nut=replace(scene.nut, azimuth=0.4))
+    layout = ball_layout(scene)
+    return scene, layout, specimen(scene, layout), np.linspace(0.3, 1.2, layout.z.size)
+
+
+@pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
+@pytest.mark.parametrize("screw", SCREWS)
+@pytest.mark.parametrize("side", range(4), ids=SIDES)
+def test_derivatives(side, screw, errors):
+    scene, layout, drawn, gamma = setup(errors, **SCREWS[screw])
+    found = surface_derivatives(scene, drawn, side, gamma)
+    for i, phi in enumerate(layout.azimuth):
+        expected = derivatives(scene, SIDES[side], phi, gamma[i])
+        for key, value in expected.items():
+            assert found[key][i] == pytest.approx(cylindrical(value, phi), rel=1e-12, abs=2e-12), key
+        point = cylindrical(surface(scene, SIDES[side], phi, gamma[i]), phi)
+        assert found["S"][i] + [0.0, 0.0, layout.z[i]] == pytest.approx(point, abs=1e-16)
+
+
+@pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
+@pytest.mark.parametrize("screw", SCREWS)
+@pytest.mark.parametrize("side", range(4), ids=SIDES)
+def test_curvatures_are_those_of_the_independent_surface(side, screw, errors):
+    """Weingarten's map from the independent derivatives, with the normal taken towards the ball's centre."""
+    scene, layout, drawn, gamma = setup(errors, **SCREWS[screw])
+    found = principal_curvatures(scene, drawn, side, gamma)
+    for i, phi in enumerate(layout.azimuth):
+        d = derivatives(scene, SIDES[side], phi, gamma[i])
+        normal = np.cross(d["Sp"], d["Sg"])
+        normal /= np.linalg.norm(normal)
+        to_ball = layout.centre[i] - surface(scene, SIDES[side], phi, gamma[i])
+        normal *= np.sign(normal @ to_ball)
+        first = np.array([[d["Sp"] @ d["Sp"], d["Sp"] @ d["Sg"]], [d["Sp"] @ d["Sg"], d["Sg"] @ d["Sg"]]])
+        second = np.array([[d["Spp"] @ normal, d["Spg"] @ normal], [d["Spg"] @ normal, d["Sgg"] @ normal]])
+        expected = np.sort(-np.linalg.eigvals(np.linalg.solve(first, second)).real)
+        assert found[i] == pytest.approx(expected, rel=1e-7)
+
+
+@pytest.mark.parametrize("beta", [0.2, np.pi / 4, 1.3])
+def test_torus_limit(beta):
+    """Zero lead: -1/r_G across; along, the normal curvature of a circle of latitude of the torus."""
+    scene, _, drawn, _ = setup(lead=0.0, beta=beta)
+    gamma = np.full(6, beta)
+    radius, ball = scene.track.pitch_radius, scene.balls.radius
+    for side, groove, sign in ((0, 3.254e-3, 1), (1, 3.254e-3, 1), (2, 3.3e-3, -1), (3, 3.3e-3, -1)):
+        along = sign * np.cos(beta) / (radius - sign * ball * np.cos(beta))
+        found = principal_curvatures(scene, drawn, side, gamma)
+        assert found[:, 0] == pytest.approx(np.full(6, -1 / groove), rel=1e-12)
+        assert found[:, 1] == pytest.approx(np.full(6, along), rel=1e-12)
+
+
+@pytest.mark.parametrize("lead", [0.0, 5e-3, 20e-3, 40e-3])
+def test_signs_of_the_curvatures(lead):
+    """Concave across both grooves; along the track the screw is convex and the nut concave."""
+    scene, _, drawn, _ = setup(lead=lead)
+    gamma = np.full(6, np.pi / 4)
+    for side in range(4):
+        low, high = principal_curvatures(scene, drawn, side, gamma)[0]
+        assert low == pytest.approx(-1 / (3.254e-3 if side < 2 else 3.3e-3), rel=0.1)
+        assert (high > 0.0) == (side < 2)
+        assert abs(high) < 0.35 * abs(low)
+
+
+@pytest.mark.parametrize("side", range(4), ids=SIDES)
+def test_hand_and_flank_do_not_matter(side):
+    """A left-hand groove is the mirror image of the right-hand one, and SL of SR turned about the radius."""
+    gamma = np.full(6, 0.7)
+
+    def curvatures(hand, which):
+        scene, _, drawn, _ = setup(hand=hand)
+        return principal_curvatures(scene, drawn, which, gamma)
+
+    right = curvatures("right", side)
+    assert curvatures("left", side) == pytest.approx(right, rel=1e-12)
+    assert curvatures("right", side ^ 1) == pytest.approx(right, rel=1e-12)
+
+
+@pytest.mark.parametrize("side", range(4), ids=SIDES)
+def test_unit_normal_is_normal(side):
+    scene, _, drawn, gamma = setup(FLANK_ERRORS)
+    d = surface_derivatives(scene, drawn, side, gamma)
+    first, second, normal = fundamental_forms(d)
+    assert np.linalg.norm(normal, axis=1) == pytest.approx(np.ones(6), rel=1e-14)
+    for key in ("Sp", "Sg"):
+        assert np.einsum("ni,ni->n", normal, d[key]) == pytest.approx(np.zeros(6), abs=1e-16)
+    assert np.array_equal(first, np.swapaxes(first, 1, 2))
+    assert np.array_equal(second, np.swapaxes(second, 1, 2))
+
+
+def test_profile_derivatives():
+    profile, gamma = np.array([1e-6, -3e-6, 2e-6, 5e-7]), np.linspace(0.1, 1.4, 7)
+    value, slope, bend = groove_profile(gamma, 3e-3, profile)
+    assert value == pytest.approx(3e-3 - (1e-6 - 3e-6 * gamma + 2e-6 * gamma**2 + 5e-7 * gamma**3), rel=1e-15)
+    assert slope == pytest.approx(-(-3e-6 + 4e-6 * gamma + 1.5e-6 * gamma**2), rel=1e-13)
+    assert bend == pytest.approx(-(4e-6 + 3e-6 * gamma), rel=1e-13)
+    assert np.array_equal(groove_profile(gamma, 3e-3, np.zeros(0))[1:], np.zeros((2, 7)))
+
+
+def test_constant_offset_of_all_flanks_is_a_change_of_radius():
+    side = replace(FLANK_ERRORS.SL, profile=(1e-6,), pitch=())
+    drawn = setup(Errors(SL=side))[2]
+    assert drawn.radius == pytest.approx([3.253e-3, 3.254e-3, 3.3e-3, 3.3e-3], rel=1e-14)
+    assert drawn.profile.shape == (4, 0)
+
+
+@pytest.mark.parametrize("side", range(4), ids=SIDES)
+def test_contact_curvature_in_the_section_plane_without_lead(side):
+    """The kernel's 1/(R_c - d), R_c the radius of the uneven profile, agrees with the surface's curvature across."""
+    scene, layout, drawn, _ = setup(Errors(**{SIDES[side]: FLANK_ERRORS.side(SIDES[side])}), lead=0.0)
+    sx, sz = DIRECTION[SIDES[side]]
+    offset = -drawn.centre[0, side]
+    delta, mx, mz, kt = flank(
+        0.0, 0.0, *offset, drawn.ball_radius[0], drawn.radius[side], drawn.profile[side], float(sx), float(sz)
+    )
+    point = offset + (drawn.ball_radius[0] - delta) * np.array([mx, mz])
+    gamma = np.full(layout.z.size, np.arctan2(sz * point[1], sx * point[0]))
+    d = surface_derivatives(scene, drawn, side, gamma)
+    tangent, bend = d["Sg"][0][[0, 2]], d["Sgg"][0][[0, 2]]
+    assert tangent @ [mx, mz] == pytest.approx(0.0, abs=1e-16)
+    curvature = -(bend @ [mx, mz]) / (tangent @ tangent)
+    assert kt == pytest.approx(1 / (1 / curvature - (drawn.ball_radius[0] - delta)), rel=1e-10)
+
+
+def test_lead_and_its_angle():
+    right, left = small_screw().track, small_screw(hand="left").track
+    assert reduced_lead(right) == -reduced_lead(left) == 20e-3 / (2 * np.pi)
+    assert lead_angle(right) == -lead_angle(left) == pytest.approx(np.arctan(20 / (33 * np.pi)), rel=1e-15)

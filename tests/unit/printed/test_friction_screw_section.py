@@ -1,0 +1,210 @@
+"""Report's section on friction in a ball screw, stability of friction, run times: entries, verdicts, data."""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.costs import friction_bench
+from compare.evidence import screw as friction_screw_values
+from compare.extremes import friction as friction_stability
+from compare.extremes.tally import Record, Tally
+from compare.models.study import Study
+from compare.printed.printed_data import load_table
+from compare.sections import friction_screw
+from reports.figures import draw
+from reports.records import Figure, Section, Table, Text
+
+#: Dimensions of Table 4.2 that no model takes, so that there is nothing to hold them against.
+UNUSED = {"outer_diameter", "inner_diameter", "thickness_4p"}
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return Study()
+
+
+@pytest.fixture(scope="module")
+def made(study) -> Section:
+    steps: list[str] = []
+    section = friction_screw.section(study, steps.append)
+    assert len(steps) == 4
+    return section
+
+
+@pytest.fixture(scope="module")
+def found(study):
+    return friction_screw_values.findings(study)
+
+
+@pytest.fixture(scope="module")
+def records() -> list[Record]:
+    return friction_stability.rows()
+
+
+def tables(made) -> dict[str, Table]:
+    return {item.name: item for item in made.items if isinstance(item, Table)}
+
+
+def test_name_and_unique_items(made):
+    assert made.name == "friction-screw"
+    assert made.title == "Friction in a ball screw: two balls, a whole screw, and bearings in pairs"
+    names = [item.name for item in made.items if not isinstance(item, Text)]
+    assert len(names) == len(set(names)) == 12
+
+
+def test_every_printed_entry_has_one_finding(found):
+    keys = Counter((f.printed.table, f.printed.key) for f in found)
+    assert keys == Counter((row.table, row.key) for t in friction_screw_values.TABLES for row in load_table(t))
+
+
+def test_verdicts_are_those_of_the_literature_tests(found):
+    """There every entry that is not open passes."""
+    for f in found:
+        if f.printed.cls == "open" or f.printed.key in UNUSED:
+            assert f.verdict == "open", f.printed.key
+        else:
+            right = {"band": "within its band", "input": "taken over"}.get(f.printed.cls, "reproduced")
+            assert f.verdict == right, (f.printed.key, f.value, f.holds)
+
+
+def test_shown_rows_are_the_entries(made):
+    shown = tables(made)
+    for name in friction_screw_values.TABLES:
+        table = shown[f"friction-{name}"]
+        for row, printed in zip(table.rows, load_table(name), strict=True):
+            assert set(row) == {c.key for c in table.columns}
+            assert row["class"] == printed.cls
+            assert row["printed"] == (printed.printed or "–")
+            assert row["remark"]
+
+
+def test_both_readings_stand_side_by_side(made):
+    """Errors belong to the plain reading; the inferred one is labelled and has its own."""
+    rows = {p.key: r for p, r in zip(load_table("lin-3.7"), tables(made)["friction-lin-3.7"].rows, strict=True)}
+    expected = {
+        "force_a": (0.98316, 1.9615),
+        "force_b": (1.29143, 2.9468),
+        "increase_a": (37.855, 39.369),
+        "increase_b": (49.858, 60.176),
+    }
+    for key, two in expected.items():
+        assert (rows[key]["right"], rows[key]["as_printed"]) == pytest.approx(two, rel=2e-4)
+    assert rows["force_a"]["error"] == pytest.approx(-48.8, abs=0.1)
+    assert rows["force_a"]["inferred_error"] == pytest.approx(2.2, abs=0.1)
+    assert "does not give it" in rows["force_a"]["remark"]
+    labels = {c.key: c.label for c in tables(made)["friction-lin-3.7"].columns}
+    assert "inferred" in labels["as_printed"]
+    assert "plain" in labels["right"]
+
+
+def test_readings_and_their_labels(made):
+    rows = tables(made)["friction-readings"].rows
+    kinds = Counter(r["kind"] for r in rows)
+    assert kinds["plain"] == kinds["inferred"] == 1
+    assert len(rows) == 14
+    assert all(r["status"] == "converged" for r in rows)
+    own = {r["kind"]: r for r in rows}
+    assert own["plain"]["load_a"] < 0.6 * own["inferred"]["load_a"]
+
+
+def test_whole_runs(made):
+    rows = tables(made)["friction-run-sensitivity"].rows
+    assert {"theta", "axial force", "oversize", "phase of theta", "time step"} <= {r["assumption"] for r in rows}
+    for r in rows:
+        done, total = r["steps"].split(" of ")
+        assert done == total, r["value"]
+    assert [rows[k]["largest"] for k in (0, 1)] == pytest.approx([18.83, 76.74], abs=0.05)
+    assert all(r["at"] is None for r in rows if r["largest"] == 0.0)
+
+
+def test_first_step_makes_most_of_the_variation_without_oversize(found):
+    loose = friction_screw_values.run(3.0, 0.0, "ball and screw")
+    assert friction_screw_values.summarise(loose).groove_variation > 0.3
+    assert friction_screw_values.variation(loose) < 0.08
+    text = next(f.evidence for f in found if f.printed.key == "groove_steady")
+    assert "6.8%" in text
+    assert "37%" in text
+
+
+def test_bearings_and_onset(made):
+    rows = tables(made)["friction-bearings"].rows
+    assert all(r["status"] == "converged" for r in rows)
+    four = [r["to_18"] for r in rows if r["bearing"] == "four-point" and r["assumption"] != "tilt held"]
+    double = [r["to_18"] for r in rows if r["bearing"] == "double row"]
+    assert min(four) > 3.0 * max(double)
+    first = {(r["errors"], r["idle"]): r["first"] for r in tables(made)["friction-onset"].rows}
+    assert len(first) == 12
+    assert first["roundness", 0.0] == pytest.approx(5.85, abs=0.05)
+    assert first["roundness", 0.9] < 0.01 * first["pitch", 0.9]
+    assert first["roundness", 1.0] > 3600.0
+
+
+def test_figures_have_data_and_can_be_drawn(made):
+    figures = [item for item in made.items if isinstance(item, Figure)]
+    assert [f.name for f in figures] == ["friction-pair-maps", "friction-run", "friction-load-angle"]
+    for figure in figures:
+        assert 1 <= len(figure.panels) <= 6
+        assert len(figure.caption) > 60
+        for panel in figure.panels:
+            for series in panel.series:
+                assert len(series.x) == len(series.y) > 1
+                assert np.isfinite(series.y).all()
+        assert draw(figure).startswith("<?xml")
+
+
+def test_torque_parts_add_up(made):
+    figure = next(item for item in made.items if isinstance(item, Figure) and item.name == "friction-run")
+    split = [p for p in figure.panels if p.title.startswith("torque")]
+    assert len(split) == 3
+    for panel in split:
+        groove, ball, total = (np.array(s.y) for s in panel.series)
+        np.testing.assert_allclose(groove + ball, total, rtol=1e-12)
+        assert ball.max() > 0.0
+        assert panel.series[0].x[-1] == pytest.approx(1.99)
+
+
+def test_ours_has_no_failure_and_unique_answers(records):
+    for r in records:
+        assert r.ours == r.tries > 0, r
+        assert r.energy < 1e-8, r
+        assert r.spread < 1e-8, r
+    groups = {r.group for r in records}
+    assert {"k_S 100", "k_S 1000", "k_S 10000", "two-point transition", "zero speed", "chains"} <= groups
+
+
+def test_root_finding_of_the_source_fails(records):
+    theirs = [r for r in records if r.source is not None and r.source_tries and r.group != "zero speed"]
+    assert sum(r.source for r in theirs) < 0.7 * sum(r.source_tries for r in theirs)
+    printed = [r for r in records if r.model == "rotary, cases I to III as printed"]
+    assert len(printed) == 6
+    assert all(r.source < r.source_tries for r in printed)
+
+
+def test_a_failure_would_be_counted(records):
+    """Wrong answers, lost power and failures show up in a record."""
+    tally = Tally()
+    tally.add(True, 1.0, 1.0, 0.0)
+    tally.add(False, 1.1, 1.0, 0.2)
+    r = tally.record("group", "model")
+    assert (r.ours, r.tries) == (1, 2)
+    assert (r.energy, r.spread) == pytest.approx((0.1, 0.2))
+    assert r.source is None
+    text, table = friction_stability.table_section_items([r, replace(records[0], source=3, source_tries=9)])
+    assert isinstance(table, Table)
+    assert table.rows[0]["ours"] == "1 of 2"
+    assert [row["source"] for row in table.rows] == ["–", "3 of 9"]
+    assert "3 of 9" in text.paragraphs[0]
+
+
+def test_bench_rows_are_positive():
+    rows = list(friction_bench.jobs(1))
+    assert len({r.name for r in rows}) == len(rows) == 14
+    for r in rows:
+        assert r.seconds > 0.0
+        assert r.target > 0.0
+        assert r.ratio is None or r.ratio > 0.0
+        assert r.reached == (r.seconds <= r.target)
+        assert len(r.note) > 10
+    assert {r.target for r in rows} == {1e-6, 0.15e-3, 1e-3, 5 * 0.15e-3, 20 * 0.15e-3, 20e-3, 3.0}

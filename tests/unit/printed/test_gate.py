@@ -1,0 +1,53 @@
+"""The gate passes as it stands and fails where the model is made wrong."""
+
+from dataclasses import replace
+
+import pytest
+
+from compare.gate import gate
+from compare.models.study import Study
+
+
+def test_passes() -> None:
+    rows = gate.run_gate(7.0)
+    assert len(rows) > 50
+    assert [row.name for row in rows if not row.passed] == []
+
+
+def test_every_kind_of_check_is_there() -> None:
+    kinds = {row.kind for row in gate.run_gate(7.0)}
+    assert kinds == {
+        "printed, hard",
+        "printed, as-printed",
+        "input, held by its scene",
+        "claim, hard",
+        "closed form",
+        "balance",
+        "two solvers",
+        "3D reference",
+        "3D reference, tight",
+        "source's model",
+    }
+
+
+def test_a_stiffness_off_by_20_per_cent_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    import lowfi.statics.problem
+
+    right = lowfi.statics.problem.hertz_C
+    monkeypatch.setattr(lowfi.statics.problem, "hertz_C", lambda *parts: 1.2 * right(*parts))
+    failed = [row.name for row in gate.closed_form_rows(Study(), 7.0) if not row.passed]
+    assert any("oversize" in name for name in failed)
+
+
+def test_a_wrong_printed_digit_fails() -> None:
+    from compare.sections import hertz
+
+    found = hertz.findings(Study())[3]
+    assert gate.finding_row(found, 7.0).passed
+    wrong = replace(found, as_printed=1.001 * (found.as_printed or 0.0))
+    assert not gate.finding_row(wrong, 7.0).passed
+
+
+def test_tighter_limit_is_used() -> None:
+    assert gate.number_row("x", "closed form", 1.05, 1.0, 7.0).passed
+    assert not gate.number_row("x", "closed form", 1.08, 1.0, 7.0).passed

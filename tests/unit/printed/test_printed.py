@@ -1,0 +1,242 @@
+"""Printed tables: values as printed, tolerances, validation, agreement with each other and the scenes."""
+
+import math
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from compare.errors import InputError
+from compare.printed import printed_data
+from compare.printed.findings import Finding, sentences
+from compare.scenes import catalogue
+from compare.sections import overview
+from lowfi.friction.screw.run import Run
+
+TABLES = printed_data.tables()
+ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "hard"\n'
+
+
+def row(table, key):
+    (found,) = (r for r in printed_data.load_table(table) if r.key == key)
+    return found
+
+
+def test_tables_are_shipped():
+    assert set(TABLES) >= {"lin-B1", "lin-2.4.1", "lin-2.4.2", "lin-2.2", "lin-4.3.2"}
+    assert catalogue.printed_tables() == TABLES
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_every_row_is_complete(name):
+    rows = printed_data.load_table(name)
+    assert rows
+    for r in rows:
+        assert r.table == name
+        assert r.place.startswith("Smith (1994), " if name.startswith("smith") else "Lin (2019), ")
+        assert r.remark
+        assert (r.value is None) == bool(r.claim)
+        assert r.value is None or r.value == float(r.printed)
+        if r.cls == "band":
+            assert len(r.origin) > 20
+            assert r.value is None or r.low <= r.value <= r.high
+
+
+def test_b1_has_all_rows_as_printed():
+    values = {r.key: (r.printed, r.unit) for r in printed_data.load_table("lin-B1")}
+    c, a = "m/N^(2/3)", "m/N^(1/3)"
+    assert values == {
+        "e_S": ("0.978", ""),
+        "e_N": ("0.967", ""),
+        "F_1": ("1", ""),
+        "C_S": ("1.812e-7", c),
+        "C_N": ("1.628e-7", c),
+        "C_aS": ("7.962e-5", a),
+        "C_bS": ("1.657e-5", a),
+        "C_aN": ("8.030e-5", a),
+        "C_bN": ("2.036e-5", a),
+        "rho1_S": ("-3.137", "mm"),
+        "rho2_S": ("10.254", "mm"),
+        "rho1_N": ("-13.141", "mm"),
+        "rho2_N": ("-3.077", "mm"),
+        "R1_S": ("2.186", "mm"),
+        "R2_S": ("24.254", "mm"),
+        "R1_N": ("3.523", "mm"),
+        "R2_N": ("28.612", "mm"),
+        "rho_eq_S": ("7.281", "mm"),
+        "rho_eq_N": ("10.040", "mm"),
+    }
+    assert {r.cls for r in printed_data.load_table("lin-B1")} == {"as-printed"}
+
+
+def test_b1_agrees_with_itself():
+    """B.2 between the table's own rows: rho_eq is the geometric mean of R' and R'', to the digits printed."""
+    v = {r.key: r.value for r in printed_data.load_table("lin-B1")}
+    assert math.sqrt(v["R1_S"] * v["R2_S"]) == pytest.approx(v["rho_eq_S"], abs=2e-3)
+    assert math.sqrt(v["R1_N"] * v["R2_N"]) == pytest.approx(v["rho_eq_N"], abs=2e-3)
+    # The screw's R' goes with rho'' and its R'' with rho', as the remark says.
+    assert 1.0 / (1.0 / 2.778 + 1.0 / v["rho2_S"]) == pytest.approx(v["R1_S"], abs=1e-3)
+    assert 1.0 / (1.0 / 2.778 + 1.0 / v["rho1_S"]) == pytest.approx(v["R2_S"], rel=2e-3)
+
+
+def test_speed_ratio_follows_from_table_2_2():
+    ratios = [
+        row("lin-2.2", f"time_ansys_{i}").value * 3600.0 / row("lin-2.2", f"time_proposed_{i}").value for i in (1, 2, 3)
+    ]
+    printed = row("lin-2.4.1", "speed_ratio")
+    assert printed.cls == "hard"
+    assert min(ratios) > printed.value
+    assert min(ratios) == pytest.approx(printed.value, abs=printed.tolerance)
+
+
+def test_groove_range_follows_from_the_scene():
+    """Lin C.5 with the inferred outer diameter of the shipped scene gives the printed range of gamma."""
+    s = catalogue.scene("lin-case1")
+    r, slack, beta = s.screw.groove_radius, s.screw.groove_radius - s.balls.radius, s.track.contact_angle
+    d1 = slack * math.sin(beta)
+    d2 = slack * math.cos(beta) + s.track.pitch_radius - s.screw.outer_diameter / 2.0
+    low, high = row("lin-2.4.2", "gamma_low"), row("lin-2.4.2", "gamma_high")
+    assert math.asin(d1 / r) / math.pi == pytest.approx(low.value, abs=low.tolerance)
+    assert 0.5 - math.asin(d2 / r) / math.pi == pytest.approx(high.value, abs=high.tolerance)
+
+
+def test_given_errors_and_force_of_4_3_2_are_in_the_scenes():
+    for screw in ("4p1", "2p1"):
+        pitch, roundness = catalogue.scene(f"lin-pitch-{screw}"), catalogue.scene(f"lin-roundness-{screw}")
+        for side in ("SL", "SR"):
+            assert pitch.errors.side(side).pitch[0].sin * 1e6 == pytest.approx(row("lin-4.3.2", "e_p").value)
+            assert pitch.errors.side(side).pitch_along == "axis"
+            term = roundness.errors.side(side).roundness[0]
+            assert (term.sin * 1e6, term.harmonic) == (pytest.approx(row("lin-4.3.2", "e_R").value), 2.0)
+        assert pitch.loads[0].force[2] == roundness.loads[0].force[2] == row("lin-4.3.2", "force").value
+
+
+@pytest.mark.parametrize(
+    ("printed", "half"),
+    [("0.978", 5e-4), ("1.812e-7", 5e-11), ("10.040", 5e-4), ("27", 0.5), ("-3.137", 5e-4), ("5.38", 5e-3), ("1E3", 500)],
+)
+def test_tolerance_is_half_a_unit_of_the_last_digit(printed, half):
+    assert printed_data.last_digit(printed) == pytest.approx(half, rel=1e-12)
+
+
+def test_good_row():
+    (r,) = printed_data.parse_table('source = "S"\nplace = "T"\n' + ROW, "t")
+    assert (r.value, r.tolerance, r.printed, r.place, r.cls) == (1.2, 0.005, "1.20", "S, T", "hard")
+    (r,) = printed_data.parse_table(ROW + "tolerance = 0.1\n", "t")
+    assert r.tolerance == 0.1
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        (ROW.replace('"hard"', '"firm"'), "row[0].class"),
+        (ROW.replace('class = "hard"', ""), "row[0].class"),
+        (ROW.replace('key = "a"', ""), "row[0].key"),
+        (ROW.replace('label = "b"', 'label = ""'), "row[0].label"),
+        (ROW.replace('printed = "1.20"', ""), "row[0].printed"),
+        (ROW + 'claim = "both"\n', "row[0].printed"),
+        (ROW.replace('"1.20"', '"1,20"'), "row[0].printed"),
+        (ROW.replace('"1.20"', "1.20"), "row[0].printed"),
+        (ROW.replace('"1.20"', '"nan"'), "row[0].printed"),
+        (ROW.replace('"hard"', '"band"'), "row[0].origin"),
+        (ROW.replace('"hard"', '"band"') + 'origin = "x"\n', "row[0].low"),
+        (ROW.replace('"hard"', '"band"') + 'origin = "x"\nlow = 2\nhigh = 1\n', "row[0].low"),
+        (ROW + "low = 1\n", "row[0].low"),
+        (ROW + "high = 1\n", "row[0].high"),
+        (ROW.replace('"hard"', '"as-printed"'), "row[0].remark"),
+        (ROW + 'kind = "claim"\n', "row[0].kind"),
+        (ROW.replace('"hard"', '"input"') + 'kind = "zero"\n', "row[0].kind"),
+        (ROW + "tolerance = -1\n", "row[0].tolerance"),
+        (ROW + "tolerance = nan\n", "row[0].tolerance"),
+        (ROW + 'tolerance = "1"\n', "row[0].tolerance"),
+        (ROW + 'colour = "red"\n', "row[0].colour"),
+        (ROW + ROW, "row[1].key"),
+        ('title = "none"\n', "file"),
+        ("row = 3\n", "file"),
+        ("[[row]\n", "file"),
+    ],
+)
+def test_faulty_rows_are_refused(text, key):
+    with pytest.raises(InputError) as caught:
+        printed_data.parse_table(text, "t")
+    assert caught.value.key == key
+    assert caught.value.file == "t.toml"
+    assert "\n" not in str(caught.value)
+
+
+def test_unknown_table():
+    with pytest.raises(InputError, match="lin-B1"):
+        printed_data.load_table("lin-B2")
+
+
+def test_remarks_have_one_full_stop_between_them():
+    assert sentences("one", "", "two.", "Band: three.") == "one. two. Band: three."
+    assert sentences("one.", "") == "one."
+    assert sentences("", "") == ""
+
+
+def test_a_band_is_not_called_reproduced():
+    entry = next(r for r in printed_data.load_table("lin-3.4.4") if r.cls == "band" and r.value is not None)
+    assert Finding(entry, entry.low).verdict == "within its band"
+    assert Finding(entry, entry.high + 1.0).verdict == "not reproduced"
+    assert Finding(entry).verdict == "open"
+
+
+def all_rows():
+    return [row for name in TABLES for row in printed_data.load_table(name)]
+
+
+def test_inputs_are_a_class_of_their_own_and_never_reproduced():
+    given = {r.key for r in all_rows() if r.cls == "input"}
+    assert {"R_B", "conformity", "mu", "force", "beta", "e_p", "gamma_high"} <= given
+    for r in all_rows():
+        assert (r.kind == "input") == (r.cls == "input")
+        assert not (r.cls == "hard" and r.remark.startswith("Given")), (r.table, r.key)
+        if r.cls == "input":
+            assert Finding(r, value=r.value).verdict == "taken over"
+            assert Finding(r, value=2.0 * r.value + 1.0).verdict == "not taken over"
+
+
+def test_hard_entries_by_kind():
+    lin = [r for r in all_rows() if r.table.startswith("lin")]
+    kinds = Counter(r.kind for r in lin if r.cls == "hard")
+    assert kinds == {"claim": 22, "arithmetic": 6, "zero": 6, "number": 6}
+    assert {r.key for r in lin if r.cls == "hard" and r.kind == "number"} == {
+        "gamma_low",
+        "psi",
+        "occupation",
+        "a_eps1_analytic",
+        "a_eps2_analytic",
+        "a_force_analytic",
+    }
+    for r in all_rows():
+        assert (r.kind == "claim") == bool(r.claim)
+        assert r.kind != "zero" or r.value == 0.0
+
+
+def test_counts_of_the_report_keep_kinds_apart():
+    rows = {r.key: r for r in printed_data.load_table("lin-3.3")}
+    found = [
+        Finding(rows["mu"], value=0.1),
+        Finding(rows["psi"], value=rows["psi"].value),
+        Finding(rows["yaw"], value=600.0),
+        Finding(rows["worst_increase"], holds=True),
+        Finding(rows["speed"], value=11.0),
+    ]
+    counts = dict(overview.counts(found))
+    assert counts["entries reproduced"] == "3"
+    assert counts["computed numbers reproduced"] == "1"
+    assert counts["inputs taken over, not counted"] == "1"
+    table = {row["kind"]: row for row in overview.kinds_table(found).rows}
+    assert table["input, taken over"]["taken over"] == 1
+    assert table["input, taken over"]["not taken over"] == 1
+    assert table["arithmetic on printed numbers"]["reproduced"] == 1
+    assert sum(row["all"] for row in table.values()) == len(found)
+
+
+def test_readme_and_report_name_what_was_inferred_from_printed_results():
+    readme = " ".join((Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8").split()).replace("µ", "u")
+    for what in ("32 mm", "helix phase", "5.2 and 8.0 um", "k_S = 100", "map step of 0.08", "1.7 um"):
+        assert what in overview.INFERRED
+        assert what in readme.split("## How to read the errors")[1]
+    assert Run.__dataclass_fields__["oversize"].default == 0.0

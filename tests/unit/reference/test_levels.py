@@ -1,0 +1,69 @@
+"""Mesh levels of the 3D reference: complete, ordered, and in proportion to the ball."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from compare.reference.levels import BALL, BEYOND, LEVELS, PRODUCTION, SOURCE_LEVEL, SOURCE_MESH, scaled
+from compare.reference.variants import VARIANTS
+from hifi.fit import Settings
+
+#: Lengths; all other settings are counts and ratios.
+LENGTHS = {"own_sizes", "own_ball_sizes", "fine", "coarse", "ball_fine", "ball_coarse", "cell", "tet"}
+
+
+@pytest.mark.parametrize("level", [SOURCE_LEVEL, *LEVELS])
+def test_lengths_go_with_the_ball_and_counts_and_ratios_stay(level):
+    """Twice the ball: the same mesh twice as large; the ball they are given for: as they are."""
+    given = SOURCE_MESH if level == SOURCE_LEVEL else LEVELS[level]
+    assert scaled(level, BALL) == given
+    made = scaled(level, 2.0 * BALL)
+    assert made.keys() == given.keys()
+    for name, value in given.items():
+        if name not in LENGTHS:
+            assert made[name] == value, name
+        elif isinstance(value, tuple):
+            assert made[name] == pytest.approx([2.0 * x for x in value]), name
+        else:
+            assert made[name] == pytest.approx(2.0 * value), name
+
+
+@pytest.mark.parametrize("level", [SOURCE_LEVEL, *LEVELS])
+def test_levels_are_settings(level):
+    made = scaled(level, 4e-3)
+    assert made.keys() <= {x.name for x in fields(Settings)}
+    Settings(**made)
+
+
+def test_every_choice_is_refined_from_level_to_level_or_stays():
+    assert list(LEVELS) == list(range(1, len(LEVELS) + 1))
+    assert max(LEVELS) == PRODUCTION
+    for a, b in zip(list(LEVELS)[:-1], list(LEVELS)[1:], strict=True):
+        coarse, fine = LEVELS[a], LEVELS[b]
+        assert coarse.keys() == fine.keys()
+        for name, value in coarse.items():
+            pairs = zip(value, fine[name], strict=True) if isinstance(value, tuple) else [(value, fine[name])]
+            for before, after in pairs:
+                finer = before >= after if name in LENGTHS | {"growth"} else before <= after
+                assert finer, (a, name)
+        assert 1.3 < fine["b_over_h"] / coarse["b_over_h"] < 1.4
+        assert 1.15 < coarse["own_sizes"][0] / fine["own_sizes"][0] < 1.45
+
+
+def test_every_choice_of_the_finest_level_can_be_refined_alone():
+    """What lies beyond the finest level is finer in everything, and only the choices named are taken from it."""
+    finest = LEVELS[PRODUCTION]
+    assert BEYOND.keys() == finest.keys()
+    for name, value in BEYOND.items():
+        for further, before in zip(np.atleast_1d(value), np.atleast_1d(finest[name]), strict=True):
+            assert further < before if name in LENGTHS | {"growth"} else further > before, name
+    refined = scaled(PRODUCTION, 2.0 * BALL, ("growth", "fine"))
+    plain = scaled(PRODUCTION, 2.0 * BALL)
+    assert {name for name in plain if plain[name] != refined[name]} == {"growth", "fine"}
+    assert refined["fine"] == pytest.approx(2.0 * BEYOND["fine"])
+
+
+def test_variants_refine_every_choice_of_the_finest_level_once():
+    named = [name for variant in VARIANTS.values() for name in variant.refined]
+    assert sorted(named) == sorted(LEVELS[PRODUCTION])

@@ -1,0 +1,162 @@
+"""Modelling uncertainty: what each variant changes, what counts, and how choices add."""
+
+from dataclasses import asdict, replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from skfem import MeshHex
+
+from compare.models.modelling import VARIED, combined, effect, modelling_percent, varied
+from compare.models.registry import DEFAULT, Options, run_model
+from compare.reference.runs import Run, save, settings_of
+from compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
+from compare.scenes import catalogue
+from hifi.setup import nut_transform
+from meshes.parts import Solid, Support
+from meshes.solid import dimensions
+
+CASE1 = catalogue.scene("lin-case1")
+
+
+def loads(*first: float) -> np.ndarray:
+    """Loads of 32 balls on SL and NR, 100 N but for the first few on SL."""
+    out = np.zeros((32, 4))
+    out[:, [0, 3]] = 100.0
+    out[: len(first), 0] = first
+    return out
+
+
+def run_of(load: np.ndarray, variant: str, status: str = "converged") -> Run:
+    return Run(
+        scene="lin-case1",
+        level=1,
+        variant=variant,
+        status=status,
+        load=load,
+        angle=np.full(load.shape, np.nan),
+        frozen=load,
+        centreline=np.zeros((3, 4)),
+        without={},
+        without_seconds={},
+        sides=(0, 3),
+        unknowns=10,
+        stages={},
+        solve_seconds=0.5,
+        peak_MB=None,
+        balance=0.0,
+        along_groove=0.0,
+        screw_balance=0.0,
+        quality={},
+        settings=asdict(settings_of([VARIANTS[variant].change(CASE1) if variant else CASE1], 1, variant)),
+        assumed=(),
+        versions={},
+        date="2026-01-01",
+    )
+
+
+def test_variants_change_what_they_say() -> None:
+    base = dimensions(CASE1)
+    made = {name: dimensions(v.change(CASE1)) for name, v in VARIANTS.items()}
+    lead = CASE1.track.lead
+    assert made["junction-phase"].shaft - base.shaft == pytest.approx(lead / 2.0)
+    assert made["junction"].shaft - base.shaft == pytest.approx(20e-3)
+    assert made["junction-short"].shaft == pytest.approx(base.shaft / 2.0)
+    assert made["land"].land - base.land == pytest.approx(-0.3e-3)
+    assert made["land-wide"].land - base.land == pytest.approx(0.3e-3)
+    assert made["hole"].hole == pytest.approx(base.hole / 2.0)
+    assert made["runout"].shaft_radius == made["shaft-plain"].shaft_radius == pytest.approx(16e-3)
+    assert made["held-outer"].held_radii == pytest.approx((20.5e-3, 24e-3))
+    assert made["held-inner"].held_radii == pytest.approx((17e-3, 20.5e-3))
+    assert base.held_radii == pytest.approx((17e-3, 24e-3))
+    assert {d.nut_held for n, d in made.items() if not n.startswith("nut-")} == {"left face"}
+    assert {VARIANTS[n].kind for n in ("nut-right", "nut-outer", "shaft-plain", "runout")} == {"scene"}
+    assert {VARIANTS[n].kind for n in ("base", "modes")} == {"numerical"}
+    varied_choices = {v.choice for v in VARIANTS.values()}
+    assert not varied_choices & {n.choice for n in NOT_VARIED}
+
+
+def test_a_ring_is_held_by_the_nodes_in_it() -> None:
+    mesh = MeshHex.init_tensor(np.linspace(17e-3, 24e-3, 15), np.array([0.0, 1e-6]), np.array([0.0, 0.05]))
+    mesh = mesh.with_boundaries({"low end": lambda x: x[2] < 0.01, "high end": lambda x: x[2] > 0.04})
+    body = SimpleNamespace(mesh=mesh, points=mesh.p.T)
+
+    def held(where: str) -> list[int]:
+        """Places of the nodes held, counted from the inside, on one side of the thin strip; z [mm] comes first."""
+        T = nut_transform(body, dimensions(replace(CASE1, solid=Solid(nut_held=where))))  # type: ignore[arg-type]
+        fixed = np.setdiff1d(np.arange(3 * len(body.points)), T.indices)
+        x, y, z = body.points[np.unique(fixed // 3)].T
+        assert fixed.size == 3 * x.size  # in all three directions
+        assert np.unique(z).size == 1
+        return [round(1e3 * z[0]), *np.sort(np.rint((x[y == 0.0] - 17e-3) / 0.5e-3).astype(int)).tolist()]
+
+    assert held("left face") == [0, *range(15)]
+    assert held("left face, outer half") == [0, *range(7, 15)]
+    assert held("left face, inner half") == [0, *range(8)]
+    assert held("right face, outer half") == [50, *range(7, 15)]
+
+
+def test_a_nut_held_elsewhere_has_no_ring() -> None:
+    with pytest.raises(ValueError, match="outer surface"):
+        held_ring("outer")(replace(CASE1, solid=Solid(nut_held="outer surface")))
+
+
+def test_the_dropped_twist_turns_supports_and_moves_no_load() -> None:
+    """Axial force and torque of the beams are statically determinate, so the stretch turns as a whole."""
+    scene = replace(CASE1, supports=(*CASE1.supports, Support(0.8, (("ux", 0.0), ("uy", 0.0)))))
+    turned = twisted(scene)
+    before, after = (dict(s.supports[0].fixed) for s in (scene, turned))
+    assert {k for k in before if before[k] != after[k]} == {"rz"}
+    core = 16.5e-3 - 3.254e-3
+    flexibility = 1.0 / np.sqrt(210e9 * np.pi * core**2 * 210e9 / 2.56 * np.pi * core**4 / 2.0)
+    assert after["rz"] == pytest.approx(COUPLING * 5000.0 * 0.4 * flexibility, rel=1e-9)
+    assert turned.supports[1] == scene.supports[1]
+    options = Options(discretisation=False, estimate=False, engine="interpreted")
+    a, b = (run_model(s, DEFAULT, options).load for s in (CASE1, twisted(CASE1)))
+    assert 0.0 < np.abs(a - b).max() < 2e-5 * a.max()
+
+
+def test_choices_add_by_the_root_of_squares_contact_by_contact() -> None:
+    base = loads()
+
+    def made(variant: str, choice: str, kind: str, *first: float):  # type: ignore[no-untyped-def]
+        return effect("lin-case1", variant, variant, choice, kind, loads(*first), base)  # type: ignore[arg-type]
+
+    effects = [
+        made("land", LANDS, "modelling", 103.0, 100.0),
+        made("land-wide", LANDS, "modelling", 98.0, 101.0),
+        made("hole", HOLE, "modelling", 96.0, 100.0),
+        made("nut-right", "nut", "scene", 150.0),
+        made("modes", "modes", "numerical", 150.0),
+    ]
+    found = combined(CASE1, effects)
+    assert found is not None
+    assert found.contacts[0, 0] == pytest.approx(np.hypot(3.0, 4.0))
+    assert found.contacts[1, 0] == pytest.approx(1.0)
+    assert found.largest == pytest.approx(5.0)
+    assert found.rms == pytest.approx(np.sqrt((25.0 + 1.0) / 2.0))
+    assert found.ratio == pytest.approx(np.hypot(3.0612, 4.1667), rel=1e-3)  # 101/98 and 100/96
+    assert list(found.choices) == [HOLE, LANDS]
+    assert combined(catalogue.scene("lin-case3"), effects) is None
+    assert modelling_percent("lin-case2", {"lin-case1": found}) == found.largest
+    assert modelling_percent("lin-case3", {"lin-case1": found}) is None
+
+
+def test_what_a_store_holds(tmp_path: Path) -> None:
+    assert varied(CASE1, (tmp_path,)) == []
+    for variant, first in (("", 101.0), ("base", 100.0), ("junction", 102.0)):
+        save(tmp_path, CASE1, run_of(loads(first), variant))
+    with pytest.raises(ValueError, match="did not converge"):
+        save(tmp_path, CASE1, run_of(loads(110.0), "hole", "no"))
+    found = {e.variant: e for e in varied(CASE1, (tmp_path,))}
+    assert set(found) == {"base", "junction", "coupling"}  # what did not converge says nothing
+    assert found["junction"].error.max_percent == pytest.approx(2.0)
+    assert found["junction"].choice == LENGTH
+    assert found["base"].error.max_percent == pytest.approx(100.0 * 1.0 / loads(101.0)[:, [0, 3]].mean())
+    assert found["coupling"].error.max_percent < 0.01
+
+
+def test_one_case_without_and_one_with_preload() -> None:
+    oversize = [catalogue.scene(name).errors.balls.oversize for name in VARIED]
+    assert oversize[0] == 0.0 < oversize[1]

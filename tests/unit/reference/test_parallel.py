@@ -1,0 +1,268 @@
+"""Jobs in this process, in processes of this machine and on a Dask cluster: same results, and failures with a reason."""
+
+import os
+import socket
+import sys
+import threading
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare.errors import InputError
+from compare.reference import parallel
+from compare.reference.parallel import as_done, run
+
+
+class Stubborn(Exception):
+    """Cannot be made again from its message, so it cannot travel."""
+
+    def __init__(self, a, b):
+        super().__init__(f"{a} and {b}")
+
+
+def vibrate(n: int) -> tuple[int, np.ndarray]:
+    matrix = np.random.default_rng(n).random((n, n))
+    return os.getpid(), np.linalg.eigvalsh(matrix + matrix.T)
+
+
+def large(array: np.ndarray) -> np.ndarray:
+    array += 1.0
+    return array[-2:]
+
+
+def variable(name: str) -> str | None:
+    return os.environ.get(name)
+
+
+def process() -> int:
+    time.sleep(0.2)
+    return os.getpid()
+
+
+def meet(folder: Path) -> int:
+    """Wait until two processes are here."""
+    (folder / str(os.getpid())).touch()
+    end = time.perf_counter() + 10.0
+    while len(list(folder.iterdir())) < 2:
+        assert time.perf_counter() < end
+        time.sleep(0.01)
+    return os.getpid()
+
+
+def fail(kind: str, seconds: float = 0.2):
+    time.sleep(seconds)
+    if kind == "input":
+        raise InputError("scene.toml", "balls.radius", "-1", "above 0", "give a length")
+    if kind == "stubborn":
+        raise Stubborn("this", "that")
+    raise ValueError(f"no {kind}")
+
+
+def die() -> None:
+    os._exit(3)
+
+
+@pytest.fixture(scope="module")
+def scheduler():
+    import dask  # not above: workers read this file
+    from distributed import LocalCluster
+
+    options = {"distributed.scheduler.allowed-failures": 0, "distributed.worker.multiprocessing-method": "spawn"}
+    with (
+        dask.config.set(options),
+        LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address="127.0.0.1:0") as cluster,
+    ):
+        yield cluster.scheduler_address
+
+
+JOBS = [(vibrate, (n,)) for n in (60, 3, 40, 5, 1)]
+
+
+@pytest.mark.parametrize("backend", ["joblib", "dask"])
+def test_the_results_are_those_of_one_process(backend, scheduler):
+    said = []
+    serial = run([*JOBS, partial(vibrate, 7)])
+    assert {pid for pid, _ in serial} == {os.getpid()}
+    several = run([*JOBS, partial(vibrate, 7)], backend, scheduler if backend == "dask" else None, 2, said.append)
+    assert os.getpid() not in {pid for pid, _ in several}
+    for (_, ours), (_, theirs) in zip(serial, several, strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12)
+    assert sorted(said) == sorted(f"job {n + 1} done, {said.index(s) + 1} of 6" for s in said for n in [int(s[4]) - 1])
+    assert {int(s[4]) for s in said} == set(range(1, 7))
+
+
+def test_one_at_a_time_here_unless_more_are_asked_for():
+    said = []
+    assert set(run([process, process], step=said.append)) == {os.getpid()}
+    assert said == ["job 1 done, 1 of 2", "job 2 done, 2 of 2"]
+    assert run([]) == []
+    assert run([], workers=2) == []
+
+
+def wait(seconds: float, folder: Path) -> float:
+    time.sleep(seconds)
+    (folder / str(seconds)).touch()
+    return seconds
+
+
+def test_results_come_as_they_are_done_and_the_rest_is_dropped(tmp_path):
+    assert list(as_done([(wait, (0.0, tmp_path))] * 2)) == [(0, 0.0), (1, 0.0)]
+    some = as_done([(wait, (s, tmp_path)) for s in (1.5, 0.01, 0.02)], workers=2)
+    assert next(some) == (1, 0.01)
+    assert next(some) == (2, 0.02)
+    some.close()
+    assert not (tmp_path / "1.5").exists()
+
+
+def test_a_cluster_is_used_by_all_its_workers_or_as_many_as_asked(scheduler, tmp_path):
+    assert len(set(run([(meet, (tmp_path,))] * 2, "dask", scheduler))) == 2
+    begin = time.perf_counter()
+    run([process] * 3, "dask", scheduler, workers=1)
+    assert time.perf_counter() - begin > 0.6
+
+
+def test_a_cluster_of_its_own():
+    pids = run([process] * 2, "dask", workers=1)
+    assert len(set(pids)) == 1
+    assert os.getpid() not in pids
+
+
+def test_cores_are_divided_among_the_workers(monkeypatch):
+    monkeypatch.setattr("joblib.cpu_count", lambda: 6)
+    assert run([(variable, ("OPENBLAS_NUM_THREADS",))] * 2, workers=2) == ["3", "3"]
+
+
+def test_large_arguments_can_be_written_to():
+    last = run([(large, (np.zeros(200_000),))] * 2, workers=2)
+    np.testing.assert_array_equal(last, np.ones((2, 2)))
+
+
+def where(backend, scheduler):
+    return {"serial": ("joblib", None, 1), "joblib": ("joblib", None, 2), "dask": ("dask", scheduler, 2)}[backend]
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # loky, when it is stopped at once
+@pytest.mark.parametrize("backend", ["serial", "joblib", "dask"])
+def test_an_exception_is_raised_once_with_its_message(backend, scheduler, capfd):
+    capfd.readouterr()
+    said = []
+    with pytest.raises(ValueError, match=r"^no luck") as found:
+        run([(fail, ("luck",)), (fail, ("mercy", 0.5))], *where(backend, scheduler), said.append)
+    assert str(found.value) == "no luck"
+    assert backend == "serial" or "in fail" in found.value.__notes__[0]
+    with pytest.raises(InputError) as found:
+        run([(fail, ("input",))] * 2, *where(backend, scheduler))
+    assert found.value.key == "balls.radius"
+    kind = Stubborn if backend == "serial" else RuntimeError
+    with pytest.raises(kind) as stubborn:
+        run([(fail, ("stubborn",))] * 2, *where(backend, scheduler))
+    assert str(stubborn.value) == ("this and that" if backend == "serial" else "Stubborn: this and that")
+    assert said == []
+    assert capfd.readouterr().err == ""
+    assert len(run(JOBS, *where(backend, scheduler))) == 5
+
+
+@pytest.mark.parametrize("backend", ["joblib", "dask"])
+def test_a_worker_that_dies_is_reported(backend, scheduler):
+    with pytest.raises(InputError, match=r"--workers: got a worker that died.*fewer workers"):
+        run([die, die], *where(backend, scheduler))
+
+
+def test_one_job_at_a_time_in_a_process():
+    running, most = 0, 0
+
+    def watched() -> None:
+        nonlocal running, most
+        running += 1
+        most = max(most, running)
+        time.sleep(0.05)
+        running -= 1
+
+    threads = [threading.Thread(target=parallel._call, args=(k, watched, ())) for k in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert most == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"backend": "mpi"}, r"--backend: got mpi; allowed: joblib or dask"),
+        ({"workers": 0}, r"--workers: got 0; allowed: 1 or more"),
+        ({"scheduler": "tcp://here:1"}, r"--scheduler: got tcp://here:1; allowed: only with --backend dask"),
+    ],
+)
+def test_strange_options_are_refused(options, message):
+    with pytest.raises(InputError, match=message):
+        run(JOBS, **options)
+
+
+def test_missing_packages_are_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"pip install 'rollbench\[cluster\]'"):
+        run(JOBS, "dask", "tcp://127.0.0.1:8786")
+
+
+@pytest.fixture
+def deaf():
+    """Address of a port that takes connections and never says a word."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
+
+
+@pytest.fixture
+def foreign():
+    """Address of a server of something else."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            connection, _ = server.accept()
+            with connection:
+                connection.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n" * 10)
+
+        thread = threading.Thread(target=answer, daemon=True)
+        thread.start()
+        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        thread.join(5)
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "deaf", "foreign", "localhost", "no://such", ""])
+def test_what_is_no_scheduler_is_refused_in_time(address, request, monkeypatch):
+    if address in ("deaf", "foreign"):
+        address = request.getfixturevalue(address)
+    assert parallel.PATIENCE <= 5.0
+    monkeypatch.setattr(parallel, "PATIENCE", 0.5)
+    begin = time.perf_counter()
+    with pytest.raises(InputError, match=r"--scheduler: got .*no answer of a scheduler.*advice: start one with"):
+        run(JOBS, "dask", address)
+    assert time.perf_counter() - begin < 2.0
+
+
+def test_a_scheduler_without_workers_is_refused(monkeypatch):
+    from distributed import LocalCluster
+
+    monkeypatch.setattr(parallel, "PATIENCE", 0.5)
+    with (
+        LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster,
+        pytest.raises(InputError, match=r"no workers; .*dask worker tcp://"),
+    ):
+        run(JOBS, "dask", cluster.scheduler_address)
+
+
+def test_workers_of_another_version_are_refused(scheduler, monkeypatch, tmp_path):
+    with monkeypatch.context() as patch:
+        patch.setattr(parallel, "__version__", "99.0")
+        with pytest.raises(InputError, match=r"workers of rollbench .*install version 99\.0"):
+            run(JOBS, "dask", scheduler)
+    (tmp_path / "only_here.py").write_text("def version():\n    return ''\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    import only_here
+
+    monkeypatch.setattr(parallel, "_version", only_here.version)
+    with pytest.raises(InputError, match=r"workers without rollbench .*only_here"):
+        run(JOBS, "dask", scheduler)

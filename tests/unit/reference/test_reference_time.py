@@ -1,0 +1,118 @@
+"""Error against run time: one definition of error and error bar for all points; tables of levels and convergence."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.models.comparison import REFERENCED
+from compare.models.ladder import UNSEEN
+from compare.models.study import Study
+from compare.reference.convergence import LABELS
+from compare.reference.levels import LEVELS
+from compare.reference.runs import reference_of
+from compare.sections import reference_mesh, reference_time
+from compare.sections.reference import LABELS as NAMES
+from compare.sections.reference import references
+from compare.sections.reference_time import FLOOR, TimePoint, error_range, time_figures, time_panel, time_table
+from reports.figures import draw
+from reports.records import Figure, Panel, Series
+
+STUDY = Study()
+FOUND = references(STUDY, None, (*REFERENCED, *UNSEEN))
+
+
+def test_every_point_has_the_same_reference_and_its_bar() -> None:
+    found = FOUND["lin-case1"]
+    assert found.uncertainty is not None
+    assert error_range(found.estimate, found)[0] == 0.0
+    error, rms, low, high = error_range(found.best.load, found)
+    mean = found.estimate[found.estimate > 0.0].mean()
+    off = 100.0 * np.abs(found.best.load - found.estimate) / mean
+    bar = 100.0 * found.uncertainty / mean
+    assert (error, low) == (pytest.approx(off.max()), pytest.approx(max(0.0, (off - bar).max())))
+    assert high == pytest.approx((off + bar).max())
+    shifted = found.estimate * 1.05
+    error, rms, low, high = error_range(shifted, found)
+    assert low is not None
+    assert high is not None
+    assert 0.0 < low < error < high
+    assert rms < error
+    one = reference_of("lin-case1", found.runs[:1])
+    assert error_range(shifted, one)[2:] == (None, None)
+
+
+def test_an_extrapolated_reference_gives_the_finest_level_an_error_too() -> None:
+    found = FOUND["lin-case1"]
+    moved = replace(found, extrapolated=found.load * 1.01)
+    assert error_range(found.best.load, moved)[0] > 0.9
+
+
+def point(label: str, kind: str, error: float, cold: float, **changes: object) -> TimePoint:
+    made = TimePoint(label, kind, error, error / 2, max(0.0, error - 1.0), error + 1.0, cold, 0.1, 65, 100.0)  # type: ignore[arg-type]
+    return replace(made, **changes)  # type: ignore[arg-type]
+
+
+def test_figure_draws_levels_as_one_curve_with_bars_and_leaves_failures_out() -> None:
+    own = [
+        point("a model", "model", 3.0, 1.0),
+        point("failed", "model", 3.0, 1.0, status="no convergence"),
+        point("mesh", "source mesh", 2.0, 20.0),
+        point("level 1", "level", 0.5, 40.0),
+        point("level 2", "level", 0.0, 90.0),
+    ]
+    panel = time_panel("x", own)
+    curves = {s.label: s for s in panel.series}
+    assert set(curves) == {"a model", "mesh", "3D reference, its levels"}
+    levels = curves["3D reference, its levels"]
+    assert list(levels.y) == [0.5, FLOOR]
+    assert levels.bars == ([FLOOR, FLOOR], [1.5, 1.0])
+    plain = time_panel("x", [replace(p, low=None, high=None) for p in own])
+    assert all(s.bars is None for s in plain.series)
+    with_bars, without = (draw(Figure("f", "t", (p,))) for p in (panel, plain))
+    assert with_bars.count("LineCollection") > without.count("LineCollection")
+    rows = time_table({"x": own}).rows
+    assert [r["status"] for r in rows] == ["", "no convergence", "", "", ""]
+    assert time_table({"x": [point("m", "model", 1.0, 1.0, memory=None)]}).rows[0]["memory"] == "not measured"
+
+
+def test_bars_of_another_length_are_refused() -> None:
+    wrong = Series("s", [1.0, 2.0], [1.0, 2.0], "markers", bars=([0.5], [1.5]))
+    with pytest.raises(ValueError, match="error bars"):
+        draw(Figure("f", "t", (Panel("p", "x", "y", (wrong,)),)))
+
+
+def test_unseen_scenes_have_a_figure() -> None:
+    axial = point(reference_time.CONTENDERS["mei"].label, "model", 9.0, 1.0)
+    level = point("level 1", "level", 0.5, 40.0)
+    points = {"lin-case1": [axial, level], "lin-case3": [level], UNSEEN[0]: [level], UNSEEN[1]: [level]}
+    names = {f.name: [p.title for p in f.panels] for f in time_figures(points)}
+    assert names == {
+        "reference-time": ["lin-case1"],
+        "reference-time-preload": ["lin-case3"],
+        "reference-time-unseen": [UNSEEN[0], UNSEEN[1]],
+    }
+
+
+def test_models_of_the_list_take_part() -> None:
+    from compare.models.comparison import suited
+    from compare.models.registry import MODELS
+
+    own = {c.model for c in (*suited(STUDY.scene("lin-case1")), *reference_time.FURTHER)}
+    assert own == set(MODELS)
+
+
+def test_levels_and_orders_of_every_scene() -> None:
+    table = reference_mesh.convergence_table(FOUND)
+    assert [r["scene"] for r in table.rows] == list(FOUND)
+    several = [row for row in table.rows if len(FOUND[str(row["scene"])].runs) > 1]
+    assert len(several) >= 9
+    for row in several:
+        counts = [row[label] for label in LABELS]
+        assert sum(int(c or 0) for c in counts) == FOUND[str(row["scene"])].load.size
+        assert float(row["rms"] or 0.0) < float(row["max"] or 0.0) < 10.0
+    levels = reference_mesh.level_table(STUDY, FOUND, None)
+    for name, found in FOUND.items():
+        own = [r for r in levels.rows if r["scene"] == name and r["level"] != "source"]
+        assert [r["change"] is None for r in own] == [False] * (len(found.runs) - 1) + [True]
+    assert set(NAMES) >= {f"3D level {k}" for k in LEVELS}

@@ -1,0 +1,357 @@
+"""Friction scenes: shipped ones give the library's numbers, bad ones one line; table, JSON and exit code."""
+
+import json
+
+import numpy as np
+import pytest
+
+from compare.commands.friction_kinds import run_friction, solve_scene
+from compare.errors import InputError, SceneError
+from compare.scenes import friction_scene
+from compare.scenes.friction_scene import LinearScene, RotaryScene
+from lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed
+from lowfi.friction.linear.bearing import LinearBearing
+from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.pair import solve_pair
+
+ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
+LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
+U_Y = {"1": 0.0, "2": 5.2e-6, "3": 8.0e-6}
+
+
+def text(name):
+    folder = friction_scene.resources.files("compare").joinpath("friction_scenes")
+    return folder.joinpath(f"{name}.toml").read_text(encoding="utf-8")
+
+
+def changed(name, *changes):
+    out = text(name)
+    for old, new in changes:
+        assert old in out, f"{name} has no {old}"
+        out = out.replace(old, new, 1)
+    return out
+
+
+def solved(name, *changes):
+    return solve_scene(friction_scene.loads(changed(name, *changes), "my.toml"))
+
+
+def test_every_shipped_scene_converges_and_balances_power():
+    names = friction_scene.scene_names()
+    assert names == [
+        "lin-bearing-pairs",
+        "lin-chain-10",
+        "lin-pair-a",
+        "lin-pair-b",
+        "lin-rotary-1",
+        "lin-rotary-1-printed",
+        "lin-rotary-2",
+        "lin-rotary-2-printed",
+        "lin-rotary-3",
+        "lin-rotary-3-printed",
+        "lin-screw-pair-a",
+        "lin-screw-pair-a-inferred",
+        "lin-screw-pair-b",
+        "lin-screw-pair-b-inferred",
+        "lin-screw-run",
+    ]
+    for name in names:
+        scene = friction_scene.scene(name)
+        answer = solve_scene(scene)
+        assert answer.converged, name
+        assert scene.assumed, name
+        assert answer.data["assumed"] == list(scene.assumed)
+        assert abs(answer.data["energy"]["balance_percent"]) < (0.2 if name.endswith("printed") else 1e-8), name
+
+
+@pytest.mark.parametrize("case", list(U_Y))
+@pytest.mark.parametrize("printed", [False, True])
+def test_rotary_scenes_are_the_library_s(case, printed):
+    found = solve_scene(friction_scene.scene(f"lin-rotary-{case}{'-printed' * printed}")).data
+    one = (solve_ball_as_printed if printed else solve_ball)(ROTARY, 100.0, U_Y[case])
+    assert found["force_sum_N"] == pytest.approx(one.load.force.sum(), rel=1e-9)
+    assert list(found["ball"].values()) == pytest.approx(one.motion.q, rel=1e-7)
+    assert found["torque_from_loss_Nmm" if printed else "torque_Nmm"] == pytest.approx(1e3 * one.torque, rel=1e-8)
+    loaded = [s for s, f in zip(SIDES, one.load.force, strict=True) if f > 0.0]
+    assert [c["side"] for c in found["contacts"]] == loaded
+    losses = one.motion.friction.loss[one.load.force > 0.0]
+    assert [c["loss_W"] for c in found["contacts"]] == pytest.approx(losses, rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("mated", [False, True])
+def test_pair_scenes_are_the_library_s(mated):
+    found = solve_scene(friction_scene.scene("lin-pair-b" if mated else "lin-pair-a")).data
+    one = solve_pair(LINEAR, np.radians(2.0), -0.6, 100.0, mated=mated)
+    assert found["pairs"][0]["force_N"] == pytest.approx(one.force, rel=1e-9, abs=1e-9)
+    apart = [b["deviation_apart_percent"] for b in found["balls"]]
+    assert apart == pytest.approx(100.0 * one.free.deviation, rel=1e-8, abs=1e-9)
+    assert found["drive_N"] == pytest.approx(one.touching.drive, rel=1e-9)
+
+
+def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
+    scene = friction_scene.scene("lin-chain-10")
+    assert isinstance(scene, LinearScene)
+    np.testing.assert_allclose(np.degrees(scene.angles), [[43.0, 47.0, 45.0, 45.0]] * 10, rtol=1e-12)
+    found = solve_scene(scene).data
+    loads = np.array([[b["load_N"][c] for c in ("BL", "BR", "TR", "TL")] for b in found["balls"]])
+    one = solve(prepare(LINEAR, scene.angles, loads))
+    assert [p["force_N"] for p in found["pairs"]] == pytest.approx(one.ball_force, rel=1e-8)
+    assert np.all(one.ball_force > 0.0)
+    cut = solved("lin-chain-10", ("side_force_ratio = -0.6\n", 'side_force_ratio = -0.6\ngap = "0.5 mm"\n')).data
+    assert cut["pairs"][0] == {"balls": "1-2", "gap_um": pytest.approx(500.0), "force_N": 0.0, "loss_mW": 0.0}
+    assert cut["pairs"][1]["force_N"] > 0.0
+
+
+def test_units_signs_and_either_way_to_give_the_groove():
+    base = friction_scene.scene("lin-rotary-2")
+    assert isinstance(base, RotaryScene)
+    again = friction_scene.loads(
+        changed(
+            "lin-rotary-2",
+            ('"10 rps"', '"600 rpm"'),
+            ("conformity = 0.54", 'groove_radius = "6.75 mm"'),
+            ('"5.2 um"', '"0.0052 mm"'),
+            ('"100 N"', '"0.1 kN"'),
+        ),
+        "lin-rotary-2.toml",
+    )
+    assert isinstance(again, RotaryScene)
+    assert again.bearing.speed == pytest.approx(base.bearing.speed, rel=1e-15)
+    assert again.bearing.groove_radius == pytest.approx(base.bearing.groove_radius, rel=1e-15)
+    assert (again.force, again.displacement) == pytest.approx((base.force, base.displacement), rel=1e-15)
+    forward, back = solve_scene(base).data, solved("lin-rotary-2", ('"10 rps"', '"-10 rps"')).data
+    assert back["torque_Nmm"] == pytest.approx(-forward["torque_Nmm"], rel=1e-9)
+    backwards = solved("lin-pair-a", ('"10 mm/s"', '"-0.01 m/s"'), ("-0.6", "0.6")).data
+    assert backwards["pairs"][0]["force_N"] == pytest.approx(4.065, abs=5e-4)
+
+
+def test_laws_approach_coulomb():
+    exact = solve_scene(friction_scene.scene("lin-rotary-2")).data["torque_Nmm"]
+    coulomb = 'law = "coulomb"'
+    off = []
+    for creep in ("1 mm/s", "0.1 mm/s"):
+        answer = solved("lin-rotary-2", (coulomb, f'law = "regularised"\ncreep = "{creep}"'))
+        assert answer.converged
+        assert abs(answer.data["energy"]["balance_percent"]) < 1e-8
+        off.append(abs(answer.data["torque_Nmm"] / exact - 1.0))
+    assert off[1] < 0.02 * off[0]
+    assert off[0] < 1e-3
+    soft = solved("lin-rotary-2", (coulomb, 'law = "sigmoid"\nsharpness = 1'))
+    assert soft.converged
+    assert soft.data["torque_Nmm"] < 0.97 * exact
+
+
+def test_loads_follow_their_distribution():
+    for loads in ("balanced", "diagonal", "elastic"):
+        found = solved("lin-pair-a", ('"balanced"', f'"{loads}"')).data["pairs"][0]["force_N"]
+        ours = solve_pair(LINEAR, np.radians(2.0), -0.6, 100.0, loads=loads).force
+        assert found == pytest.approx(ours, rel=1e-9)
+    diagonal = solved("lin-pair-a", ('"balanced"', '"diagonal"')).data
+    assert diagonal["solver"]["load_imbalance"] > 0.01, "the source's approximation does not balance; it is shown"
+
+
+def test_no_contact_and_nothing_moving_are_said():
+    answer = solved("lin-rotary-1", ('axial_force = "100 N"', 'axial_force = "0 N"'))
+    assert not answer.converged
+    assert answer.data["status"] == "no contact: nothing presses the ball"
+    for name, old, new in (("lin-rotary-2", '"10 rps"', '"0 rps"'), ("lin-pair-a", '"10 mm/s"', '"0 mm/s"')):
+        still = solved(name, (old, new))
+        assert still.converged
+        assert still.data["energy"]["loss_W"] == 0.0
+        assert still.data["energy"]["balance_percent"] is None
+    rolling = solved("lin-pair-a", ('"balanced"', '"elastic"'), ("-0.6", "-3.0")).data
+    assert rolling["friction_increase_percent"] is None, "two contacts on a diagonal roll: no percentage of nothing"
+
+
+def test_large_contacts_are_warned_of():
+    answer = solved("lin-rotary-3", ('"100 N"', '"100 kN"'))
+    assert "Hertz" in answer.data["warnings"][0]
+    assert not solve_scene(friction_scene.scene("lin-rotary-3")).data["warnings"]
+
+
+# --- refusals
+
+COULOMB = 'law = "coulomb"'
+CASES = {  # name: (scene, changes, key, value as found, a part of range or advice)
+    "no kind": ("lin-rotary-1", [('kind = "rotary bearing"', "")], "kind", "nothing", '"linear pair"'),
+    "unknown kind": (
+        "lin-rotary-1",
+        [('kind = "rotary bearing"', 'kind = "ball screw"')],
+        "kind",
+        '"ball screw"',
+        '"linear chain"',
+    ),
+    "kind of another type": ("lin-rotary-1", [('"rotary bearing"', "3")], "kind", "3", '"rotary bearing"'),
+    "unknown key": ("lin-rotary-1", [("conformity", "conformty")], "bearing.conformty", "0.54", "mean conformity"),
+    "unknown table": ("lin-rotary-1", [("[motion]", "[moton]")], "moton", "{ inner_ring", "did you mean motion"),
+    "key of another kind": (
+        "lin-pair-a",
+        [("[bearing]", '[bearing]\npitch_radius = "3 mm"')],
+        "bearing.pitch_radius",
+        '"3 mm"',
+        "unknown key",
+    ),
+    "missing key": ("lin-rotary-1", [('pitch_radius = "35 mm"', "")], "bearing.pitch_radius", "nothing", "35 mm"),
+    "missing table": ("lin-pair-a", [('[motion]\ncarriage = "10 mm/s"', "")], "motion", "nothing", "[motion] table"),
+    "no unit": ("lin-rotary-1", [('"6.25 mm"', "6.25")], "bearing.ball_radius", "6.25", "0.01 mm to 1 m"),
+    "speed without unit": ("lin-rotary-1", [('"10 rps"', '"10"')], "motion.inner_ring", '"10"', "rad/s, deg/s, rps"),
+    "speed as a number": ("lin-rotary-1", [('"10 rps"', "10")], "motion.inner_ring", "10", "an angular speed"),
+    "speed of another kind": ("lin-pair-a", [('"10 mm/s"', '"10 rps"')], "motion.carriage", '"10 rps"', "a speed"),
+    "speed too large": ("lin-pair-a", [('"10 mm/s"', '"1e5 m/s"')], "motion.carriage", '"1e5 m/s"', "-1000 m/s to"),
+    "speed not finite": ("lin-pair-a", [('"10 mm/s"', '"nan mm/s"')], "motion.carriage", '"nan mm/s"', "a number"),
+    "no groove": ("lin-rotary-1", [("conformity = 0.54", "")], "bearing.groove_radius", "neither", "one of"),
+    "two grooves": (
+        "lin-rotary-1",
+        [("conformity = 0.54", 'conformity = 0.54\ngroove_radius = "7 mm"')],
+        "bearing.groove_radius",
+        "both",
+        "one of",
+    ),
+    "groove below the ball": (
+        "lin-rotary-1",
+        [("conformity = 0.54", 'groove_radius = "6 mm"')],
+        "bearing.groove_radius",
+        '"6 mm"',
+        "above 6.25 mm",
+    ),
+    "conformity": ("lin-pair-a", [("0.56", "0.5")], "bearing.conformity", "0.5", "above 0.5"),
+    "small ring": ("lin-rotary-1", [('"35 mm"', '"6 mm"')], "bearing.pitch_radius", '"6 mm"', "above 6.75 mm"),
+    "contact angle": ("lin-rotary-1", [('"45 deg"', '"90 deg"')], "bearing.contact_angle", '"90 deg"', "below 90 deg"),
+    "clearance": (
+        "lin-rotary-1",
+        [("[bearing]", '[bearing]\nclearance = "0.6 mm"')],
+        "bearing.clearance",
+        '"0.6 mm"',
+        "between -0.5 mm and 0.5 mm",
+    ),
+    "displacement": ("lin-rotary-1", [('"0 um"', '"0.6 mm"')], "loads.radial_displacement", '"0.6 mm"', "-0.5 mm"),
+    "modulus": ("lin-rotary-1", [('"210 GPa"', '"210 N"')], "material.youngs_modulus", '"210 N"', "1 MPa"),
+    "Poisson's ratio": ("lin-rotary-1", [("0.28", "0.5")], "material.poissons_ratio", "0.5", "below 0.5"),
+    "coefficient": ("lin-rotary-1", [("coefficient = 0.1", "coefficient = 0")], "friction.coefficient", "0", "above 0"),
+    "unknown law": ("lin-rotary-1", [(COULOMB, 'law = "stribeck"')], "friction.law", '"stribeck"', '"sigmoid"'),
+    "law of a linear bearing": ("lin-pair-a", [(COULOMB, 'law = "sigmoid"')], "friction.law", '"sigmoid"', "linear"),
+    "no creep": ("lin-rotary-1", [(COULOMB, 'law = "regularised"')], "friction.creep", "nothing", "above 0 m/s"),
+    "creep zero": (
+        "lin-rotary-1",
+        [(COULOMB, 'law = "regularised"\ncreep = "0 m/s"')],
+        "friction.creep",
+        '"0 m/s"',
+        "above 0 m/s",
+    ),
+    "key of another law": (
+        "lin-rotary-1",
+        [(COULOMB, COULOMB + "\nsharpness = 9")],
+        "friction.sharpness",
+        "9",
+        'law = "sigmoid"',
+    ),
+    "sigmoid at rest": ("lin-rotary-1-printed", [('"10 rps"', '"0 rps"')], "motion.inner_ring", '"0 rps"', "not zero"),
+    "Hertz": ("lin-rotary-1", [('hertz = "right"', 'hertz = "wrong"')], "hertz", '"wrong"', '"as printed"'),
+    "side force pulls": ("lin-pair-a", [("-0.6", "-0.94")], "loads.side_force_ratio", "-0.94", "-0.9325 to 1"),
+    "side force pulls the second": ("lin-pair-a", [("-0.6", "0.94")], "loads.side_force_ratio", "0.94", "-1 to 0.9325"),
+    "side force beyond a diagonal": (
+        "lin-pair-a",
+        [("-0.6", "-1.01"), ('"balanced"', '"diagonal"')],
+        "loads.side_force_ratio",
+        "-1.01",
+        "-1 to 1",
+    ),
+    "no vertical force": ("lin-pair-a", [('"100 N"', '"0 N"')], "loads.vertical_force", '"0 N"', "above 0 N"),
+    "unknown distribution": ("lin-pair-a", [('"balanced"', '"even"')], "loads.distribution", '"even"', '"elastic"'),
+    "angles past 90 deg": (
+        "lin-pair-a",
+        [('"2 deg"', '"14 deg"'), ('"45 deg"', '"80 deg"')],
+        "grooves.angle_deviation",
+        '"14 deg"',
+        "below 90 deg",
+    ),
+    "mated": ("lin-pair-a", [("mated = false", 'mated = "no"')], "grooves.mated", '"no"', "true, false"),
+    "three deviations": ("lin-chain-10", [('"-2 deg", ', "")], "balls[0].angle_deviations", '["2 deg"', "4 entries"),
+    "ball's side force": ("lin-chain-10", [("-0.6", "-0.95")], "balls[0].side_force_ratio", "-0.95", "-0.9325 to 1"),
+    "negative gap": ("lin-chain-10", [("-0.6\n", '-0.6\ngap = "-1 um"\n')], "balls[0].gap", '"-1 um"', "0 mm to 1 m"),
+    "gap after the last": ("lin-chain-10", [("= 0.6\n", '= 0.6\ngap = "1 um"\n')], "balls[9].gap", '"1 um"', "last"),
+    "no title": ("lin-pair-a", [("title =", "source2 =")], "source2", '"Two', "did you mean source"),
+    "not TOML": ("lin-pair-a", [("[bearing]", "[bearing")], "line 15, column 9", "[bearing", "TOML"),
+}
+
+
+@pytest.mark.parametrize("case", list(CASES))
+def test_bad_input_is_one_line(tmp_path, case):
+    name, changes, key, value, hint = CASES[case]
+    path = tmp_path / "my.toml"
+    path.write_text(changed(name, *changes), encoding="utf-8")
+    with pytest.raises(SceneError) as caught:
+        friction_scene.scene(str(path))
+    error, line = caught.value, str(caught.value)
+    assert (error.file, error.key) == (str(path), key)
+    assert error.value.startswith(value)
+    assert hint in line
+    assert line.startswith(str(path)[:40])
+    for part in ("; allowed: ", "; advice: "):
+        assert part in line
+    assert "\n" not in line
+    assert line.isprintable()
+    assert "pydantic" not in line
+
+
+def test_files_and_names_that_do_not_exist(tmp_path):
+    with pytest.raises(InputError, match="did you mean lin-rotary-1"):
+        friction_scene.scene("lin-rotary1")
+    with pytest.raises(SceneError, match="no such file"):
+        friction_scene.scene(str(tmp_path / "none.toml"))
+    empty = tmp_path / "empty.toml"
+    empty.write_text("", encoding="utf-8")
+    with pytest.raises(SceneError, match="kind: got nothing"):
+        friction_scene.scene(str(empty))
+
+
+@pytest.mark.parametrize("kind", ["rotary bearing", "linear pair", "linear chain"])
+def test_schema_describes_every_key(kind):
+    schema = friction_scene.json_schema(kind)
+    nodes = [schema, *schema["$defs"].values()]
+    for node in nodes:
+        for name, entry in node.get("properties", {}).items():
+            assert entry.get("description"), name
+    json.dumps(schema, allow_nan=False)
+
+
+# --- printing
+
+
+def run(name, as_json):
+    shown, printed = [], []
+    code = run_friction(name, as_json, lambda *parts: shown.extend(parts), printed.append)
+    return code, shown, printed
+
+
+@pytest.mark.parametrize("name", ["lin-rotary-2", "lin-pair-a", "lin-chain-10"])
+def test_json_is_one_object_with_finite_numbers(name):
+    code, shown, printed = run(name, True)
+    assert (code, shown, len(printed)) == (0, [], 1)
+    data = json.loads(json.dumps(printed[0], allow_nan=False))
+    assert data["scene"] == name
+    assert data["converged"] is True
+    assert set(data["energy"]) == {"input_power_W", "loss_W", "balance_percent"}
+
+
+@pytest.mark.parametrize("name", ["lin-rotary-2", "lin-pair-a"])
+def test_table_shows_result_energy_and_assumptions(name):
+    code, shown, printed = run(name, False)
+    lines = [part for part in shown if isinstance(part, str)]
+    assert (code, printed) == (0, [])
+    for word in (name, "energy: input power", "assumed: ", "solver: ", "law coulomb"):
+        assert any(word in line for line in lines), word
+    tables = [part for part in shown if not isinstance(part, str)]
+    assert next(t.title for t in tables) in ("per contact", "per ball")
+    assert all(t.row_count for t in tables)
+
+
+def test_exit_code_of_a_scene_without_solution(tmp_path):
+    path = tmp_path / "loose.toml"
+    path.write_text(changed("lin-rotary-1", ('"100 N"', '"0 N"')), encoding="utf-8")
+    code, shown, _ = run(str(path), False)
+    assert code == 1
+    assert "no contact" in shown[0]
+    code, _, printed = run(str(path), True)
+    assert code == 1
+    assert printed[0]["converged"] is False

@@ -1,0 +1,310 @@
+"""Scenes of ball screws and bearings in pairs: the library's numbers, bad input in one line, table, JSON, exit code."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.commands.friction_kinds import run_friction, solve_scene
+from compare.errors import SceneError
+from compare.scenes import friction_scene
+from compare.scenes.friction_screw_scene import BearingPairScene, ScrewPairScene, ScrewRunScene
+from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, double_row, four_point, torque_curve
+from lowfi.friction.screw.pair import SHIFTED, Pair, inferred, plain, solve_pair
+from lowfi.friction.screw.run import lin_3_4_4, simulate, summarise
+
+THETA = {"a": 2.0, "b": 3.0}
+PAIRS = [f"lin-screw-pair-{case}{end}" for case in THETA for end in ("", "-inferred")]
+NAMES = [*PAIRS, "lin-screw-run", "lin-bearing-pairs"]
+#: Few steps of the run, up to the first contacts.
+SHORT = (("steps = 200", "steps = 10"), ('duration = "2 s"', 'duration = "300 ms"'))
+FEW = (
+    (', "4 deg", "6 deg", "8 deg", "10 deg", "12 deg", "14 deg",\n', ",\n"),
+    ('"18 deg", "20 deg", "22 deg", "24 deg", "26 deg", "28 deg", "30 deg"', '"18 deg"'),
+)
+
+
+def changed(name, *changes):
+    folder = friction_scene.resources.files("compare").joinpath("friction_scenes")
+    out = folder.joinpath(f"{name}.toml").read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in out, f"{name} has no {old}"
+        out = out.replace(old, new, 1)
+    return out
+
+
+def loaded(name, *changes):
+    return friction_scene.loads(changed(name, *changes), f"{name}.toml")
+
+
+def close(ours, theirs):
+    """Whether two records of numbers agree up to the rounding of units."""
+    assert ours.__dict__.keys() >= set(theirs.__dataclass_fields__)
+    for name in theirs.__dataclass_fields__:
+        a, b = getattr(ours, name), getattr(theirs, name)
+        if hasattr(b, "__dataclass_fields__"):
+            close(a, b)
+        elif isinstance(b, str | bool | type(None)):
+            assert a == b, name
+        elif name == "rows":
+            assert [r.contacts for r in a] == [r.contacts for r in b]
+            assert [r.place for r in a] == pytest.approx([r.place for r in b], rel=1e-14)
+        else:
+            assert np.asarray(a) == pytest.approx(np.asarray(b), rel=1e-14), name
+
+
+def test_shipped_scenes_are_there_and_say_what_is_assumed():
+    assert set(NAMES) <= set(friction_scene.scene_names())
+    for name in NAMES:
+        assert len(friction_scene.scene(name).assumed) >= 5
+
+
+@pytest.mark.parametrize("case", list(THETA))
+@pytest.mark.parametrize("reading", [plain, inferred])
+def test_pair_scenes_are_the_library_s(case, reading):
+    scene = friction_scene.scene(f"lin-screw-pair-{case}{'-inferred' if reading is inferred else ''}")
+    assert isinstance(scene, ScrewPairScene)
+    theirs = replace(reading(np.radians(THETA[case])))
+    close(scene.pair, replace(theirs, groove=replace(theirs.groove, mu_balls=0.1)))
+    answer, r = solve_scene(scene), solve_pair(theirs)
+    found = answer.data
+    assert answer.converged
+    assert found["ball_force_N"] == pytest.approx(r.force, rel=1e-8)
+    assert found["friction_increase_percent"] == pytest.approx(100.0 * r.friction_increase, rel=1e-8)
+    assert found["ball_to_ball_percent"] == pytest.approx(100.0 * r.rubbing_ratio, rel=1e-8)
+    assert found["energy"]["loss_W"] == pytest.approx(r.touching.motion.loss, rel=1e-8)
+    assert abs(found["energy"]["balance_percent"]) < 1e-8
+    assert [b["state"] for b in found["balls"]] == ["apart", "apart", "touching", "touching"]
+    loads = [list(b["load_N"].values()) for b in found["balls"]]
+    assert loads == [pytest.approx(row, rel=1e-7, abs=1e-9) for s in (r.free, r.touching) for row in s.load.force]
+
+
+def test_pair_takes_pattern_direction_hand_and_hertz():
+    scene = loaded(
+        "lin-screw-pair-a",
+        ("[1, 1, 0, 0]", "[1, -1, 0, 0.0]"),
+        ('"axial"', '"radial"'),
+        ('"50 N"', '"0.1 kN"'),
+        ('hand = "right"', 'hand = "left"'),
+        ('hertz = "right"', 'hertz = "as printed"'),
+        ('"1 rps"', '"60 rpm"'),
+        ("between_balls = 0.1\n", ""),
+        ('"ball"', '"ball and screw"'),
+        ('oversize = "0 um"', 'oversize = "-1 um"'),
+    )
+    groove = replace(plain(0.0).groove, lead=-20e-3, hertz="as printed")
+    theta = (0.0, np.radians(2.0))
+    close(scene.pair, Pair(groove, theta, (SHIFTED, SHIFTED), -1e-6, "r", (100.0,), "ball and screw"))
+
+
+def test_pair_of_a_still_screw_spends_nothing():
+    answer = solve_scene(loaded("lin-screw-pair-a-inferred", ('nut = "1 rps"', 'nut = "0 rps"')))
+    assert answer.converged
+    energy = answer.data["energy"]
+    assert energy == {"input_power_W": 0.0, "loss_W": pytest.approx(0.0, abs=1e-15), "balance_percent": None}
+    assert answer.data["friction_increase_percent"] is None
+
+
+def test_run_scene_is_the_library_s():
+    scene = friction_scene.scene("lin-screw-run")
+    assert isinstance(scene, ScrewRunScene)
+    theirs = lin_3_4_4()
+    close(scene.run, replace(theirs, groove=replace(theirs.groove, mu_balls=0.1)))
+    answer = solve_scene(loaded("lin-screw-run", *SHORT))
+    r = simulate(lin_3_4_4(steps=10, duration=0.3))
+    s, found = summarise(r), answer.data["summary"]
+    assert answer.converged
+    assert r.contact.any()
+    assert found["largest_ball_to_groove_percent"] == pytest.approx(100.0 * s.largest, rel=1e-7)
+    assert found["largest_at_deg"] == pytest.approx(s.at)
+    assert found["contact_ends_deg"] is None, "still in contact at the end"
+    begins = np.degrees(r.nut_angle)[np.flatnonzero(r.contact.any(axis=1))[0]]
+    assert found["contact_begins_deg"] == pytest.approx(begins)
+    parts = found["mean_groove_torque_Nmm"], found["mean_ball_torque_Nmm"]
+    assert sum(parts) == pytest.approx(found["mean_torque_Nmm"], rel=1e-12)
+    assert found["mean_torque_Nmm"] == pytest.approx(1e3 * r.torque.mean(), rel=1e-8)
+    assert found["order_kept"] is True
+    assert found["smallest_gap_um"] >= 0.0
+    assert abs(answer.data["energy"]["balance_percent"]) < 1e-8
+    series = answer.data["series"]
+    assert {len(row) for row in series.values()} == {10}
+    assert series["groove_torque_Nmm"] == pytest.approx(1e3 * r.groove_torque, rel=1e-8)
+    assert series["contacts"] == r.contact.sum(axis=1).tolist()
+
+
+def test_run_without_contact_says_nothing_of_where():
+    found = solve_scene(loaded("lin-screw-run", *SHORT, ('"3 deg"', '"0 deg"'))).data["summary"]
+    assert found["largest_ball_to_groove_percent"] == 0.0
+    assert [found[k] for k in ("largest_at_deg", "contact_begins_deg", "contact_ends_deg")] == [None] * 3
+
+
+def test_return_tube_is_a_length():
+    scene = loaded("lin-screw-run", ('"0 mm"', '"5.6 mm"'))
+    assert scene.run.tube * scene.run.groove.radius == pytest.approx(5.6e-3, rel=1e-14)
+
+
+@pytest.mark.parametrize("tilt", [True, False])
+def test_bearing_scene_is_the_library_s(tilt):
+    scene = loaded("lin-bearing-pairs", *FEW, ("tilt = true", f"tilt = {str(tilt).lower()}"))
+    assert isinstance(scene, BearingPairScene)
+    close(scene.four_point, four_point(tilt=tilt))
+    close(scene.double_row, double_row(tilt=tilt))
+    assert np.degrees(scene.angle) == pytest.approx([0.0, 2.0, 16.0, 18.0])
+    answer = solve_scene(scene)
+    found = answer.data
+    assert answer.converged
+    curves = [torque_curve(make(tilt=tilt), scene.angle) for make in (four_point, double_row)]
+    for name, curve in zip(("four_point", "double_row"), curves, strict=True):
+        assert found[name]["torque_Nmm"] == pytest.approx(1e3 * curve.torque, rel=1e-7)
+        assert found[name]["balls_beyond_two_contacts"] == curve.four.tolist()
+        assert found[name]["ratio"] == pytest.approx(curve.ratio, rel=1e-7)
+    assert found["four_over_double"] == pytest.approx(curves[0].torque / curves[1].torque, rel=1e-7)
+    assert abs(found["energy"]["balance_percent"]) < 1e-8
+
+
+def test_rows_face_to_face_are_turned_round():
+    rows = loaded("lin-bearing-pairs", ('back to back"\n', 'face to face"\n')).double_row.rows
+    assert [r.contacts for r in rows] == [DIAGONAL, OTHER]
+
+
+# --- refusals
+
+CASES = {  # name: (scene, changes, key, value as found, a part of range or advice)
+    "unknown kind": (0, [('"screw pair"', '"ball screw"')], "kind", '"ball screw"', '"screw run", "bearing pair"'),
+    "unknown key": (0, [("oversize =", "oversise =")], "screw.oversise", '"0 um"', "did you mean oversize?"),
+    "key of another kind": (0, [("[angles]", '[angles]\nphase = "0 deg"')], "angles.phase", '"0 deg"', "unknown key"),
+    "missing table": (4, [('[time]\nduration = "2 s"\nsteps = 200\n', "")], "time", "nothing", "[time] table"),
+    "missing key": (0, [('lead = "20 mm"\n', "")], "screw.lead", "nothing", "add e.g. lead"),
+    "no unit": (0, [('"50 N"', "50")], "loads.force", "50", "-1 MN to 1 MN"),
+    "no lead": (0, [('"20 mm"', '"0 mm"')], "screw.lead", '"0 mm"', "above 0 mm"),
+    "two grooves": (
+        0,
+        [("conformity = 0.56", 'conformity = 0.56\ngroove_radius = "4 mm"')],
+        "screw.groove_radius",
+        "both",
+        "one of",
+    ),
+    "groove below the ball": (
+        0,
+        [("conformity = 0.56", 'groove_radius = "2 mm"')],
+        "screw.groove_radius",
+        '"2 mm"',
+        "above 2.778 mm",
+    ),
+    "small pitch radius": (0, [('"16.5 mm"', '"3 mm"')], "screw.pitch_radius", '"3 mm"', "above 3.11136 mm"),
+    "balls too large": (
+        0,
+        [('"16.5 mm"', '"3.2 mm"'), ('"20 mm"', '"1 mm"')],
+        "screw.ball_radius",
+        '"2.778 mm"',
+        "smaller balls",
+    ),
+    "oversize": (0, [('"0 um"', '"0.5 mm"')], "screw.oversize", '"0.5 mm"', "between -0.33336 mm and 0.33336 mm"),
+    "one deviation": (0, [('"0 deg", ', "")], "angles.deviations", '["2 deg"]', "2 entries"),
+    "deviation": (0, [('"2 deg"', '"20 deg"')], "angles.deviations[1]", '"20 deg"', "-15 deg to 15 deg"),
+    "angles past 90 deg": (
+        0,
+        [('"2 deg"', '"-14 deg"'), ('"45 deg"', '"80 deg"')],
+        "angles.deviations",
+        '["0 deg"',
+        "below 90 deg",
+    ),
+    "pattern": (0, [("[1, 1, 0, 0]", "[1, 2, 0, 0]")], "angles.pattern[1]", "2", "-1 to 1"),
+    "direction": (0, [('"axial"', '"sideways"')], "loads.direction", '"sideways"', '"radial"'),
+    "coupling": (0, [('coupling = "ball"', 'coupling = "screw"')], "friction.coupling", '"screw"', '"ball and screw"'),
+    "no load": (0, [('"50 N"', '"0 N"')], "loads.force", '"0 N"', "oversize above 0 um"),
+    "coefficient": (4, [("coefficient = 0.1", "coefficient = 0")], "friction.coefficient", "0", "above 0"),
+    "Hertz": (0, [('"20 mm"', '"1 m"'), ('hertz = "right"', 'hertz = "as printed"')], "hertz", '"as printed"', "steep"),
+    "groove conforms": (
+        0,
+        [("= 0.56", "= 0.5000000000000001"), ('"2.778 mm"', '"1.02 mm"')],
+        "screw.conformity",
+        "0.5000000000000001",
+        "take a wider groove",
+    ),
+    "too many balls": (4, [("balls = 37", "balls = 38")], "track.balls", "38", "2 to 37"),
+    "one ball": (4, [("balls = 37", "balls = 1")], "track.balls", "1", "a whole number from 2 to 1000"),
+    "no steps": (4, [("steps = 200", "steps = 0")], "time.steps", "0", "a whole number from 1"),
+    "steps too many to keep": (
+        4,
+        [("= 37", "= 370"), ("turns = 2", "turns = 20"), ("= 200", "= 100000")],
+        "time.steps",
+        "100000",
+        "1 to 13513 with 370 balls",
+    ),
+    "duration": (4, [('"2 s"', '"0 s"')], "time.duration", '"0 s"', "above 0 s"),
+    "duration without unit": (4, [('"2 s"', "2")], "time.duration", "2", "a number and one of s, ms, min"),
+    "nothing turns": (4, [('"0 rps"', '"1 rps"')], "motion.nut", '"1 rps"', "against each other"),
+    "bearing's balls overlap": (5, [("balls = 9", "balls = 18")], "four_point.balls", "18", "1 to 17"),
+    "angles not ascending": (5, [('"2 deg", "4 deg"', '"4 deg", "2 deg"')], "loads.angles", '["0 deg"', "ascending"),
+    "load angle": (5, [('"30 deg"', '"100 deg"')], "loads.angles[15]", '"100 deg"', "0 deg to 90 deg"),
+    "bearing's clearance": (5, [('"0 um"', '"0.6 mm"')], "four_point.clearance", '"0.6 mm"', "-0.5 mm and 0.5 mm"),
+    "bearing at rest": (5, [('"10 rps"', '"0 rps"')], "motion.inner_ring", '"0 rps"', "not zero"),
+    "tilt": (5, [("tilt = true", "tilt = 1")], "loads.tilt", "1", "true, false"),
+}
+FILES = ("lin-screw-pair-a", "", "", "", "lin-screw-run", "lin-bearing-pairs")
+
+
+@pytest.mark.parametrize("case", list(CASES))
+def test_bad_input_is_one_line(tmp_path, case):
+    which, changes, key, value, hint = CASES[case]
+    path = tmp_path / "my.toml"
+    path.write_text(changed(FILES[which], *changes), encoding="utf-8")
+    with pytest.raises(SceneError) as caught:
+        friction_scene.scene(str(path))
+    error, line = caught.value, str(caught.value)
+    assert (error.file, error.key) == (str(path), key)
+    assert error.value.startswith(value)
+    assert hint in line
+    for part in ("; allowed: ", "; advice: "):
+        assert part in line
+    assert "\n" not in line
+    assert "pydantic" not in line
+
+
+@pytest.mark.parametrize("kind", ["screw pair", "screw run", "bearing pair"])
+def test_schema_describes_every_key(kind):
+    schema = friction_scene.json_schema(kind)
+    for node in (schema, *schema["$defs"].values()):
+        for name, entry in node.get("properties", {}).items():
+            assert entry.get("description"), name
+    json.dumps(schema, allow_nan=False)
+
+
+# --- printing
+
+
+def run(path, as_json):
+    shown, printed = [], []
+    code = run_friction(str(path), as_json, lambda *parts: shown.extend(parts), printed.append)
+    return code, shown, printed
+
+
+@pytest.mark.parametrize(("name", "changes"), [(PAIRS[0], ()), ("lin-screw-run", SHORT), ("lin-bearing-pairs", FEW)])
+def test_table_and_json(tmp_path, name, changes):
+    path = tmp_path / f"{name}.toml"
+    path.write_text(changed(name, *changes), encoding="utf-8")
+    code, shown, printed = run(path, True)
+    assert (code, shown, len(printed)) == (0, [], 1)
+    data = json.loads(json.dumps(printed[0], allow_nan=False))
+    assert (data["scene"], data["converged"], data["status"]) == (name, True, "converged")
+    assert set(data["energy"]) >= {"input_power_W", "loss_W", "balance_percent"}
+    assert ("series" in data) == (name == "lin-screw-run")
+    code, shown, printed = run(path, False)
+    lines = [part for part in shown if isinstance(part, str)]
+    assert (code, printed) == (0, [])
+    for word in (name, "energy: input power", "assumed: ", "solver: ", "law coulomb"):
+        assert any(word in line for line in lines), word
+    tables = [part for part in shown if not isinstance(part, str)]
+    assert tables
+    assert all(t.row_count for t in tables)
+
+
+def test_exit_code_of_a_bearing_that_one_ball_cannot_hold(tmp_path):
+    path = tmp_path / "one.toml"
+    path.write_text(changed("lin-bearing-pairs", *FEW, ("balls = 9", "balls = 1")), encoding="utf-8")
+    code, _, printed = run(path, True)
+    assert code == 1
+    assert printed[0]["converged"] is False
+    assert printed[0]["status"] == "4 of 4 load angles did not converge"

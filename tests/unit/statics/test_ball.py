@@ -1,0 +1,237 @@
+"""One ball in its grooves: the eliminated centre against scipy's minimum of an independently written energy."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from lowfi import jit
+from lowfi.statics.problem import hertz_C, pack_geometry
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import BallErrors, Errors, SideErrors
+from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
+
+DIRECTION = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]])
+UNEVEN = replace(Errors(**{name: SideErrors(profile=FLANK_ERRORS.side(name).profile) for name in ("SL", "SR", "NL", "NR")}))
+#: Oversize [m], standard deviation of the flanks' motions [m], and the numbers of contacts that must be met.
+STATES = {"tight": (8e-6, 1e-6, {4}), "between": (3e-6, 4e-6, {3, 4}), "loose": (-1e-6, 6e-6, {0, 2, 3})}
+PROFILES = {"arcs": Errors(), "uneven": UNEVEN}
+
+
+class Ball:
+    """The first ball of a small screw: arrays for the kernel, and plain numbers for the test's own energy."""
+
+    def __init__(self, profile, oversize):
+        scene = small_screw(count=2)
+        self.scene = replace(scene, errors=replace(PROFILES[profile], balls=BallErrors(oversize=oversize)))
+        self.drawn = specimen(self.scene, ball_layout(self.scene))
+        self.C = hertz_C(self.scene, self.drawn)
+        rows, closure = pack_geometry(self.scene, self.drawn, self.C, np.ones(4, dtype=bool))
+        self.geometry, self.closure, self.C = rows[0], closure[0], self.C[0]
+        self.radius = self.scene.balls.radius + oversize
+
+    def settle(self, shift, engine="interpreted"):
+        """Energy, centre and contact rows of the kernel."""
+        kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled")
+        p, contact = np.zeros(2), np.zeros((4, 5))
+        energy = kernels.settle(p, shift, self.geometry, self.closure, self.radius, self.drawn.profile, 1e-9, contact)
+        return energy, p, contact
+
+    def gap(self, p, shift, side):
+        """Distance from the moved centre to the flank's closest point, gamma by Newton on a sampled guess."""
+        sx, sz = DIRECTION[side]
+        body = self.scene.screw if side < 2 else self.scene.nut
+        slack, beta = body.groove_radius - self.scene.balls.radius, np.pi / 4
+        w = p - shift[side] + slack * np.array([sx * np.cos(beta), sz * np.sin(beta)])
+        coefficients = self.scene.errors.side(("SL", "SR", "NL", "NR")[side]).profile
+
+        def distance(gamma):
+            rho = body.groove_radius - sum(c * gamma**k for k, c in enumerate(coefficients))
+            return np.hypot(w[0] - sx * rho * np.cos(gamma), w[1] - sz * rho * np.sin(gamma))
+
+        middle = np.arctan2(sz * w[1], sx * w[0])
+        if not coefficients:
+            return distance(middle)
+        half = 0.3
+        for _ in range(3):  # the distance is even about its minimum: three parabolas are plenty
+            low, mid, high = (distance(middle + t * half) for t in (-1, 0, 1))
+            middle += half * (low - high) / (2 * (low - 2 * mid + high))
+            half *= 0.1
+        return distance(middle)
+
+    def energy(self, p, shift):
+        delta = np.array([max(self.radius - self.gap(p, shift, s), 0.0) for s in range(4)])
+        return float(np.sum(0.4 * self.C**-1.5 * delta**2.5))
+
+    def minimum(self, shift, start):
+        """Least energy and its place, from simplexes about two starting points."""
+        options = {"xatol": 1e-9, "fatol": 1e-14, "maxiter": 4000, "maxfev": 4000}
+        micro = 1e-6
+        unit = max(self.energy(start + np.array([0.0, 2e-6]), shift), 1e-9)
+        best = None
+        for x0 in (start / micro + 0.2, np.zeros(2)):
+            found = minimize(lambda x: self.energy(micro * x, shift) / unit, x0, method="Nelder-Mead", options=options)
+            best = found if best is None or found.fun < best.fun else best
+        return best.fun * unit, best.x * micro
+
+
+@cache
+def ball(profile, oversize):
+    return Ball(profile, oversize)
+
+
+def random_shifts(size, count, seed=5):
+    shifts = np.zeros((count, 4, 2))
+    shifts[:, :2] = np.random.default_rng(seed).normal(0.0, size, (count, 2, 2))
+    return shifts
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("state", STATES)
+def test_minimum_of_the_energy(state, profile):
+    oversize, size, counts_to_meet = STATES[state]
+    b, counts = ball(profile, oversize), set()
+    for shift in random_shifts(size, 8):
+        energy, p, contact = b.settle(shift)
+        counts.add(int((contact[:, 0] > 0).sum()))
+        least, place = b.minimum(shift, p)
+        assert energy == pytest.approx(least, rel=1e-9, abs=1e-15)
+        if energy > 0.0:
+            assert p == pytest.approx(place, abs=2e-5 * 1e-6)
+    assert counts >= counts_to_meet
+
+
+@pytest.mark.parametrize("pair", [0, 1])
+def test_starting_centre_of_a_two_point_contact_is_its_solution(pair):
+    """One diagonal pair closed: nothing is left to iterate, however the flanks move."""
+    b = ball("arcs", -1e-6)
+    kernels, p, contact = jit.kernels(jit.STATICS, compiled=False).ball, np.zeros(2), np.zeros((4, 5))
+    for shift in random_shifts(3e-6, 10):
+        shift[pair] += 1e-5 * np.array([1.0, 1.0 if pair == 0 else -1.0])
+        shift[1 - pair] -= 3e-5
+        geometry = b.geometry.copy()
+        geometry[[1 - pair, 2 + pair], 5] = 0.0
+        assert kernels.start_centre(p, shift, geometry, b.closure) == 1
+        kernels.touch(*p, shift, geometry, b.radius, b.drawn.profile, contact)
+        net, scale = kernels.net_force(contact)
+        assert net < 1e-13 * scale
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("state", STATES)
+def test_forces_and_balance(state, profile):
+    """Each force is (delta/C)^1.5 at the settled centre, and they balance."""
+    oversize, size, _ = STATES[state]
+    b = ball(profile, oversize)
+    for shift in random_shifts(size, 20, seed=6):
+        energy, p, contact = b.settle(shift)
+        force, normal = contact[:, 0], contact[:, 1:3]
+        delta = np.array([b.radius - b.gap(p, shift, s) for s in range(4)])
+        if energy > 0.0:
+            assert force == pytest.approx((np.maximum(delta, 0.0) / b.C) ** 1.5, rel=1e-8, abs=1e-7 * force.max())
+            rounding = 0.0 if profile == "arcs" else 4e-18 * contact[:, 3].max()  # of the radii, times the stiffness
+            assert np.abs(force @ normal).max() <= 1e-14 * force.max() + rounding
+            assert energy == pytest.approx(b.energy(p, shift), rel=1e-9)
+        else:
+            assert not force.any()
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("state", STATES)
+def test_gradient_and_hessian_of_the_minimised_energy(state, profile):
+    """dE/dv = -F m of each screw flank; ``reduced_hessian`` its derivative: both by central differences."""
+    oversize, size, _ = STATES[state]
+    b, h, checked = ball(profile, oversize), 2e-10, 0
+    for shift in random_shifts(size, 16, seed=7):
+        energy, _, contact = b.settle(shift)
+        gap = contact[:, 0][contact[:, 0] > 0]
+        if energy == 0.0 or gap.min() < 0.05:  # no contact, or one so faint that its stiffness changes within h
+            continue
+        checked += 1
+        hessian = np.empty((4, 4))
+        jit.kernels(jit.STATICS, compiled=False).ball.reduced_hessian(contact, hessian)
+        gradient = -(contact[:2, :1] * contact[:2, 1:3]).ravel()
+        for k in range(4):
+            sides = []
+            for sign in (-1, 1):
+                moved = shift.copy()
+                moved[k // 2, k % 2] += sign * h
+                e, _, c = b.settle(moved)
+                sides.append((e, -(c[:2, :1] * c[:2, 1:3]).ravel()))
+            slope = (sides[1][0] - sides[0][0]) / (2 * h)
+            assert slope == pytest.approx(gradient[k], abs=1e-5 * np.abs(gradient).max())
+            bend = (sides[1][1] - sides[0][1]) / (2 * h)
+            assert hessian[:, k] == pytest.approx(bend, abs=1e-4 * np.abs(hessian).max())
+        assert hessian == pytest.approx(hessian.T, abs=1e-13 * np.abs(hessian).max())
+        assert np.linalg.eigvalsh(hessian).min() > -1e-12 * np.abs(hessian).max()
+    assert checked >= 3
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("state", STATES)
+def test_both_engines_give_the_same_numbers(state, profile):
+    oversize, size, _ = STATES[state]
+    b = ball(profile, oversize)
+    for shift in random_shifts(size, 20, seed=8):
+        one, other = b.settle(shift), b.settle(shift, "compiled")
+        assert one[0] == pytest.approx(other[0], rel=1e-12, abs=1e-24)
+        loaded = one[2][:, 0] > 0
+        assert np.array_equal(loaded, other[2][:, 0] > 0)
+        assert one[2][loaded] == pytest.approx(other[2][loaded], rel=1e-9)
+        hessians = np.empty((2, 4, 4))
+        jit.kernels(jit.STATICS, compiled=False).ball.reduced_hessian(one[2], hessians[0])
+        jit.kernels(jit.STATICS, compiled=True).ball.reduced_hessian(other[2], hessians[1])
+        assert hessians[0] == pytest.approx(hessians[1], rel=1e-9, abs=1e-9 * np.abs(hessians[1]).max())
+
+
+def test_nominal_approach_and_closure_of_the_pairs():
+    """r_B - r_G + |o| per flank, and |o_a - o_b| + 2 r_B - r_a - r_b per diagonal pair, with every error present."""
+    scene = small_screw()
+    scene = replace(scene, errors=replace(FLANK_ERRORS, balls=BallErrors(3e-6, ((2, 1e-6),)), **NO_PROFILES))
+    drawn = specimen(scene, ball_layout(scene))
+    rows, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), np.ones(4, dtype=bool))
+    radii, size = np.array([3.254e-3, 3.254e-3, 3.3e-3, 3.3e-3]), np.linalg.norm(drawn.centre, axis=-1)
+    assert rows[..., 2] == pytest.approx(size, rel=1e-14)
+    assert rows[..., 3] == pytest.approx(drawn.ball_radius[:, None] - radii + size, abs=2e-18)
+    for a in range(2):
+        apart = np.linalg.norm(drawn.centre[:, a] - drawn.centre[:, 3 - a], axis=1)
+        assert closure[:, a] == pytest.approx(apart + 2 * drawn.ball_radius - radii[a] - radii[3 - a], abs=2e-18)
+
+
+def two_flanks(b, shift):
+    """Contact rows with SL and NR alone taking part."""
+    geometry = b.geometry.copy()
+    geometry[[1, 2], 5] = 0.0
+    p, contact = np.zeros(2), np.zeros((4, 5))
+    jit.kernels(jit.STATICS, compiled=False).settle(p, shift, geometry, b.closure, b.radius, b.drawn.profile, 0.0, contact)
+    return contact
+
+
+def test_flank_that_takes_no_part_carries_nothing():
+    b = ball("arcs", 8e-6)
+    expected = (16e-6 / (b.C[0] + b.C[3])) ** 1.5
+    assert two_flanks(b, np.zeros((4, 2)))[:, 0] == pytest.approx([expected, 0.0, 0.0, expected], rel=1e-9)
+
+
+@pytest.mark.parametrize("approach", [1e-12, 1e-9, 1e-6, 1e-4])
+def test_force_grows_with_the_power_three_halves(approach):
+    """Pressed along its own line: F = (approach / (C_SL + C_NR))^1.5, whatever its size."""
+    b, shift = ball("arcs", 0.0), np.zeros((4, 2))
+    shift[0] = approach * np.sqrt([0.5, 0.5])
+    expected = (approach / (b.C[0] + b.C[3])) ** 1.5
+    assert two_flanks(b, shift)[:, 0] == pytest.approx([expected, 0.0, 0.0, expected], rel=1e-6)
+
+
+@pytest.mark.parametrize("motion", [1e-7, 1e-5, 1e-3, 2e-3, 4e-3, 1e-2, 1.0])
+def test_flank_without_profile_is_the_arc(motion):
+    """Also where a long step of the iteration pushes the ball through the groove: the approach must keep growing."""
+    row = ball("arcs", 0.0).geometry[0]
+    moved = motion * np.array([-0.6, -0.8])
+    wx, wz, size, approach = row[:4]
+    expected = jit.kernels(jit.STATICS, compiled=False).contact.arc(*moved, wx, wz, size, approach)
+    flank = jit.kernels(jit.STATICS, compiled=False).contact.flank
+    found = flank(*moved, wx, wz, 2.778e-3, 3.254e-3, np.zeros(2), -1.0, -1.0)
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-17)

@@ -1,0 +1,226 @@
+"""Timoshenko beam: two forms of the element against each other, its shape functions, closed forms, partitions."""
+
+import numpy as np
+import pytest
+
+from compare.scenes import catalogue
+from lowfi import jit
+from lowfi.as_source.static import element_stiffness
+from lowfi.statics.kernel import banded, beam
+from lowfi.statics.shape import motion_matrix, rigid_transport, shape_matrix, shape_polynomials, shear_ratio
+from meshes.helix import ball_layout
+from meshes.partition import beam_nodes, contact_stations, fixed_partition
+from meshes.section import tube_section
+from tests.helpers import STEEL, dense, relative, with_ingredients
+
+SECTION = tube_section(30e-3, 8e-3, STEEL)
+STIFFNESSES = np.array([SECTION.EA, SECTION.EI, SECTION.GJ, SECTION.kGA])
+LENGTHS = [1e-4, 5e-3, 40e-3, 1.0]
+PARTITIONS = {
+    "one element": [0.0, 0.4],
+    "even": np.linspace(0.0, 0.4, 9),
+    "ragged": [0.0, 1e-4, 0.03, 0.1, 0.1001, 0.39, 0.4],
+}
+
+
+def assembled(nodes):
+    """Lower band of the free beam on ``nodes``."""
+    band = np.zeros((6 * len(nodes), 12))
+    for e, length in enumerate(np.diff(nodes)):
+        beam.add_element(band, e, length, STIFFNESSES)
+    return band
+
+
+def cantilever(nodes, load):
+    """Motions of all nodes, the first one held, under a load (6,) on the last one."""
+    band = assembled(nodes)[6:]
+    b = np.zeros(band.shape[0])
+    b[-6:] = load
+    assert banded.solve_banded(band, b)
+    return b.reshape(-1, 6)
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_element_in_the_band_is_the_standard_one(length):
+    expected = element_stiffness(length, SECTION)
+    assert relative(dense(assembled([0.0, length])), expected) < 1e-15
+    size = np.sqrt(np.diag(expected))  # every entry on its own scale
+    assert np.abs((dense(assembled([0.0, length])) - expected) / np.outer(size, size)).max() < 1e-14
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_element_is_the_strain_energy_of_its_shape_functions(length):
+    """K = integral of EA u_z'2 + GJ theta_z'2 + EI theta'2 + kappa G A (u' - theta)2 over the element."""
+    phi = shear_ratio(length, SECTION)
+    points, weights = np.polynomial.legendre.leggauss(5)
+    expected = np.zeros((12, 12))
+    for x, w in zip(points, weights, strict=True):
+        xi = (x + 1) / 2
+        n, slope = shape_matrix(xi, length, phi), shape_matrix(xi, length, phi, 1) / length
+        strains = [
+            (SECTION.EA, slope[2]),
+            (SECTION.GJ, slope[5]),
+            (SECTION.EI, slope[3]),
+            (SECTION.EI, slope[4]),
+            (SECTION.kGA, slope[0] - n[4]),
+            (SECTION.kGA, slope[1] + n[3]),
+        ]
+        expected += sum(0.5 * w * length * k * np.outer(b, b) for k, b in strains)
+    found = element_stiffness(length, SECTION)
+    size = np.sqrt(np.diag(found))
+    assert np.abs((expected - found) / np.outer(size, size)).max() < 1e-11
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_element_force_of_a_deformation(length):
+    """d = q2 - T q1 carries what the stiffness matrix gives: f at node 2 and -T^T f at node 1."""
+    rng = np.random.default_rng(4)
+    k = element_stiffness(length, SECTION)
+    for _ in range(5):
+        q = rng.normal(size=12) * np.tile([length] * 3 + [1.0] * 3, 2)
+        moved, f = np.empty(6), np.empty(6)
+        beam.transport(q[:6], length, moved)
+        assert moved == pytest.approx(rigid_transport(length) @ q[:6], rel=1e-14)
+        beam.element_force(q[6:] - moved, length, STIFFNESSES, f)
+        expected = k @ q
+        size = np.sqrt(np.diag(k)) * np.abs(np.sqrt(np.diag(k)) * q).max()
+        found = np.concatenate([-rigid_transport(length).T @ f, f])
+        assert np.abs((found - expected) / size).max() < 1e-13
+
+
+@pytest.mark.parametrize("nodes", PARTITIONS.values(), ids=PARTITIONS)
+def test_rigid_motion_strains_nothing(nodes):
+    """Six rigid motions of the whole beam: no force beyond round-off of the stiffest element."""
+    motions = np.stack([rigid_transport(z) for z in nodes]).reshape(-1, 6)
+    k = dense(assembled(nodes))
+    assert np.abs(k @ motions).max() < 1e-14 * np.abs(k).max()
+    assert np.linalg.matrix_rank(k / np.sqrt(np.outer(np.diag(k), np.diag(k))), tol=1e-12) <= k.shape[0] - 6
+
+
+def test_positions_of_a_rigid_beam():
+    lengths, q = np.array([0.1, 0.25]), np.zeros((3, 6))
+    q[0] = [1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3]
+    beam.positions(q, np.zeros((2, 6)), lengths)
+    assert q[2] == pytest.approx([1e-3 + 0.35 * 5e-3, 2e-3 - 0.35 * 4e-3, 3e-3, 4e-3, 5e-3, 6e-3], rel=1e-14)
+    beam.positions(q, np.array([[0, 0, 1e-6, 0, 0, 0], [7e-6, 0, 0, 0, 0, 0]]), lengths)
+    assert q[2, :3] == pytest.approx([1e-3 + 0.35 * 5e-3 + 7e-6, 2e-3 - 0.35 * 4e-3, 3.001e-3], rel=1e-14)
+
+
+@pytest.mark.parametrize("nodes", PARTITIONS.values(), ids=PARTITIONS)
+def test_cantilever(nodes):
+    """Tip: F L3/3EI + F L/(kappa G A), slope F L2/2EI; by a moment M L2/2EI and M L/EI; F L/EA and T L/GJ."""
+    length, (fx, fy, fz, mx, my, mz) = 0.4, (100.0, -70.0, 500.0, 3.0, 5.0, 7.0)
+    bend, shear = length / SECTION.EI, length / SECTION.kGA
+    expected = [
+        fx * (length**2 * bend / 3 + shear) + my * length * bend / 2,
+        fy * (length**2 * bend / 3 + shear) - mx * length * bend / 2,
+        fz * length / SECTION.EA,
+        mx * bend - fy * length * bend / 2,
+        my * bend + fx * length * bend / 2,
+        mz * length / SECTION.GJ,
+    ]
+    tip = cantilever(nodes, [fx, fy, fz, mx, my, mz])[-1]
+    assert tip == pytest.approx(expected, rel=1e-7 if len(nodes) == 7 else 1e-11)
+
+
+def test_any_partition_gives_the_same_nodal_values():
+    coarse, fine = [0.0, 0.1, 0.4], np.linspace(0.0, 0.4, 17)
+    load = [100.0, -70.0, 500.0, 3.0, 5.0, 7.0]
+    assert cantilever(fine, load)[[3, 15]] == pytest.approx(cantilever(coarse, load), rel=1e-9)
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+@pytest.mark.parametrize("xi", [0.0, 0.3, 0.5, 0.9, 1.0])
+def test_shape_functions_are_the_exact_interior(length, xi):
+    """Interpolation equals the solution with a node put there (condensed), and the nodal values at the ends."""
+    n = shape_matrix(xi, length, shear_ratio(length, SECTION))
+    if xi in (0.0, 1.0):
+        expected = np.hstack([np.eye(6) * (1 - xi), np.eye(6) * xi])
+    else:
+        k = dense(assembled([0.0, xi * length, length]))
+        outer = np.r_[0:6, 12:18]
+        expected = -np.linalg.solve(k[6:12, 6:12], k[6:12][:, outer])
+    size = np.array([length] * 3 + [1.0] * 3)
+    assert np.abs((n - expected) / size[:, None] * np.tile(size, 2)).max() < 1e-10
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_shape_derivatives(order):
+    length, phi, h = 5e-3, shear_ratio(5e-3, SECTION), 1e-4
+    for xi in (0.1, 0.5, 0.8):
+        low, high = (shape_matrix(xi + x, length, phi, order - 1) for x in (-h, h))
+        found = shape_matrix(xi, length, phi, order)
+        assert relative(found, (high - low) / (2 * h)) < 1e-7  # cubic polynomials: the difference errs by h2 u'''/6
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_shape_functions_for_many_points(order):
+    rng = np.random.default_rng(0)
+    xi, length = rng.uniform(size=8), rng.uniform(1e-3, 0.1, 8)
+    found = shape_polynomials(xi, length, SECTION, order)
+    for i in range(8):
+        expected = shape_matrix(xi[i], length[i], shear_ratio(length[i], SECTION), order)
+        assert relative(found[i], expected) < 1e-14
+
+
+def test_motion_beyond_the_ends_is_rigid():
+    nodes, q = np.array([0.1, 0.2, 0.4]), np.arange(1.0, 19.0).reshape(3, 6)
+    for z, end in ((0.05, 0), (0.45, 2)):
+        j, m = motion_matrix(z, nodes, SECTION)
+        assert m @ q.ravel()[6 * j : 6 * j + 12] == pytest.approx(rigid_transport(z - nodes[end]) @ q[end], rel=1e-14)
+    j, m = motion_matrix(0.2, nodes, SECTION)
+    assert m @ q.ravel()[6 * j : 6 * j + 12] == pytest.approx(q[1], rel=1e-14)
+
+
+@pytest.mark.parametrize("engine", ["interpreted", "compiled"])
+def test_banded_solver(engine):
+    """Both engines against a dense solution of a random band, well conditioned and scaled like the beam."""
+    solve = jit.kernels(jit.STATICS, compiled=engine == "compiled").newton.solve_banded
+    rng = np.random.default_rng(1)
+    for n, width in ((1, 1), (5, 5), (12, 12), (60, 12), (60, 24)):
+        band = rng.uniform(-1.0, 1.0, (n, width))
+        band[:, 0] = 2.0 * width
+        for j in range(n):
+            band[j, n - j :] = 0.0
+        scale = 10.0 ** rng.uniform(-3, 3, n)
+        for j in range(n):
+            m = min(width, n - j)
+            band[j, :m] *= scale[j] * scale[j : j + m]
+        b = rng.normal(size=n)
+        expected = np.linalg.solve(dense(band) / np.outer(scale, scale), b / scale) / scale
+        assert solve(band.copy(), b)
+        assert b * scale == pytest.approx(expected * scale, rel=1e-11, abs=1e-13 * np.abs(expected * scale).max())
+
+
+@pytest.mark.parametrize("engine", ["interpreted", "compiled"])
+def test_banded_solver_refuses_an_indefinite_matrix(engine):
+    solve = jit.kernels(jit.STATICS, compiled=engine == "compiled").newton.solve_banded
+    assert not solve(np.array([[1.0, 2.0], [1.0, 0.0]]), np.ones(2))
+
+
+def test_the_sources_partition_has_27_elements():
+    """Table 2.2: 12 + 3 + 12, 15 mm inside the nut."""
+    scene = with_ingredients(catalogue.scene("lin-case1"), partition="source")
+    nodes = fixed_partition(scene)
+    assert nodes.size - 1 == 27
+    assert nodes[[0, -1]] == pytest.approx([0.0, 0.8])
+    assert nodes[12:16] == pytest.approx([0.3775, 0.3925, 0.4075, 0.4225])
+    assert np.diff(nodes).max() <= 33e-3
+
+
+def test_nodal_partition_has_a_node_at_every_contact_support_and_load():
+    scene = catalogue.scene("lin-case3-offset")
+    stations = contact_stations(scene, ball_layout(scene))
+    nodes, _ = beam_nodes(scene, stations)
+    assert np.abs(nodes[None, :] - stations.ravel()[:, None]).min(axis=1).max() < 1e-5
+    assert nodes[[0, -1]] == pytest.approx([0.0, 0.8])
+
+
+def test_idle_ends_of_the_shaft_are_left_out():
+    scene = catalogue.scene("lin-case1")
+    stations = contact_stations(scene, ball_layout(scene))
+    nodes, left_out = beam_nodes(scene, stations)
+    everything, none = beam_nodes(scene, stations, everything=True)
+    assert (left_out, none) == (1, 0)
+    assert everything.size == nodes.size + 1
+    assert nodes[-1] == pytest.approx(stations.max())

@@ -1,0 +1,413 @@
+"""Elastic bodies: stationarity of the solution, limits and equivalent forms, the contact law, rows and the shaft."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.scenes import catalogue
+from lowfi import jit
+from lowfi.as_source.static import beam_matrix
+from lowfi.compliance.bodies import LADDER, REFINED, geometry_only, grooved_section
+from lowfi.statics import elastic_system as model
+from lowfi.statics.elastic import contacts_of, flank_shifts, run, solve_elastic
+from lowfi.statics.elastic_system import Rebuild, ready
+from lowfi.statics.kernel import elastic_balls
+from lowfi.statics.mechanism import free_motions
+from lowfi.statics.problem import build
+from lowfi.statics.shaft import flank_response, node_motions, shaft_of
+from lowfi.statics.static import pin, solve_static
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import BallErrors, Load, Support
+from tests.helpers import FLANK_ERRORS, relative, small_screw, with_ingredients
+
+ALL = np.ones(4, dtype=bool)
+SCENES = {
+    "lin-case1": lambda: catalogue.scene("lin-case1"),
+    "lin-case3": lambda: catalogue.scene("lin-case3"),
+    "lin-case3-offset": lambda: catalogue.scene("lin-case3-offset"),
+    "lin-combined": lambda: catalogue.scene("lin-combined"),
+    "bearing-9-preload": lambda: catalogue.scene("bearing-9-preload"),
+    "clearance": lambda: small_screw(count=9, oversize=-5e-6, force=(100.0, 0.0, 1500.0)),
+    "not held across": lambda: small_screw(
+        12, 2.5, oversize=3e-6, force=(50.0, -80.0, 900.0), fixed=(("uz", 0.0), ("rz", 0.0)), load_at=0.0
+    ),
+    "source partition": lambda: with_ingredients(catalogue.scene("lin-case2"), partition="source"),
+    "hertz at work": lambda: with_ingredients(catalogue.scene("lin-case3"), hertz="actual"),
+    "uneven flanks": lambda: replace(
+        small_screw(count=9, force=(200.0, -100.0, 1500.0)), errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=2e-6))
+    ),
+}
+SAME_AS_SOURCE = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset", "lin-combined", "bearing-9-preload")
+
+
+def assembled(scene, backend=REFINED, use=ALL, engine=None):
+    """A scene's problem for the kernels, with the sides ``use``."""
+    layout = ball_layout(scene)
+    drawn = specimen(scene, layout)
+    engine = engine or jit.kernels(jit.STATICS, compiled=False)
+    rebuild = Rebuild(scene, drawn, layout, np.array(use), None, backend, None, engine, False, 1)
+    problem = rebuild.problem()
+    return ready(pin(problem, free_motions(problem)), backend, engine, layout)
+
+
+def motions(elastic, phi, amplitudes):
+    """v0 + G phi + R a by whole matrices."""
+    flanks = elastic.flanks
+    v = flanks.v0 + flanks.R @ amplitudes
+    if flanks.second.size == 0:
+        return v + (flanks.first @ phi.ravel()).reshape(v.shape)
+    for G, part in ((flanks.first, slice(0, 4)), (flanks.second, slice(4, 8))):
+        v[:, part] += (G @ phi[:, part].ravel()).reshape(-1, 4)
+    return v
+
+
+def balls(elastic, v):
+    """Energy and forces of all balls at motions v, states left as they are."""
+    f, state = np.empty_like(v), tuple(x.copy() for x in elastic.state)
+    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.contacts, state, f, elastic.options[3])
+    return energy, f, state
+
+
+@pytest.mark.parametrize("backend", LADDER)
+@pytest.mark.parametrize("case", SCENES)
+def test_solution_is_stationary_and_balanced(case, backend):
+    scene = SCENES[case]()
+    result = solve_elastic(scene, backend=LADDER[backend], name=backend)
+    assert result.status == "converged"
+    assert result.solver.residual <= max(1e-10, result.solver.round_off_bound)
+    assert result.equilibrium.force_residual < 1e-9
+    assert result.equilibrium.moment_residual < 1e-9
+    elastic = assembled(scene, LADDER[backend])
+    assert run(elastic)[3] <= 1e-10
+    phi, amplitudes = elastic.state[:2]
+    _, f, _ = balls(elastic, motions(elastic, phi, amplitudes))
+    assert np.abs(f - phi).max() < 1e-10 * elastic.scale
+    unbalanced = np.einsum("nac,na->c", elastic.flanks.R, f) + elastic.flanks.work
+    assert np.abs(unbalanced * elastic.arms).max(initial=0.0) < 1e-10 * elastic.scale
+
+
+@pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset", "uneven flanks", "clearance"])
+def test_forces_are_the_gradient_of_the_energy(case):
+    """-dE/dv by central differences of the balls' energy, away from the solution."""
+    elastic = assembled(SCENES[case]())
+    run(elastic)
+    rng = np.random.default_rng(2)
+    v = motions(elastic, *elastic.state[:2]) + rng.normal(0.0, 2e-7, elastic.flanks.v0.shape)
+    _, f, _ = balls(elastic, v)
+    step = 2e-9
+    for i, a in ((0, 0), (1, 1), (2, 2), (3, 6), (4, 7), (5, 4)):
+        ends = []
+        for sign in (1.0, -1.0):
+            moved = v.copy()
+            moved[i, a] += sign * step
+            ends.append(balls(elastic, moved)[0])
+        assert (ends[0] - ends[1]) / (2.0 * step) == pytest.approx(-f[i, a], abs=1e-4 * np.abs(f).max())
+
+
+@pytest.mark.parametrize("name", SAME_AS_SOURCE)
+def test_rigid_nut_and_plain_section_is_the_source_model(name):
+    scene = catalogue.scene(name)
+    expected, found = solve_static(scene), solve_elastic(scene, backend=LADDER["lin"], name="lin")
+    assert found.status == expected.status == "converged"
+    assert relative(found.load, expected.load) < 1e-9
+    loaded = expected.load > 1e-3 * expected.load.max()
+    assert np.abs(found.contact_angle - expected.contact_angle)[loaded].max() < 1e-9
+    assert relative(found.centreline, expected.centreline) < 1e-9
+    assert relative(found.centre_shift, expected.centre_shift) < 1e-8
+    assert np.abs(found.equilibrium.reaction_force - expected.equilibrium.reaction_force).max() < 1e-9 * expected.load.max()
+
+
+@pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset", "bearing-9-preload", "uneven flanks"])
+def test_engines_agree(case):
+    scene = SCENES[case]()
+    found = [solve_elastic(scene, engine=engine) for engine in ("interpreted", "compiled")]
+    assert [x.solver.engine for x in found] == ["interpreted", "compiled"]
+    assert found[0].converged
+    assert found[1].converged
+    assert relative(found[1].load, found[0].load) < 1e-9
+
+
+@pytest.mark.parametrize("backend", LADDER)
+@pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset", "clearance", "lin-combined"])
+def test_leaving_nothing_out_changes_nothing(case, backend):
+    scene = SCENES[case]()
+    usual, every = (solve_elastic(scene, backend=LADDER[backend], everything=e) for e in (False, True))
+    assert usual.converged
+    assert every.converged
+    assert relative(every.load, usual.load) < 1e-8
+    assert relative(every.centreline[-1], usual.centreline[-1]) < 1e-6
+
+
+@pytest.mark.parametrize("backend", LADDER)
+@pytest.mark.parametrize("sides", [(0, 3), (1, 2)], ids=["SL-NR", "SR-NL"])
+def test_pair_form_is_the_four_flank_form(sides, backend):
+    scene = catalogue.scene("lin-case1")
+    pushes = np.sign(scene.loads[0].force[2]) == (1.0 if sides == (0, 3) else -1.0)
+    load = scene.loads[0]
+    scene = scene if pushes else replace(scene, loads=(replace(load, force=(0.0, 0.0, -load.force[2])),))
+    pair = assembled(scene, LADDER[backend], np.isin(np.arange(4), sides))
+    four = assembled(scene, LADDER[backend])
+    assert (pair.pair, four.pair) == (sides, None)
+    for one in (pair, four):
+        assert run(one)[0] == 0
+    contacts = [contacts_of(one)[1][..., 0] for one in (pair, four)]
+    assert relative(*contacts) < 1e-9
+    assert (contacts[0][:, sides] > 0.0).all()
+    moved = [flank_shifts(one)[:, sides] for one in (pair, four)]
+    assert relative(*moved) < 1e-9
+    assert moved[1][:, 1].any() == (backend in ("lin-nut", "refined"))
+
+
+def test_sides_left_out_that_touch_are_found():
+    scene = small_screw(12, 2.5, force=(1900.0, 0.0, 4000.0))
+    found, every = solve_elastic(scene), solve_elastic(scene, everything=True)
+    assert found.converged
+    assert any("solved again with all four" in text for text in found.solver.notes)
+    assert (found.load[:, 1:3] > 0.0).any()
+    assert relative(found.load, every.load) < 1e-8
+
+
+#: C, e and h: both signs of each, with and without a place where the law goes on without them.
+LAWS = [
+    (1e-8, 0.0, 0.0),
+    (1e-8, 3e-10, 0.0),
+    (1e-8, -2e-10, 0.0),
+    (1e-8, -2e-9, 0.0),
+    (1e-8, 0.0, 2e-11),
+    (1e-8, 0.0, -1e-10),
+    (1e-8, -2e-10, 1e-12),
+    (1e-8, -2e-9, 1e-9),
+    (1e-8, 2e-10, -3e-11),
+    (1e-8, -3e-10, -3e-11),
+    (1e-8, 1e-9, -1e-17),
+]
+
+
+def turn(c, e, h):
+    """Size F^(1/3) from which on a law goes on as half of Hertz's: least root of 4 h x^2 + 3 e x + C, or infinity."""
+    roots = np.roots([4.0 * h, 3.0 * e, c]) if h or e else np.zeros(0)
+    real = [float(r.real) for r in roots if abs(r.imag) < 1e-9 * abs(r) and r.real > 0.0]
+    return min(real, default=np.inf)
+
+
+@pytest.mark.parametrize(("c", "e", "h"), LAWS)
+def test_contact_law_inverts_its_formula(c, e, h):
+    most = turn(c, e, h)
+    for force in np.geomspace(1e-6, 0.99 * min(most**3, 1e4), 12):
+        delta = c * force ** (2 / 3) + e * force + h * force ** (4 / 3)
+        assert elastic_balls.contact_law(delta, c, e, h)[0] == pytest.approx(force, rel=1e-10)
+    if most < 1e3:
+        edge = c * most**2 + e * most**3 + h * most**4
+        force, _, _ = elastic_balls.contact_law(3.0 * edge, c, e, h)
+        assert 0.5 * c * force ** (2 / 3) + edge - 0.5 * c * most**2 == pytest.approx(3.0 * edge, rel=1e-10, abs=0.0)
+
+
+@pytest.mark.parametrize(("c", "e", "h"), LAWS)
+def test_contact_law_is_one_energy(c, e, h):
+    """Slope, force and energy by finite differences and by the integral of the force, over the switch as well."""
+    most = turn(c, e, h)
+    edge = c * most**2 + e * most**3 + h * most**4 if most < 1e3 else 4e-6
+    for delta in edge * np.array([1e-3, 0.1, 0.5, 0.98, 1.02, 2.0, 10.0]):
+        force, slope, energy = elastic_balls.contact_law(delta, c, e, h)
+        step = 1e-5 * delta
+        (f0, _, w0), (f1, _, w1) = (elastic_balls.contact_law(delta + s * step, c, e, h) for s in (-1.0, 1.0))
+        assert (f1 - f0) / (2 * step) == pytest.approx(slope, rel=1e-7, abs=0.0)
+        assert (w1 - w0) / (2 * step) == pytest.approx(force, rel=1e-7, abs=0.0)
+        assert slope > 0.0
+        node, weight = np.polynomial.legendre.leggauss(60)
+        x = 0.5 * (node + 1.0)  # F grows as delta^(3/2): by x = sqrt(delta) the integrand is smooth
+        forces = np.array([elastic_balls.contact_law(delta * y * y, c, e, h)[0] for y in x])
+        assert delta * (weight * x) @ forces == pytest.approx(energy, rel=2e-5, abs=0.0)
+
+
+@pytest.mark.parametrize(("c", "e", "h"), [law for law in LAWS if turn(*law) < 1e3])
+def test_contact_law_is_smooth_where_it_changes(c, e, h):
+    most = turn(c, e, h)
+    edge = c * most**2 + e * most**3 + h * most**4
+    below, above = (elastic_balls.contact_law(edge * (1.0 + s * 1e-12), c, e, h) for s in (-1.0, 1.0))
+    assert above == pytest.approx(below, rel=1e-9, abs=0.0)
+    slopes = [elastic_balls.contact_law(d, c, e, h)[1] for d in edge * np.geomspace(1e-4, 1e3, 200)]
+    assert np.all(np.array(slopes) > 0.0)
+    assert h > 0.0 or np.all(np.diff(slopes) > 0.0)
+
+
+def test_contact_law_is_the_same_in_both_engines():
+    for law in LAWS:
+        for delta in np.geomspace(1e-9, 1e-4, 15):
+            own = elastic_balls.contact_law(delta, *law)
+            compiled = jit.kernels(jit.STATICS, compiled=True).contact_law
+            assert compiled(delta, *law) == pytest.approx(own, rel=1e-13, abs=0.0)
+
+
+def energy_hessian(elastic, i, v, step=3e-9):
+    """Hessian of one ball's energy by the motions of its flanks, by differences of its forces."""
+    H = np.empty((v.shape[1], v.shape[1]))
+    for a in range(v.shape[1]):
+        ends = []
+        for sign in (1.0, -1.0):
+            moved = v.copy()
+            moved[i, a] += sign * step
+            ends.append(balls(elastic, moved)[1][i].copy())
+        H[:, a] = -(ends[0] - ends[1]) / (2.0 * step)
+    return H
+
+
+@pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset", "bearing-9-preload", "lin-combined", "uneven flanks"])
+def test_flank_rows_square_to_the_hessian(case):
+    elastic = assembled(SCENES[case]())
+    run(elastic)
+    v = motions(elastic, *elastic.state[:2])
+    _, _, state = balls(elastic, v)
+    S, counts = np.zeros((len(v), 6, 8)), np.zeros(len(v), dtype=np.int64)
+    elastic_balls.ball_rows(elastic.contacts, state[3], S, counts)
+    worst = 0.0
+    for i in range(0, len(v), max(1, len(v) // 5)):
+        rows = S[i, : counts[i]]
+        H = energy_hessian(elastic, i, v)
+        worst = max(worst, np.abs(rows.T @ rows - H).max() / max(np.abs(H).max(), 1.0))
+        shift = np.tile(np.eye(2), 4)  # moving all flanks alike moves the ball along
+        assert np.abs(rows @ shift.T).max(initial=0.0) < 1e-9 * np.abs(rows).max(initial=1.0)
+    assert worst < 1e-5
+
+
+def test_pair_rows_square_to_the_hessian():
+    elastic = assembled(catalogue.scene("lin-case1"), use=(True, False, False, True))
+    run(elastic)
+    v = motions(elastic, *elastic.state[:2])
+    S, counts = np.zeros((len(v), 2, 2)), np.zeros(len(v), dtype=np.int64)
+    elastic_balls.ball_rows(elastic.contacts, balls(elastic, v)[2][3], S, counts)
+    for i in (0, 7, 31):
+        H = energy_hessian(elastic, i, v)
+        assert np.abs(S[i].T @ S[i] - H).max() < 1e-6 * np.abs(H).max()
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 4])
+def test_rows_of_any_number_of_contacts(count):
+    """Schur complement of the dense Hessian by centre and amplitude, for made-up contacts."""
+    rng = np.random.default_rng(count)
+    contact, local = np.zeros((4, 5)), np.zeros((4, 2))
+    angle = np.array([3.9, 2.4, -0.8, 0.8]) + rng.uniform(-0.2, 0.2, 4)
+    contact[:, 1], contact[:, 2] = np.cos(angle), np.sin(angle)
+    contact[:count, 0] = rng.uniform(10.0, 200.0, count)
+    contact[:, 3], contact[:, 4] = rng.uniform(2e7, 6e7, 4), rng.uniform(1e4, 1e5, 4)
+    local[:, 1] = 1e-5 * np.array([1.0, -1.0, -1.0, 1.0])
+    rows = np.zeros((6, 8))
+    n = elastic_balls.flank_rows(contact, local, rows)
+    full = np.zeros((11, 11))
+    full[2, 2] = 1.0
+    for s in range(count):
+        m, t = contact[s, 1:3], np.array([-contact[s, 2], contact[s, 1]])
+        for k, d, g in ((contact[s, 3], m, local[s, 1]), (contact[s, 4], t, 0.0)):
+            u = np.zeros(11)
+            u[:2], u[2], u[3 + 2 * s : 5 + 2 * s] = d, -g, -d
+            full += k * np.outer(u, u)
+    expected = np.zeros((8, 8))
+    if count:
+        expected = full[3:, 3:] - full[3:, :3] @ np.linalg.solve(full[:3, :3], full[:3, 3:])
+    assert n == (0 if count == 0 else max(2 * count + 1 - 3, 0))
+    assert np.abs(rows[:n].T @ rows[:n] - expected).max() < 1e-9 * max(np.abs(full).max(), 1.0)
+
+
+SHAFTS = {
+    "held": lambda: catalogue.scene("lin-case1"),
+    "prescribed": lambda: catalogue.scene("lin-case3-offset"),
+    "source partition": lambda: with_ingredients(catalogue.scene("lin-case3-offset"), partition="source"),
+    "one support": lambda: small_screw(
+        force=(10.0, 5.0, 300.0), moment=(1.0, 2.0, 0.0), fixed=(("uz", 0.0), ("rz", 0.0)), load_at=0.03
+    ),
+    "free": lambda: small_screw(force=(10.0, 5.0, 300.0), moment=(1.0, 2.0, 3.0), fixed=(), load_at=0.17),
+    "pushed and loose": lambda: replace(
+        small_screw(force=(10.0, 5.0, 300.0)), supports=(Support(0.0, (("uz", 3e-6), ("rz", 0.0), ("ux", 2e-6))),)
+    ),
+}
+
+
+def problem_of(case):
+    scene = SHAFTS[case]()
+    layout = ball_layout(scene)
+    section = grooved_section(geometry_only(scene), True)
+    return build(scene, specimen(scene, layout), layout, ALL, section=section)
+
+
+@pytest.mark.parametrize("case", SHAFTS)
+def test_shaft_against_the_dense_beam(case):
+    """Random forces on the flanks that balance the loads on what no support holds: nodal motions by the whole matrix."""
+    problem = problem_of(case)
+    shaft = shaft_of(problem)
+    size = 6 * problem.nodes.size
+    K, fixed = beam_matrix(problem), problem.fixed.ravel()
+    rows = np.zeros((problem.B.shape[0], 2, 2, size))
+    for i in range(rows.shape[0]):
+        for s in range(2):
+            first = 6 * problem.node[i, s]
+            rows[i, s, :, first : first + problem.B.shape[3]] = problem.B[i, s]
+    rows = rows.transpose(1, 0, 2, 3).reshape(-1, size)
+    G, v0, R = flank_response(shaft, [0, 1])
+    assert G.shape == (rows.shape[0],) * 2
+    assert relative(G, G.T) == 0.0
+    rng = np.random.default_rng(4)
+    forces = rng.normal(0.0, 100.0, rows.shape[0])
+    if R.shape[1]:
+        forces -= R @ np.linalg.solve(R.T @ R, R.T @ forces + shaft.work)
+    amplitudes = rng.normal(0.0, 1e-5, R.shape[1])
+    q = np.where(fixed, problem.prescribed.ravel(), 0.0)
+    load = problem.load.ravel() + rows.T @ forces
+    loose = ~fixed
+    right = (load - K @ q)[loose]
+    found = node_motions(shaft, forces.reshape(-1, 2), amplitudes, [0, 1]).ravel()
+    # by the whole matrix: residual on the free freedoms, prescribed values on the others
+    np.testing.assert_allclose(found[fixed], problem.prescribed.ravel()[fixed], rtol=0, atol=1e-18)
+    arm = np.tile([1.0] * 3 + [problem.scene.track.pitch_radius] * 3, size // 6)
+    residual = ((K @ found - load) / arm)[loose]
+    assert np.abs(residual).max() < 1e-6 * np.abs(load).max()
+    assert relative(rows @ found, G @ forces + v0 + R @ amplitudes) < 1e-9
+    if R.shape[1] == 0:
+        q[loose] = np.linalg.solve(K[np.ix_(loose, loose)], right)
+        assert relative(found, q) < 1e-7
+        flexible = np.zeros((size, size))
+        flexible[np.ix_(loose, loose)] = np.linalg.inv(K[np.ix_(loose, loose)])
+        assert relative(G, rows @ flexible @ rows.T) < 1e-7
+    else:
+        still = node_motions(shaft, forces.reshape(-1, 2), 0.0 * amplitudes, [0, 1]).ravel()
+        assert np.abs(K @ (found - still)).max() < 1e-6
+
+
+@pytest.mark.parametrize(("case", "count"), [("held", 1), ("one support", 4), ("free", 6), ("pushed and loose", 3)])
+def test_free_motions_are_rigid_and_work_is_the_loads(case, count):
+    shaft = shaft_of(problem_of(case))
+    problem = shaft.problem
+    assert shaft.motions.shape == (6, shaft.work.size)
+    assert shaft.work.size == count
+    z = problem.nodes
+    for k in range(shaft.work.size):
+        motion = shaft.motions[:, k]
+        moved = np.tile(motion, (z.size, 1))
+        moved[:, :3] += np.cross(motion[3:], np.array([0.0, 0.0, 1.0])) * (z - z[shaft.pin])[:, None]
+        assert np.abs(moved[problem.fixed]).max(initial=0.0) < 1e-12
+        assert shaft.work[k] == pytest.approx((moved * problem.load).sum(), rel=1e-9, abs=1e-9)
+
+
+def test_negative_compliance_is_cut_away():
+    rng = np.random.default_rng(1)
+    Q = np.linalg.qr(rng.normal(size=(6, 6)))[0]
+    values = np.array([5.0, 3.0, 2.0, 1.0, 0.5, -0.2]) * 1e-9
+    found, cut = model.positive((Q * values) @ Q.T)
+    assert cut == pytest.approx(0.2e-9, rel=1e-9, abs=0.0)
+    assert relative(found, (Q * np.maximum(values, 0.0)) @ Q.T) < 1e-12
+    whole = (Q * np.abs(values)) @ Q.T
+    assert model.positive(whole)[0] is whole
+    assert model.positive(whole)[1] == 0.0
+
+
+def test_limits_are_told():
+    most = model.LARGEST
+    with pytest.raises(ValueError, match=f"{most + 1} balls: elastic bodies are limited to {most}"):
+        solve_elastic(small_screw(most + 1, most / 15.0))
+    loose = replace(small_screw(), supports=(), loads=(Load(0.1, (0.0, 0.0, 0.0), (0.0, 0.0, 5.0)),))
+    result = solve_elastic(loose)
+    assert result.status.startswith("not held")
+    scene = small_screw()
+    with pytest.raises(ValueError, match="leaves no groove"):
+        solve_elastic(replace(scene, screw=replace(scene.screw, outer_diameter=26e-3)))

@@ -1,0 +1,113 @@
+"""The source's own formulation: its Jacobian, and its agreement with the energy solver."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.scenes import catalogue
+from lowfi.as_source.static import System, beam_matrix, equations, initial_state, solve_source, solve_source_result
+from lowfi.statics.problem import build, nominal_hertz
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import BallErrors
+from tests.helpers import FLANK_ERRORS, NO_PROFILES, relative, small_screw, solved, with_ingredients
+
+CASES = ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
+
+
+def system_of(scene, kinematics):
+    layout = ball_layout(scene)
+    problem = build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
+    free = np.concatenate([np.arange(6 * layout.z.size), 6 * layout.z.size + np.flatnonzero(~problem.fixed.ravel())])
+    axes = np.stack([layout.radial, layout.binormal], axis=1)
+    return System(problem, kinematics, beam_matrix(problem), free, axes)
+
+
+@pytest.mark.parametrize("errors", [None, FLANK_ERRORS], ids=["exact", "errors"])
+@pytest.mark.parametrize("partition", ["nodal", "source"])
+@pytest.mark.parametrize("kinematics", ["arc", "source"])
+def test_jacobian(kinematics, partition, errors):
+    """Central differences, each column on the scale of its unknown, at a state with three and four contacts a ball."""
+    scene = small_screw(oversize=5e-6, partition=partition)
+    if errors:
+        scene = replace(scene, errors=replace(errors, balls=BallErrors(oversize=5e-6)))
+    system = system_of(scene, kinematics)
+    count, size = 6, 36 + 6 * system.problem.nodes.size
+    rng = np.random.default_rng(3)
+    unit = np.concatenate(  # a micrometre, and the angle that shifts a contact or the pitch circle by as much
+        [np.full(12, 1e-6), np.full(24, 1e-2), np.tile([1e-6] * 3 + [5e-5] * 3, system.problem.nodes.size)]
+    )
+    x = initial_state(system, "nominal", 1.0) + unit * rng.normal(0.0, 0.3, size)
+    load = rng.normal(0.0, 10.0, size - 36)
+    _, jacobian, forces = equations(system, x, load)
+    assert (forces > 0.0).sum() >= 3 * count
+    for k in range(size):
+        step = np.zeros(size)
+        step[k] = 1e-4 * unit[k]
+        high, low = (equations(system, x + sign * step, load, jacobian=False)[0] for sign in (1, -1))
+        found, expected = jacobian[:, k] * unit[k], (high - low) / 2e-4
+        for rows in (slice(0, 12), slice(12, 36), slice(36, None)):  # balls, contact conditions, screw
+            scale = np.abs(jacobian[rows] * unit).max()
+            assert np.abs(found[rows] - expected[rows]).max() < 1e-6 * scale
+
+
+@pytest.mark.parametrize("partition", ["nodal", "source"])
+@pytest.mark.parametrize("case", CASES)
+def test_both_solvers_agree_on_the_same_equations(case, partition):
+    scene = with_ingredients(catalogue.scene(case), partition=partition)
+    source, energy = solve_source(scene, kinematics="arc"), solved(scene)
+    assert source.status == "converged"
+    assert relative(source.load, energy.load) < 1e-8
+    loaded = energy.load > 0.0
+    assert source.contact_angle[loaded] == pytest.approx(energy.contact_angle[loaded], abs=1e-8)
+
+
+def test_both_solvers_agree_with_pitch_and_roundness_errors():
+    scene = small_screw(count=12, turns=2.0, force=(0.0, 200.0, 2000.0))
+    scene = replace(scene, errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=4e-6), **NO_PROFILES))
+    source = solve_source(scene, kinematics="arc")
+    assert source.status == "converged"
+    assert relative(source.load, solved(scene).load) < 1e-8
+
+
+@pytest.mark.parametrize("partition", ["nodal", "source"])
+@pytest.mark.parametrize("case", CASES)
+def test_lever_arms_that_follow_the_contact_angle_matter_little(case, partition):
+    """Lin 2.18-2.21 moves the station and arm with gamma; the energy's arcs turn rigidly: some 1e-4 of the load."""
+    scene = with_ingredients(catalogue.scene(case), partition=partition)
+    source = solve_source(scene, kinematics="source")
+    assert source.status == "converged"
+    assert 1e-8 < relative(source.load, solved(scene).load) < 2e-4
+
+
+def test_newton_from_the_nominal_state():
+    """Singular at once without preload, where no contact is closed; convergent with it."""
+    loose = solve_source(catalogue.scene("lin-case1"), start="nominal")
+    assert loose.status.startswith("singular Jacobian at iteration 1")
+    assert not loose.converged
+    assert solve_source(catalogue.scene("lin-case3"), start="nominal").converged
+
+
+@pytest.mark.parametrize("start", ["guess", "load steps"])
+def test_starts_lead_to_the_same_loads(start):
+    scene = catalogue.scene("lin-case3")
+    nominal, other = solve_source(scene, start="nominal"), solve_source(scene, start=start)
+    assert other.converged
+    assert relative(other.load, nominal.load) < 1e-9
+
+
+def test_rigid_screw_is_refused():
+    with pytest.raises(ValueError, match="beam"):
+        solve_source(small_screw(screw="rigid"))
+
+
+def test_the_source_model_keeps_the_constants_of_error_free_parts():
+    """Printed loads are those of error-free constants, whatever an oversize does to them; the equations take either."""
+    scene = with_ingredients(catalogue.scene("lin-case3"), partition="source")
+    model, row = solve_source_result(scene), nominal_hertz(scene).C
+    assert model.converged
+    assert model.hertz_C == pytest.approx(np.tile(row, (32, 1)), rel=1e-15)
+    old = solved(with_ingredients(scene, hertz="error-free")).load
+    assert relative(solve_source(with_ingredients(scene, hertz="error-free"), kinematics="arc").load, old) < 1e-8
+    assert relative(solved(scene).load, old) > 1e-3

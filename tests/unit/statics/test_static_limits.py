@@ -1,0 +1,158 @@
+"""Results at the edge of what the static models hold for: contacts at the groove's apex, tilts, and what results say."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from compare.commands.solve_output import as_json, as_table
+from compare.errors import Refusal
+from compare.models.registry import Options, run_model
+from compare.scenes import catalogue
+from lowfi.compliance.bodies import LADDER
+from lowfi.statics.elastic import solve_elastic
+from lowfi.statics.problem import nominal_hertz
+from lowfi.statics.static import solve_static
+from meshes.helix import lead_angle
+from meshes.parts import Support
+from tests.helpers import small_screw, solved, with_ingredients
+
+FLAT = np.radians(0.001)
+
+
+def turned_contacts(scene):
+    """Loads of both diagonals [N] of every ball of a rigid screw shifted axially under its load, and their angles [rad].
+
+    Groove centres of a diagonal lie d apart at the nominal angle; shifted by s they lie D = |(d cos b, d sin b +- s cos a)|
+    apart, which presses two contacts by D - d.
+    """
+    force = sum(load.force[2] for load in scene.loads)
+    alpha, beta = lead_angle(scene.track), scene.track.contact_angle
+    d = scene.screw.groove_radius + scene.nut.groove_radius - 2.0 * scene.balls.radius
+    pair = 2.0 * float(nominal_hertz(scene).C.mean())
+
+    def diagonals(s):
+        x, z = d * np.cos(beta), np.array([d * np.sin(beta) + s * np.cos(alpha), d * np.sin(beta) - s * np.cos(alpha)])
+        size = np.hypot(x, z)
+        return (np.maximum(size - d, 0.0) / pair) ** 1.5, np.arctan2(z, x)
+
+    def excess(s):
+        load, angle = diagonals(s)
+        return scene.ball_count * float(load[0] * np.sin(angle[0]) - load[1] * np.sin(angle[1])) * np.cos(alpha) - force
+
+    return diagonals(brentq(excess, 0.0, 5e-3, xtol=1e-18, rtol=1e-14))
+
+
+@pytest.mark.parametrize("degrees", [0.001, 0.01, 0.1, 0.5])
+def test_axial_load_on_contacts_at_the_apex_is_carried_by_turned_contacts(degrees):
+    """The spring start of fixed directions went kilometres away, and a screw in equilibrium was called not held."""
+    scene = small_screw(8, beta=np.radians(degrees), force=(0.0, 0.0, 1250.0), screw="rigid")
+    scene = replace(scene, nut=replace(scene.nut, groove_radius=scene.screw.groove_radius))
+    result = solved(scene)
+    load, angle = turned_contacts(scene)
+    assert result.load[:, 0] == pytest.approx(load[0], rel=5e-3)  # C of screw and nut differ by their curvature
+    assert result.load[:, 1] == pytest.approx(load[1], rel=5e-3)
+    assert result.contact_angle[:, 0] == pytest.approx(angle[0], rel=5e-3)
+    assert result.equilibrium.force_residual < 1e-9
+
+
+@pytest.mark.parametrize("name", ["lin-cell", "lin-nut"])
+def test_beams_of_the_elastic_solver_find_the_same_equilibrium(name):
+    scene = small_screw(8, beta=FLAT, force=(0.0, 0.0, 1250.0))
+    result = solve_elastic(scene, backend=LADDER[name], name=name)
+    assert result.converged
+    assert result.load[:, 0].mean() == pytest.approx(solved(scene).load[:, 0].mean(), rel=0.03)
+
+
+def test_elastic_flanks_at_the_apex_are_refused_in_full_words():
+    scene = small_screw(8, beta=FLAT, force=(0.0, 0.0, 1250.0))
+    with pytest.raises(Refusal, match=r"contact angle 0\.001 deg, .* need 3\.8 deg: .*lin, lin-cell and lin-nut"):
+        run_model(scene, "refined")
+    assert run_model(small_screw(8, beta=np.radians(5.0), force=(0.0, 0.0, 1250.0)), "refined").converged
+
+
+@pytest.mark.parametrize("status", [2, 3])
+@pytest.mark.parametrize("model", ["lin", "elastic"])
+def test_a_screw_that_is_not_held_has_no_loads(monkeypatch, status, model):
+    """Whatever the kernel's last state was: a status of no equilibrium comes without numbers."""
+    from lowfi.statics import elastic, static
+
+    module = static if model == "lin" else elastic
+    real = module.run
+    monkeypatch.setattr(module, "run", lambda *a, **k: (status, *real(*a, **k)[1:]))
+    result = (solve_static if model == "lin" else solve_elastic)(small_screw(force=(0.0, 0.0, 100.0)))
+    assert not result.converged
+    assert result.status.startswith("not held" if status == 2 else "stopped")
+    assert np.isnan(result.load).all()
+    assert np.isnan(result.contact_angle).all()
+
+
+@pytest.mark.parametrize("model", ["lin", "lin-cell", "refined"])
+def test_a_rigid_screw_is_not_called_a_beam(model):
+    scene = small_screw(force=(0.0, 0.0, 500.0))
+    beam = " ".join(run_model(scene, model).assumed)
+    rigid = " ".join(run_model(with_ingredients(scene, screw="rigid"), model).assumed)
+    assert re.search(r"(screw|shaft)[^;]* is a (straight )?Timoshenko beam", beam)
+    assert not re.search(r"(screw|shaft)[^;]* is a (straight )?Timoshenko beam", rigid)
+    assert "rigid" in rigid
+
+
+def test_a_rigid_nut_is_not_called_a_tube():
+    scene = small_screw(force=(0.0, 0.0, 500.0))
+    rigid = replace(scene, solid=replace(scene.solid, nut="rigid"))
+    text = " ".join(run_model(rigid, "refined").assumed)
+    assert "the nut or outer ring is rigid apart from the Hertzian contacts" in text
+
+
+@pytest.mark.parametrize("solve", [solve_static, solve_elastic])
+def test_what_was_included_does_not_stand_under_left_out(solve):
+    """Axial load on a ring that a small lateral one tilts: balls touch the second pair of flanks in the end."""
+    scene = small_screw(6, oversize=-1e-9, fixed=(("rz", 0.0),), lead=0.0, force=(900.0, 0.0, 2000.0), load_at=0.0)
+    result = solve(scene)
+    assert result.converged
+    assert (result.load > 0.0).any(axis=0).all()
+    assert any("solved again with all four" in note for note in result.solver.notes)
+    assert not any("included" in text or "all four" in text for text in result.left_out)
+    assert any("solved again with all four" in note for note in as_json(scene, result)["solver"]["notes"])
+
+
+def test_a_result_says_which_member_it_is():
+    scene = catalogue.scene("lin-random")
+    options = Options(member=3, estimate=False, discretisation=False)
+    result = run_model(scene, "lin", options)
+    assert as_json(scene, result)["member"] == 3
+    assert "member 3 of its random errors" in str(as_table(scene, result)[0].title)
+    plain = catalogue.scene("lin-case1")
+    assert as_json(plain, run_model(plain, "lin", replace(options, member=0)))["member"] is None
+
+
+@pytest.mark.parametrize("screw", ["beam", "rigid"])
+def test_a_tilt_of_several_milliradians_is_warned_of(screw):
+    scene = small_screw(12, 2.0, oversize=5e-6, fixed=(), force=(0.0, 0.0, 100.0), screw=screw)
+
+    def tilted(angle, name="ry"):
+        held = Support(scene.nut.position, (("rz", 0.0), (name, angle)) if name != "rz" else (("rz", angle),))
+        result = solved(replace(scene, supports=(held,)))
+        return [text for text in result.warnings if "tilts" in text], result
+
+    notes, result = tilted(5e-3)
+    assert len(notes) == 1
+    angle = 1e-3 * float(re.search(r"tilts by ([\d.]+) mrad at the balls", notes[0])[1])
+    assert angle == pytest.approx(5e-3, rel=0.1)
+    beyond = 0.5 * scene.track.pitch_radius * angle**2
+    approach = float(np.nanmax(result.hertz_C * np.cbrt(result.load) ** 2))
+    assert float(re.search(r"([\d.e+]+) % of the largest", notes[0])[1]) == pytest.approx(100 * beyond / approach, rel=0.1)
+    assert tilted(1e-3)[0] == []
+    assert tilted(5e-3, "rz")[0] == []  # along the helix the linear motion in each section is exact
+
+
+def test_shipped_case_studies_tilt_less_than_that():
+    for name in ("lin-case1", "lin-case3-offset", "lin-combined"):
+        assert not any("tilts" in text for text in solved(catalogue.scene(name)).warnings)
+
+
+def test_a_moment_that_tilts_the_screw_is_warned_of_as_well():
+    scene = small_screw(6, 1.0, oversize=-20e-6, fixed=(("rz", 0.0),), force=(0.0, 0.0, 10.0), moment=(0.0, 3.0, 0.0))
+    assert any("tilts" in text for text in solved(scene).warnings)

@@ -1,0 +1,110 @@
+"""Supports that contradict each other, that fall on one node, and that turn a shaft without lead."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.errors import InputError, SceneError
+from compare.models.registry import run_model
+from compare.scenes import catalogue
+from compare.scenes.scene_file import loads
+from lowfi.statics.elastic import solve_elastic
+from lowfi.statics.static import solve_static
+from lowfi.statics.supports import contradiction
+from meshes.parts import Load, Support
+from tests.helpers import small_screw, solved, with_ingredients
+
+
+def shipped(name, *changes, more=""):
+    text = catalogue.scene_text(name)
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return loads(text + more, f"{name}.toml")
+
+
+def test_rigid_screw_with_contradictory_supports_is_refused():
+    with pytest.raises(SceneError) as error:
+        shipped("lin-case3-offset", more='\n[ingredients]\nscrew = "rigid"\n')
+    text = str(error.value)
+    assert "supports[1].displace.ux" in text
+    assert "ux = 300 um at 800 mm" in text
+    assert "allowed: 0 um" in text
+    assert "ux of supports[0], ry of supports[0]" in text
+
+
+def test_rigid_screw_with_supports_that_agree_is_solved():
+    turned = ('fix = ["ux", "uy", "rx", "ry", "rz"]', 'fix = ["ux", "uy", "rx", "rz"]\ndisplace = { ry = "0.375 mrad" }')
+    scene = shipped("lin-case3-offset", turned, more='\n[ingredients]\nscrew = "rigid"\n')
+    result = solve_static(scene)
+    assert result.converged
+    assert result.centreline[-1, 0] == pytest.approx(300e-6, rel=1e-9)
+    assert result.centreline[0, 4] == pytest.approx(0.375e-3, rel=1e-9)
+
+
+def test_models_refuse_a_contradiction_that_no_file_was_checked_for():
+    scene = with_ingredients(catalogue.scene("lin-case3-offset"), screw="rigid")
+    for model in ("lin", "refined"):
+        with pytest.raises(InputError, match=r"contradict each other.*ux at 800 mm \(supports\[1\]\) is 300 um"):
+            run_model(scene, model)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_contradiction_is_found_where_the_residual_of_least_squares_says_so(seed):
+    """Supports of a random rigid motion agree; with one value moved they do not, if they over-determine it."""
+    rng = np.random.default_rng(seed)
+    scene = small_screw(screw="rigid")
+    u, theta, z0 = 1e-4 * rng.normal(size=3), 1e-3 * rng.normal(size=3), scene.nut.position
+
+    def motion(at):
+        return dict(zip(("ux", "uy", "uz", "rx", "ry", "rz"), (*u + np.cross(theta, [0, 0, at - z0]), *theta), strict=True))
+
+    stations = np.sort(rng.uniform(0.0, scene.screw.length, 3))
+    supports = [Support(z, tuple((k, v) for k, v in motion(z).items() if rng.random() < 0.6)) for z in stations]
+    agreeing = replace(scene, supports=tuple(supports))
+    assert contradiction(agreeing) is None
+    moved = tuple(replace(s, fixed=tuple((k, v + (3e-5 if k == "uz" else 0.0)) for k, v in s.fixed)) for s in supports[1:])
+    holds_uz = [any(k == "uz" for k, _ in s.fixed) for s in supports]
+    clash = contradiction(replace(scene, supports=(supports[0], *moved)))
+    assert (clash is not None) == (holds_uz[0] and any(holds_uz[1:]))
+    if clash is not None:
+        assert clash.held.freedom == "uz"
+        assert clash.implied == pytest.approx(u[2], rel=1e-9)
+        assert [x.freedom for x in clash.by] == ["uz"]
+
+
+@pytest.mark.parametrize(("apart", "refused"), [(5, True), (10, True), (11, False)])
+def test_one_freedom_held_twice_within_ten_micrometres_is_refused(apart, refused):
+    second = f'\n[[supports]]\nat = "{800 + 1e-3 * apart - 0.05} mm"\nfix = ["ux"]\n'
+    change = ('at = "800 mm"\n', 'at = "799.95 mm"\n')
+    if refused:
+        with pytest.raises(SceneError, match=r"supports\[2\].fix: .*stations up to 10 um apart are one.*supports\[1\]"):
+            shipped("lin-case3", change, more=second)
+        scene = shipped("lin-case3", change)
+        twice = replace(scene, supports=(*scene.supports, Support(0.79995 + 1e-6 * apart, (("ux", 1e-4),))))
+        with pytest.raises(ValueError, match="two supports hold ux"):
+            solve_static(twice)
+    else:
+        assert len(shipped("lin-case3", change, more=second).supports) == 3
+
+
+@pytest.mark.parametrize("solve", [solve_static, solve_elastic])
+def test_a_prescribed_rotation_turns_the_whole_shaft_without_lead(solve):
+    scene = small_screw(9, lead=0.0, fixed=(), force=(300.0, 0.0, 500.0))
+    still = solve(replace(scene, supports=(Support(0.1, (("rz", 0.0),)),)))
+    turned = solve(replace(scene, supports=(Support(0.1, (("rz", 2e-3),)),)))
+    assert turned.converged
+    assert turned.centreline[:, 5] == pytest.approx(2e-3, rel=1e-12)
+    assert turned.load == pytest.approx(still.load, rel=1e-9, abs=1e-6)
+
+
+def test_a_shaft_without_lead_twists_evenly_between_two_prescribed_rotations():
+    scene = small_screw(9, lead=0.0, fixed=(), force=(300.0, 0.0, 500.0))
+    ends = (Support(0.0, (("rz", 1e-3),)), Support(scene.screw.length, (("rz", 3e-3),)))
+    result = solved(replace(scene, supports=ends))
+    expected = 1e-3 + 2e-3 * result.centreline_z / scene.screw.length
+    assert result.centreline[:, 5] == pytest.approx(expected, rel=1e-9)
+    moment = solved(replace(scene, supports=ends[:1], loads=(*scene.loads, Load(scene.screw.length, moment=(0, 0, 1.0)))))
+    twist = moment.centreline[:, 5] - 1e-3
+    assert twist / twist[-1] == pytest.approx(result.centreline_z / scene.screw.length, abs=1e-6)
