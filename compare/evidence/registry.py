@@ -12,6 +12,10 @@ from compare.evidence.errors_4_3_2 import section_4_3_2
 from compare.evidence.hertz_b1 import table_b_1
 from compare.evidence.loads_2_4_1 import section_2_4_1
 from compare.evidence.record import Evidence
+from compare.evidence.smith import ball as smith_ball
+from compare.evidence.smith import screw as smith_axis
+from compare.evidence.smith import taper as smith_taper
+from compare.evidence.smith import trials as smith_trials
 from compare.models.study import Study
 from compare.printed.printed_data import load_table, tables
 
@@ -20,17 +24,18 @@ ROTARY = "tests/literature/test_lin_chapter3_rotary.py"
 LINEAR = "tests/literature/test_lin_chapter3_linear.py"
 SCREW = "tests/literature/test_lin_chapter3_screw.py"
 CHAPTER_4 = "tests/literature/test_lin_chapter4_friction.py"
+SMITH = "tests/literature/test_smith.py"
 
 
 @dataclass(frozen=True)
 class Computation:
     """One printed table: the function that computes its evidence, the test file that asserts every entry of it, and the
-    scenes behind its entries, by pattern of the key (the first that fits counts)."""
+    scenes behind its entries, by pattern of the key (the first that fits counts); none for formulas apart from scenes."""
 
     table: str
     compute: Callable[[Study], tuple[Evidence, ...]]
     test: str
-    scenes: tuple[tuple[str, tuple[str, ...]], ...]
+    scenes: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     @property
     def function(self) -> str:
@@ -120,6 +125,15 @@ COMPUTATIONS = (
         CHAPTER_4,
         (("roundness_quicker", ("lin-pitch-4p1", "lin-roundness-4p1")), ("*", ("lin-bearing-pairs",))),
     ),
+    Computation("smith-table-2-1", smith_ball.table_2_1, SMITH),
+    Computation("smith-2.1", smith_ball.section_2_1, SMITH),
+    Computation("smith-2.2", smith_ball.section_2_2, SMITH),
+    Computation("smith-2.3", smith_ball.section_2_3, SMITH),
+    Computation("smith-3", smith_taper.chapter_3, SMITH),
+    Computation("smith-4.1", smith_axis.section_4_1, SMITH),
+    Computation("smith-4.2", smith_axis.section_4_2, SMITH),
+    Computation("smith-4.3", smith_axis.section_4_3, SMITH),
+    Computation("smith-5", smith_trials.chapter_5, SMITH),
 )
 BY_TABLE = {c.table: c for c in COMPUTATIONS}
 #: Printed tables that nothing is computed for, and why.

@@ -20,10 +20,12 @@ DIMENSIONS = {
     "pressure": ("Pa", "210 GPa"),
     "angle": ("rad", "45 deg"),
     "moment": ("N m", "3 N m"),
+    "stiffness": ("N/m", "200 N/um"),
+    "temperature difference": ("K", "5 K"),
     "number": ("", "0.28"),
 }
 
-#: unit: (dimension, factor to SI as exact decimal text; degrees are turned by ``math.radians``).
+#: unit: (dimension, factor to SI as exact decimal text or fraction; degrees are turned by ``math.radians``).
 COMMON = {
     "m": ("length", "1"),
     "cm": ("length", "1e-2"),
@@ -46,6 +48,14 @@ COMMON = {
     "N m": ("moment", "1"),
     "N mm": ("moment", "1e-3"),
     "kN m": ("moment", "1e3"),
+    "lbf in": ("moment", "0.1129848290276167"),
+    "N/m": ("stiffness", "1"),
+    "N/mm": ("stiffness", "1e3"),
+    "N/um": ("stiffness", "1e6"),
+    "lbf/in": ("stiffness", "4.4482216152605/0.0254"),
+    "psi": ("pressure", "4.4482216152605/0.00064516"),
+    "K": ("temperature difference", "1"),
+    "degF": ("temperature difference", "5/9"),
 }
 
 _RADIAN = "radian"
@@ -55,6 +65,8 @@ _BASE = {  # pint's base units of each dimension
     "pressure": {"kilogram": 1, "meter": -1, "second": -2},
     "angle": {_RADIAN: 1},
     "moment": {"kilogram": 1, "meter": 2, "second": -2},
+    "stiffness": {"kilogram": 1, "second": -2},
+    "temperature difference": {"kelvin": 1},
 }
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?"
@@ -99,7 +111,7 @@ def show(value: object) -> str:
 
 
 def parse(value: object, dimension: str) -> float:
-    """Quantity ``value`` in SI units (m, N, Pa, rad, N m, or a plain number for ``dimension = "number"``).
+    """Quantity ``value`` in SI units (m, N, Pa, rad, N m, N/m, K, or a plain number for ``dimension = "number"``).
 
     The conversion is done in decimal and rounded once: ``parse("3.254 mm", "length") == 3.254e-3``.
     Raises UnitError for a missing or unknown unit, another dimension, anything but a plain number before
@@ -124,10 +136,16 @@ def parse(value: object, dimension: str) -> float:
         if found:
             raise UnitError(value, dimension, f"is {expected(found).split(',')[0]}")
         raise UnitError(value, dimension, "has no such unit", _nearest(unit, dimension))
-    result = math.radians(float(number)) if factor == "deg" else float(number * Decimal(factor))
+    result = math.radians(float(number)) if factor == "deg" else _scaled(number, factor)
     if not math.isfinite(result):
         raise UnitError(value, dimension, "is too large to be a number")
     return result
+
+
+def _scaled(number: Decimal, factor: str) -> float:
+    """Number times a factor of the table, rounded once."""
+    above, _, below = factor.partition("/")
+    return float(number * Decimal(above) / Decimal(below or "1"))
 
 
 def _plain(value: object) -> float:
@@ -155,9 +173,10 @@ def _split(value: str, dimension: str) -> tuple[Decimal, str]:
 
 
 def tidy(unit: str) -> str:
-    """One spelling per unit: micro, degree, products by a space (``N*m``, ``N·m``, ``Nm``: ``N m``)."""
+    """One spelling per unit: micro, degree, products by a space (``N*m``, ``Nm``: ``N m``; ``in-lbf``: ``lbf in``)."""
     unit = re.sub(r"\s*(?:(?<!\*)\*(?!\*)|·|\s)\s*", " ", unit.replace("μ", "µ").strip())
-    unit = {"µm": "um", "°": "deg"}.get(unit, unit)
+    unit = {"µm": "um", "°": "deg", "N/µm": "N/um", "°F": "degF"}.get(unit, unit)
+    unit = {"in-lbf": "lbf in", "lbf-in": "lbf in", "in lbf": "lbf in"}.get(unit, unit)
     return re.sub(r"^(k|M)?N(mm|m)$", lambda m: f"{m[1] or ''}N {m[2]}", unit)
 
 

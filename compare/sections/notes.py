@@ -12,10 +12,18 @@ from compare.models.study import Study
 from lowfi.statics.summary import MODEL_ASSUMPTIONS
 from reports.records import Cell, Column, Section, Table, Text
 
+#: Columns of a table of misprints.
+MISPRINT_COLUMNS = (
+    Column("place", "place", "", "s"),
+    Column("wrong", "as printed", "", "s"),
+    Column("right", "right", "", "s"),
+    Column("evidence", "evidence here", "", "s"),
+)
 
-def misprints() -> list[dict[str, Cell]]:
-    """Shipped list of misprints and faults of the source with the evidence for each."""
-    text = resources.files("compare").joinpath("printed", "misprints", "lin.toml").read_text(encoding="utf-8")
+
+def misprints(source: str = "lin") -> list[dict[str, Cell]]:
+    """Shipped list of misprints and faults of a source, "lin" or "smith", with the evidence for each."""
+    text = resources.files("compare").joinpath("printed", "misprints", f"{source}.toml").read_text(encoding="utf-8")
     return [dict(row) for row in tomllib.loads(text)["row"]]
 
 
@@ -73,16 +81,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 assumptions(study),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),
-            Table(
-                "misprints",
-                "Misprints and faults of the source that this chapter meets",
-                (
-                    Column("place", "place", "", "s"),
-                    Column("wrong", "as printed", "", "s"),
-                    Column("right", "right", "", "s"),
-                    Column("evidence", "evidence here", "", "s"),
-                ),
-                misprints(),
-            ),
+            Table("misprints", "Misprints and faults of the source that this chapter meets", MISPRINT_COLUMNS, misprints()),
         ),
     )

@@ -73,7 +73,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             Text(HOW_TO_READ),
             Table(
                 "verdicts",
-                "Printed entries of chapters 2 and 3, Table B.1, appendix G and 4.3 by class and verdict",
+                "Printed entries of Lin (2019), chapters 2 to 4, and of Smith (1994) by class and verdict",
                 (
                     Column("class", "class", "", "s"),
                     Column("verdict", "verdict", "", "s"),

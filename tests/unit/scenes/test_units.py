@@ -3,6 +3,7 @@
 import math
 import subprocess
 import sys
+from fractions import Fraction
 
 import pytest
 
@@ -32,6 +33,18 @@ from compare.scenes import units
         ("3 Nm", "moment", 3.0),
         ("3 Nmm", "moment", 3e-3),
         ("3 kN m", "moment", 3e3),
+        ("2 lbf", "force", 8.896443230521),
+        ("0.0015 in", "length", 3.81e-5),
+        ("1 in-lbf", "moment", 0.1129848290276167),
+        ("1 in lbf", "moment", 0.1129848290276167),
+        ("1 lbf in", "moment", 0.1129848290276167),
+        ("254 lbf/in", "stiffness", 44482.216152605),
+        ("3 N/um", "stiffness", 3e6),
+        ("3 N/µm", "stiffness", 3e6),
+        ("1 psi", "pressure", 6894.757293168362),
+        ("4.8 degF", "temperature difference", 4.8 / 1.8),
+        ("9 °F", "temperature difference", 5.0),
+        ("5 K", "temperature difference", 5.0),
     ],
 )
 def test_table_is_exact(text, dimension, value):
@@ -59,9 +72,10 @@ def test_other_units_by_pint(text, dimension, value):
 @pytest.mark.parametrize("unit", sorted(units.COMMON))
 def test_table_and_pint_agree(unit):
     dimension, factor = units.COMMON[unit]
-    by_pint = units._ask_pint(unit)
+    by_pint = units._ask_pint({"degF": "delta_degF"}.get(unit, unit))  # a difference, no point of the scale
     assert by_pint[0] == dimension
-    expected = math.radians(1.0) if factor == "deg" else float(factor)
+    above, _, below = factor.partition("/")
+    expected = math.radians(1.0) if factor == "deg" else float(Fraction(above) / Fraction(below or "1"))
     assert float(by_pint[1]) == pytest.approx(expected, rel=4e-16)
 
 
@@ -100,11 +114,14 @@ def test_numbers_are_plain():
         ("", "length", "plain number"),
         ("1" * 100 + " mm", "length", "plain number"),
         ("5 KN", "force", "has no such unit"),
-        ("20 degC", "angle", "has no such unit"),
+        ("20 degC", "angle", "is a temperature difference"),
         ("5 percent", "angle", "has no such unit"),
         ("3 dB", "angle", "has no such unit"),
         ("3 N m/rad", "moment", "has no such unit"),
         ("3 mm/", "length", "has no such unit"),
+        ("3 lb/in", "stiffness", "has no such unit"),
+        ("3 lbf/in", "force", "is a stiffness"),
+        ("3 degF", "angle", "is a temperature difference"),
     ],
 )
 def test_refusals_name_value_dimension_and_example(value, dimension, reason):

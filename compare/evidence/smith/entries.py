@@ -1,0 +1,22 @@
+"""Evidence of one printed table of Smith, with its printed numbers at hand."""
+
+from __future__ import annotations
+
+from compare.evidence.record import Sheet
+from compare.printed.printed_data import load_table
+
+
+class Entries(Sheet):
+    """A sheet that also reads printed numbers, for arithmetic on them."""
+
+    def printed(self, key: str) -> float:
+        """Printed number of an entry. Raises KeyError for a claim or an unknown key."""
+        value = next((row.value for row in load_table(self.table) if row.key == key), None)
+        if value is None:
+            raise KeyError(f"{self.table}: {key} is a claim or no entry")
+        return value
+
+    def numbers(self, values: dict[str, float]) -> None:
+        """File right values by key."""
+        for key, value in values.items():
+            self.number(key, value)

@@ -1,0 +1,170 @@
+"""Approximations and faults of Smith (1994), exactly as printed: only to show what they do. No right model uses them.
+
+Units are the source's (curvatures 1/mm, K in N/mm^1.5, or lb and in), because its constants carry them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+Array = NDArray[np.float64]
+#: Constant of 2.8 in N/mm^2 as the sheet of figure 2-10 has it (2.15e5; the printed 3.12e7 in lb, in is 2.151e5).
+LOAD_CONSTANT = 2.15e5
+#: Reciprocal of the exponent 1.5 as the sheet has it in 2.7: K_n comes out to its digits with this, not with 2/3.
+SHEET_EXPONENT = 0.66666
+#: Coefficients of the fits 2.18 (approach), 2.25 (major axis), 2.26 (minor axis) in powers of (-log10 F)^(2/3).
+FITS = {
+    "approach": (0.13013, 12.787, -148.46, 956.25, -2925.8, 3346.3),
+    "major": (0.71288, 14.701, -49.315, 158.98, -190.41, 99.340),
+    "minor": (1.0689, 55.224, -366.71, 2007.3, -3894.5, 3192.6),
+}
+
+
+def fitted(difference: float, which: str) -> float:
+    """delta*, a* or b* of a curvature difference F by the fits; which: "approach", "major", "minor".
+
+    In print 2.25 squares its first power and 2.18 raises its first brace to -148.46: powers 1 to 5 are meant. 2 % of the
+    exact delta* only between F = 0.68 and 0.962; the minor axis comes out 39 to 42 % too large there.
+    """
+    x = (-np.log10(difference)) ** (2.0 / 3.0)
+    value = float(np.polyval(FITS[which][::-1], x))
+    if which == "approach":
+        return value
+    return float(10.0 ** (1.0 / value if which == "major" else -1.0 / value))
+
+
+def interpolated(difference: float, table: Sequence[tuple[float, float]]) -> float:
+    """Value at a curvature difference F from rows (F, value) of a table like 2-1, linear between them."""
+    columns = np.array(table, dtype=float)
+    return float(np.interp(difference, columns[:, 0], columns[:, 1]))
+
+
+def curvature_difference(curvatures: Sequence[float]) -> float:
+    """|(rho_11 - rho_12) + (rho_21 - rho_22)| / sum of the four (2.16; the absolute value is missing in print)."""
+    a, b, c, d = curvatures
+    return abs((a - b) + (c - d)) / (a + b + c + d)
+
+
+def race_stiffness(curvature_sum: float, delta: float) -> float:
+    """K of one race [N/mm^1.5] from the sum of curvatures [1/mm] and delta* (2.8)."""
+    return float(LOAD_CONSTANT * curvature_sum**-0.5 * delta**-1.5)
+
+
+def row_stiffness(inner: float, outer: float) -> float:
+    """K_n [N/mm^1.5] of both races (2.7), with the sheet's 0.66666."""
+    return float((inner**-SHEET_EXPONENT + outer**-SHEET_EXPONENT) ** -1.5)
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Cells of figure 2-10: curvature sums [1/mm], differences, delta*, K [N/mm^1.5] of (inner, outer); K_n; contact angle
+    [rad]; ball load [N]; axial deflection [mm]."""
+
+    sums: tuple[float, float]
+    differences: tuple[float, float]
+    delta: tuple[float, float]
+    race: tuple[float, float]
+    stiffness: float
+    angle: float
+    ball_load: float
+    deflection: float
+
+
+def sheet(
+    load: float,
+    balls: int,
+    diameter: float,
+    grooves: tuple[float, float],
+    raceways: tuple[float, float],
+    outer_difference: float | None = None,
+) -> Sheet:
+    """Figure 2-10 at an axial load [N]: balls, their diameter [mm], groove radii and raceway diameters (inner, outer) [mm].
+
+    outer_difference: F of the outer race where the sheet's own cell does not follow from its geometry; None computes it.
+    """
+    d, dm, b = diameter, 0.5 * sum(raceways), sum(grooves) - diameter
+    rest = float(np.arccos(1.0 - 0.5 * (raceways[1] - raceways[0] - 2.0 * d) / b))
+
+    def cells(angle: float) -> Sheet:
+        path = dm / np.cos(angle)
+        four = (
+            (-1.0 / grooves[0], 2.0 / (path - d), 2.0 / d, 2.0 / d),
+            (2.0 / d, 2.0 / d, -1.0 / grooves[1], -2.0 / (path + d)),
+        )
+        sums = (float(sum(four[0])), float(sum(four[1])))
+        outer = curvature_difference(four[1]) if outer_difference is None else outer_difference
+        differences = (curvature_difference(four[0]), outer)
+        delta = (fitted(differences[0], "approach"), fitted(differences[1], "approach"))
+        race = (race_stiffness(sums[0], delta[0]), race_stiffness(sums[1], delta[1]))
+        moved = b * float(np.sin(angle - rest)) / float(np.cos(angle))
+        q = load / (balls * float(np.sin(angle)))
+        return Sheet(sums, differences, delta, race, row_stiffness(*race), angle, q, moved)
+
+    def imbalance(angle: float) -> float:
+        now = cells(angle)
+        return now.ball_load - now.stiffness * float((b * (np.cos(rest) / np.cos(angle) - 1.0)) ** 1.5)
+
+    return cells(float(brentq(imbalance, rest + 1e-9, 0.5 * np.pi - 1e-3, xtol=1e-14)))
+
+
+def shared_loads(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
+    """Perfect sharing: the whole force on the rows facing it, and the whole force off the others (2.1.2, table of 4.2).
+
+    The loads then balance twice the force. For the stretch, which the source halves over two ends, the two slips cancel.
+    """
+    s = np.array(directions)
+    count = np.array([np.sum(s == d) for d in s])
+    return np.asarray(np.array(loads, dtype=float) + s * force / count)
+
+
+def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> float:
+    """Both supports, the whole screw and the nut one after the other (4.6), in the unit of the arguments."""
+    return 1.0 / (sum(1.0 / k for k in supports) + 1.0 / screw + 1.0 / nut)
+
+
+def ball_deflection(axial: float, balls: int, diameter: float, angle: float) -> float:
+    """First approximation of the axial deflection [in] of a ball bearing (2.24); load [lb], diameter [in], angle [rad]."""
+    q = axial / (balls * np.sin(angle))
+    return float(1.58e-5 * q**0.667 / (diameter**0.333 * np.sin(angle)))
+
+
+def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_angle: float) -> float:
+    """Normal deflection [in] of a roller between its races (3.19, logarithm to base 10); line load [lb/in], D [in].
+
+    8.89e-8 is 4 (1 - nu^2)/(pi E) ln 10 for steel: the law of two line contacts. Its argument is one over length times line
+    load, so the formula is not similar: twice the size at the same pressure does not give twice the deflection.
+    """
+    argument = np.sin(roller_angle) / (diameter * line_load * np.sin(cup_angle))
+    return float(8.89e-8 * line_load * (8.45 + np.log10(argument)))
+
+
+def roller_deflection(axial: float, rollers: int, length: float, cup_angle: float) -> float:
+    """First approximation of the axial deflection [in] of a roller bearing (3.22); load [lb], length [in]."""
+    q = axial / (rollers * np.sin(cup_angle))
+    return float(8.71e-7 * q**0.9 / (length**0.8 * np.sin(cup_angle)))
+
+
+@dataclass(frozen=True)
+class PrintedTaperContact:
+    """Contact of a roller with its inner race as printed (3.23-3.28): load [lb], b [in], area [in^2], pressure [psi]."""
+
+    load: float
+    half_width: float
+    area: float
+    pressure: float
+
+
+def taper_contact(
+    axial: float, rollers: int, length: float, diameter: float, pitch: float, cone_angle: float
+) -> PrintedTaperContact:
+    """3.23-3.28 with what the printed results belong to: 1/D for 2/D in 3.24, 1/2 for the printed 1/3 in 3.26, and no pi in
+    3.27. Load [lb], lengths [in], angle [rad]."""
+    q = axial / (rollers * np.sin(cone_angle))
+    curvature = 1.0 / (diameter * (1.0 - diameter * np.cos(cone_angle) / pitch))
+    b = 0.000278 * np.sqrt(q / (length * curvature))
+    return PrintedTaperContact(float(q), float(b), float(0.5 * length * b), float(2.0 * q / (np.pi * length * b)))

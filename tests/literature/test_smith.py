@@ -1,0 +1,158 @@
+"""Smith (1994): every printed number by its class, and what the source's faults are worth."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from compare.evidence.record import TAKEN, WITHIN, Evidence
+from compare.evidence.registry import evidence
+from compare.evidence.smith import ball, case, screw, taper, trials
+from compare.printed.printed_data import load_table, tables
+from lowfi.bearings import as_printed
+from lowfi.bearings.angular_contact import contact_parameters
+from tests.literature.entries import STUDY, check, keys
+
+TABLES = [name for name in tables() if name.startswith("smith")]
+FOUND = evidence(STUDY, *TABLES)
+BY_KEY = {(f.printed.table, f.printed.key): f for f in FOUND}
+
+
+def of_class(cls: str) -> list[Evidence]:
+    return [f for f in FOUND if f.printed.cls == cls]
+
+
+def name(f: Evidence) -> str:
+    return f"{f.printed.table}:{f.printed.key}"
+
+
+def test_every_entry_has_one_finding() -> None:
+    assert Counter((f.printed.table, f.printed.key) for f in FOUND) == Counter(
+        (t, row.key) for t in TABLES for row in load_table(t)
+    )
+
+
+@pytest.mark.parametrize("key", keys(*TABLES))
+def test_entry(key: str) -> None:
+    check(key)
+
+
+@pytest.mark.parametrize("f", of_class("as-printed"), ids=name)
+def test_as_printed_in_that_mode_only(f: Evidence) -> None:
+    """Comes out with the faults repeated; the right value stands beside it and is another one."""
+    assert f.verdict == "reproduced as printed", (f.as_printed, f.printed.printed)
+    assert f.value is not None
+    assert f.printed.value is not None
+    assert f.value != f.as_printed
+
+
+def test_counts_by_class_and_verdict() -> None:
+    assert Counter((f.printed.cls, f.verdict) for f in FOUND) == {
+        ("hard", "reproduced"): 126,
+        ("as-printed", "reproduced as printed"): 56,
+        ("input", TAKEN): 62,
+        ("band", WITHIN): 1,
+        ("open", "open"): 81,
+        ("open", "open: does not hold here"): 10,
+    }
+
+
+# --- what the faults do
+
+
+def test_table_2_1_is_right_to_four_parts_in_ten_thousand_but_for_one_entry() -> None:
+    off = {}
+    for i, difference in enumerate(ball.DIFFERENCES[1:], 1):
+        for key, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
+            printed = BY_KEY["smith-table-2-1", f"{key}_{i}"].printed.value
+            assert printed is not None
+            off[key, i] = abs(printed / value - 1.0)
+    assert off.pop(("b", 21)) == pytest.approx(0.0349, abs=1e-3)
+    assert max(off.values()) < 3.5e-4
+
+
+def test_everything_after_one_cell_of_figure_2_10_hangs_on_it() -> None:
+    """With F(p)_o of the geometry the sheet would have given 58.30 deg and 0.000746 in."""
+    faulty, own = ball.sheet(2040.0), ball.sheet(2040.0, None)
+    assert own.differences[1] == pytest.approx(0.88444, abs=1e-5)
+    assert np.degrees(faulty.angle) == pytest.approx(58.27003, abs=2e-3)
+    assert own.deflection / 25.4 == pytest.approx(0.000746, abs=1e-6)
+    assert own.stiffness / faulty.stiffness == pytest.approx(0.970, abs=5e-3)
+
+
+@pytest.mark.parametrize("difference", [0.70, 0.80, 0.90, 0.96])
+def test_fits(difference: float) -> None:
+    delta, a, b = contact_parameters(difference)
+    assert as_printed.fitted(difference, "approach") == pytest.approx(delta, rel=0.02)
+    assert as_printed.fitted(difference, "major") == pytest.approx(a, rel=0.02)
+    assert as_printed.fitted(difference, "minor") / b == pytest.approx(1.415, abs=0.03)
+    table = [(f, contact_parameters(f)[0]) for f in ball.DIFFERENCES[:-1]]
+    assert as_printed.interpolated(difference, table) == pytest.approx(delta, rel=0.01)
+
+
+def test_sheet_s_curvature_differences() -> None:
+    assert as_printed.curvature_difference((1.0, 1.0, 1.0, 1.0)) == 0.0
+    assert as_printed.curvature_difference((-0.5, 1.0, 1.0, 1.0)) == pytest.approx(0.6)
+
+
+def test_first_approximations() -> None:
+    """2.24 and 3.22, in inches: 8 and 14 % off the right deflections at the load of the sheets."""
+    right = float(ball.state(case.SHEET_LOAD).displacement) / case.INCH
+    rough = as_printed.ball_deflection(2040.0, 18, 0.34375, float(ball.state(case.SHEET_LOAD).angle))
+    assert rough / right == pytest.approx(0.914, abs=5e-3)
+
+
+def test_source_s_sharing_balances_too_much() -> None:
+    """After the stretch its loads balance the whole tension by two slips; the change under the load is twice too large."""
+    for kind in screw.KINDS:
+        for end in ("left", "right"):
+            s = np.array(case.DIRECTIONS[kind][end])
+            preload = (1020.0, 1020.0, 2040.0) if end == "left" else (2040.0, 1020.0, 1020.0)
+            pre = preload if kind == "ball" else (1500.0, 1500.0)
+            after, loaded = (s @ np.array(screw.printed_loads(kind, end, state, pre)) for state in ("stretch", "applied"))
+            assert after == pytest.approx(1290.0)
+            sign = -1.0 if end == "left" else 1.0  # a load towards the left relieves the left end of tension
+            assert loaded - after == pytest.approx(sign * 1000.0)
+            ours = [float(s @ screw.end_state(kind, end, state).loads) / case.POUND for state in ("stretch", "applied")]
+            assert ours[0] == pytest.approx(screw.pull() / case.POUND, rel=1e-10)
+            assert ours[1] - ours[0] == pytest.approx(sign * 500.0, rel=1e-9)
+
+
+def test_right_stiffness_of_the_axis() -> None:
+    for kind, right in (("ball", 1.915), ("taper", 1.846)):
+        f = BY_KEY["smith-4.2", f"total_{kind}"]
+        assert f.value == pytest.approx(right, abs=5e-4)
+        assert f.as_printed is not None
+        assert f.as_printed < 0.8 * right
+
+
+def test_comparison_of_contact_areas_reverses() -> None:
+    areas = {kind: BY_KEY["smith-3", f"area_{kind}"] for kind in ("taper", "ball")}
+    assert areas["taper"].as_printed is not None
+    assert areas["ball"].as_printed is not None
+    assert areas["taper"].as_printed < 0.2 * areas["ball"].as_printed
+    assert areas["taper"].value == pytest.approx(0.0795, abs=5e-4)
+    assert areas["ball"].value == pytest.approx(0.0260, abs=5e-4)
+
+
+def test_roundings_of_figure_3_6_do_not_explain_its_deflection() -> None:
+    low, high = taper.rounding_range()
+    assert 0.0004660 < low < taper.sheet_deflection() < high
+
+
+def test_unseating_takes_three_times_the_printed_load() -> None:
+    """The outer row of the set is just loose there, and not before."""
+    limit = trials.unseating_load(trials.REDUCED)
+    assert limit / case.POUND == pytest.approx(645.5, abs=0.5)
+    rows = case.bearing_set("taper", "left", trials.REDUCED)
+    from lowfi.bearings.sets import equilibrium
+
+    assert equilibrium(rows, screw.pull() + 0.5 * limit * 0.999).loads[0] > 0.0
+    assert equilibrium(rows, screw.pull() + 0.5 * limit * 1.001).loads[0] == 0.0
+
+
+def test_assumptions_matter_as_said() -> None:
+    """Depth of the rings: 2.5 to 10 mm is 16 % of the tapered bearing's stiffness; nothing makes it 3.60e6."""
+    soft, stiff = (taper.tangent(1500.0, depth) for depth in reversed(taper.DEPTHS))
+    assert stiff / soft == pytest.approx(1.163, abs=5e-3)
+    assert soft > 1.4 * 3.60e6

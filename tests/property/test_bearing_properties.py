@@ -1,0 +1,87 @@
+"""Random bearings and sets: balance, monotony, mirror image, and similarity of bodies of another size."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi.bearings.angular_contact import BallBearing, BallRow, of_angle
+from lowfi.bearings.combined_load import combined
+from lowfi.bearings.sets import BearingSet, equilibrium
+from lowfi.bearings.tapered_roller import RollerRow, TaperedBearing
+
+SEEDS = range(12)
+
+
+def ball(rng: np.random.Generator, scale: float = 1.0) -> BallBearing:
+    d = scale * rng.uniform(2e-3, 30e-3)
+    return of_angle(
+        int(rng.integers(6, 40)),
+        d,
+        d * rng.uniform(4.0, 12.0),
+        (rng.uniform(0.505, 0.57), rng.uniform(0.505, 0.57)),
+        np.radians(rng.uniform(5.0, 75.0)),
+        207e9,
+        0.3,
+    )
+
+
+def taper(rng: np.random.Generator, scale: float = 1.0) -> TaperedBearing:
+    d = scale * rng.uniform(4e-3, 30e-3)
+    gamma = np.radians(rng.uniform(1.0, 5.0))
+    cup = 2.0 * gamma + np.radians(rng.uniform(4.0, 50.0))
+    return TaperedBearing(int(rng.integers(8, 40)), d, 1.5 * d, cup, gamma, 207e9, 0.3, 0.7 * d)
+
+
+def any_set(seed: int, scale: float = 1.0) -> tuple[BearingSet, float]:
+    """Two to five rows, balls or rollers, facing both ways, and a load of the size of their preload."""
+    rng = np.random.default_rng(seed)
+    make = (lambda: BallRow(ball(rng, scale))) if seed % 2 else (lambda: RollerRow(taper(rng, scale)))
+    rows = [make() for _ in range(int(rng.integers(2, 6)))]
+    directions = [1, -1, *(int(s) for s in rng.choice([1, -1], len(rows) - 2))]
+    load = scale**2 * 10.0 ** rng.uniform(1.0, 4.0)
+    offsets = [row.deflection(load * rng.uniform(0.2, 2.0)) for row in rows]
+    return BearingSet(tuple(rows), tuple(directions), tuple(offsets)), load
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_balance_and_monotony(seed: int) -> None:
+    rows, load = any_set(seed)
+    before = -np.inf
+    for force in load * np.array([-20.0, -1.0, -0.1, 0.0, 0.1, 1.0, 20.0]):
+        s = equilibrium(rows, float(force))
+        assert np.array(rows.directions) @ s.loads == pytest.approx(force, abs=1e-11 * max(abs(force), s.loads.max()))
+        assert np.all(s.loads >= 0.0)
+        assert s.displacement > before
+        assert s.stiffness > 0.0
+        before = s.displacement
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_mirror_image(seed: int) -> None:
+    rows, load = any_set(seed)
+    other = replace(rows, directions=tuple(-s for s in rows.directions))
+    a, b = equilibrium(rows, 0.7 * load), equilibrium(other, -0.7 * load)
+    assert b.displacement == pytest.approx(-a.displacement, rel=1e-10)
+    np.testing.assert_allclose(a.loads, b.loads, rtol=1e-9, atol=1e-9 * load)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_similar_sets_are_similar(seed: int) -> None:
+    """Three times the size under the same pressure: nine times the load, three times the displacement and stiffness."""
+    small, large = (any_set(seed, scale) for scale in (1.0, 3.0))
+    a, b = equilibrium(small[0], 0.5 * small[1]), equilibrium(large[0], 0.5 * large[1])
+    np.testing.assert_allclose(b.loads, 9.0 * a.loads, rtol=1e-8, atol=1e-8 * small[1])
+    assert b.displacement == pytest.approx(3.0 * a.displacement, rel=1e-7, abs=1e-15)
+    assert b.stiffness == pytest.approx(3.0 * a.stiffness, rel=1e-7)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_combined_load_of_any_tapered_bearing(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    b = taper(rng)
+    thrust = 10.0 ** rng.uniform(0.0, 5.0)
+    for part in (0.0, rng.uniform(0.01, 0.9), 0.98):
+        s = combined(b, thrust, part * thrust / np.tan(b.cup_angle))
+        assert s.converged
+        assert np.all(np.linalg.eigvalsh(s.stiffness) > 0.0)

@@ -1,0 +1,180 @@
+"""Angular-contact ball bearing under thrust: limits, derivatives, Hertz contact, and the load as an energy's derivative."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import ellipe, ellipk
+
+from lowfi.bearings.angular_contact import (
+    BallBearing,
+    BallRow,
+    contact_parameters,
+    curvatures,
+    displacement,
+    of_angle,
+    thrust_state,
+)
+
+STEEL = (207e9, 0.3)
+
+
+def bearing(angle: float = 57.0, conformity: tuple[float, float] = (0.52, 0.53)) -> BallBearing:
+    return of_angle(18, 8.73e-3, 55e-3, conformity, np.radians(angle), *STEEL)
+
+
+@pytest.mark.parametrize("angle", [0.0, 15.0, 25.0, 40.0, 60.0, 90.0])
+def test_catalogue_angle_gives_back_itself_and_its_pitch(angle):
+    b = bearing(angle)
+    assert b.free_angle == pytest.approx(np.radians(angle), abs=1e-7)
+    assert b.pitch_diameter == pytest.approx(55e-3, rel=1e-14)
+    assert b.centre_distance == pytest.approx(0.05 * 8.73e-3, rel=1e-12)
+
+
+def test_rigid_limit_keeps_the_angle():
+    """A hard bearing does not turn: the load on a ball is F/(Z sin alpha_0), and u sin(alpha_0) its approach."""
+    b = of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(40.0), 1e7 * 207e9, 0.3)
+    s = thrust_state(b, displacement(b, 5e3))
+    assert s.angle == pytest.approx(np.radians(40.0), abs=1e-6)
+    assert s.ball_load == pytest.approx(5e3 / (18 * np.sin(np.radians(40.0))), rel=1e-6)
+    assert s.displacement * np.sin(np.radians(40.0)) == pytest.approx(float(s.approach), rel=1e-5)
+
+
+def test_soft_limit_turns_to_a_right_angle():
+    """A displacement far beyond A leaves nothing of the geometry: approach u - A, angle 90 deg, any free angle."""
+    b = bearing(25.0)
+    for times in (1e3, 1e4):
+        u = times * b.centre_distance
+        s = thrust_state(b, u)
+        assert s.angle == pytest.approx(np.pi / 2.0, abs=1.0 / times)
+        rest = b.centre_distance * (1.0 - np.sin(b.free_angle))
+        assert float(s.approach) == pytest.approx(u - rest, rel=1.0 / times**2)
+
+
+def test_right_angle_is_a_thrust_bearing():
+    """Flat discs: the angle stays, F = Z (u/(C_i + C_o))^1.5 with both along-track curvatures those of the ball."""
+    b = bearing(90.0)
+    (_, inner), (_, outer) = curvatures(b, np.array(b.free_angle))
+    assert inner == pytest.approx(2.0 / b.ball_diameter, rel=1e-14)
+    assert outer == pytest.approx(2.0 / b.ball_diameter, rel=1e-14)
+    u = np.array([1e-6, 1e-5])
+    s = thrust_state(b, u)
+    np.testing.assert_allclose(s.angle, np.pi / 2.0, rtol=1e-14)
+    np.testing.assert_allclose(s.load, 18 * (u / (s.inner.C + s.outer.C)) ** 1.5, rtol=1e-12)
+    np.testing.assert_allclose(s.stiffness, 1.5 * s.load / u, rtol=1e-12)
+
+
+def test_no_angle_means_no_stiffness_at_first():
+    """A radial bearing without clearance: u deflects by u^2/2A only, so F ~ u^4 for small u."""
+    b = bearing(0.0)
+    u = np.array([1e-8, 2e-8])
+    loads = thrust_state(b, u).load
+    assert loads[1] / loads[0] == pytest.approx(16.0, rel=1e-6)
+    assert thrust_state(b, 0.0).load == 0.0
+
+
+@pytest.mark.parametrize("angle", [0.0, 15.0, 57.0, 80.0, 90.0])
+@pytest.mark.parametrize("u", [1e-6, 2e-5])
+def test_stiffness_is_the_derivative(angle, u):
+    b = bearing(angle)
+    h = 1e-5 * u
+    slope = (thrust_state(b, u + h).load - thrust_state(b, u - h).load) / (2.0 * h)
+    assert float(thrust_state(b, u).stiffness) == pytest.approx(float(slope), rel=2e-9)
+
+
+def test_displacement_and_deflection_identities():
+    """2.6 and 2.23 of Smith: approach A (cos a0/cos a - 1), displacement A sin(a - a0)/cos(a)."""
+    b = bearing()
+    for load in (1e-3, 10.0, 5e3, 2e4):
+        s = thrust_state(b, displacement(b, load))
+        assert float(s.load) == pytest.approx(load, rel=1e-13)
+        a, rest, now = b.centre_distance, b.free_angle, float(s.angle)
+        assert float(s.approach) == pytest.approx(a * (np.cos(rest) / np.cos(now) - 1.0), abs=1e-15)
+        assert float(s.displacement) == pytest.approx(a * np.sin(now - rest) / np.cos(now), abs=1e-15)
+        assert float(s.load) == pytest.approx(18 * float(s.ball_load) * np.sin(now), rel=1e-14)
+
+
+def test_contact_at_both_races_adds_up_to_the_approach():
+    b = bearing()
+    s = thrust_state(b, 2e-5)
+    both = (s.inner.C + s.outer.C) * np.cbrt(s.ball_load) ** 2
+    assert float(both) == pytest.approx(float(s.approach), rel=1e-14)
+    peak = 1.5 * s.ball_load / s.areas()[0]
+    assert float(peak) == pytest.approx(float(s.inner.pressure(s.ball_load)), rel=1e-14)
+
+
+def test_loose_balls_carry_nothing():
+    back = -3.0 * bearing().centre_distance  # where the other shoulder of a deep groove would be
+    s = thrust_state(bearing(), np.array([back, -1e-5, 0.0]))
+    assert np.all(s.load == 0.0)
+    assert np.all(s.stiffness == 0.0)
+    assert np.all(s.ball_load == 0.0)
+
+
+def test_row_is_the_bearing():
+    b = bearing()
+    row = BallRow(b)
+    u = row.deflection(3e3)
+    assert u == displacement(b, 3e3)
+    assert row.load(u) == pytest.approx(3e3, rel=1e-13)
+    assert row.stiffness(u) == float(thrust_state(b, u).stiffness)
+    assert row.deflection(0.0) == 0.0
+
+
+@pytest.mark.parametrize("difference", [0.1, 0.5, 0.9, 0.99, 0.9999])
+def test_contact_parameters_satisfy_legendre_s_forms(difference):
+    """2.17 and 2.19-2.21 of Smith with complete integrals of the eccentricity: a route of its own."""
+    delta, a, b = contact_parameters(difference)
+    k = a / b
+    first, second = ellipk(1.0 - 1.0 / k**2), ellipe(1.0 - 1.0 / k**2)
+    assert ((k**2 + 1) * second - 2 * first) / ((k**2 - 1) * second) == pytest.approx(difference, rel=1e-9)
+    assert a == pytest.approx((2 * k**2 * second / np.pi) ** (1 / 3), rel=1e-9)
+    assert b == pytest.approx((2 * second / (np.pi * k)) ** (1 / 3), rel=1e-9)
+    assert delta == pytest.approx(2 * first / np.pi * (np.pi / (2 * k**2 * second)) ** (1 / 3), rel=1e-9)
+
+
+def test_energy_of_the_deflection_is_that_of_the_contacts():
+    """Work of the thrust = 2/5 Q (approach) of all balls, if the Hertz constants did not turn with the angle.
+
+    They turn little: the difference is the energy that their change takes, below one part in a thousand.
+    """
+    b = bearing()
+    u = 2e-5
+    work = quad(lambda x: float(thrust_state(b, x).load), 0.0, u, epsrel=1e-10)[0]
+    s = thrust_state(b, u)
+    assert work == pytest.approx(18 * 0.4 * float(s.ball_load * s.approach), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"balls": 0}, "positive"),
+        ({"poisson": 0.5}, "Poisson"),
+        ({"inner_groove": 4e-3}, "groove radii"),
+        ({"outer_raceway": 64e-3}, "clearance"),
+        ({"outer_raceway": 66e-3}, "clearance"),
+    ],
+)
+def test_faulty_bearings_are_refused(change, words):
+    fields = {
+        "balls": 18,
+        "ball_diameter": 8.73e-3,
+        "inner_raceway": 47e-3,
+        "outer_raceway": 65e-3,
+        "inner_groove": 4.6e-3,
+        "outer_groove": 4.6e-3,
+        "young": 207e9,
+        "poisson": 0.3,
+    }
+    BallBearing(**fields)
+    with pytest.raises(ValueError, match=words):
+        BallBearing(**{**fields, **change})
+
+
+def test_faulty_loads_are_refused():
+    with pytest.raises(ValueError, match="negative"):
+        displacement(bearing(), -1.0)
+    with pytest.raises(ValueError, match="beyond"):
+        displacement(bearing(), 1e12)
+    for difference in (-0.1, 1.0):
+        with pytest.raises(ValueError, match="curvature difference"):
+            contact_parameters(difference)

@@ -1,0 +1,152 @@
+"""Sets of rows: tandem, preload, unloading, energy, and the shortcut of equal shares."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import minimize_scalar
+
+from lowfi.bearings.angular_contact import BallRow, of_angle
+from lowfi.bearings.as_printed import shared_loads
+from lowfi.bearings.sets import BearingSet, arrangement, equal_shares, equilibrium, lift_off_force, preloaded, state_at
+
+ROW = BallRow(of_angle(18, 8.73e-3, 55e-3, (0.52, 0.53), np.radians(57.0), 207e9, 0.3))
+OTHER = BallRow(of_angle(14, 7e-3, 45e-3, (0.53, 0.53), np.radians(40.0), 207e9, 0.3))
+TRIPLEX = (1, 1, -1)
+
+
+class Power:
+    """Row of load (1e9 N/m^n) u^n, for closed forms."""
+
+    def __init__(self, n: float) -> None:
+        self.n = n
+
+    def load(self, deflection: float) -> float:
+        return 1e9 * max(deflection, 0.0) ** self.n
+
+    def stiffness(self, deflection: float) -> float:
+        return 1e9 * self.n * max(deflection, 0.0) ** (self.n - 1.0) if deflection > 0.0 else 0.0
+
+    def deflection(self, load: float) -> float:
+        return (load / 1e9) ** (1.0 / self.n)
+
+
+@pytest.mark.parametrize("n", [1, 2, 5])
+def test_tandem_rows_are_n_times_one(n):
+    rows = BearingSet((ROW,) * n, (1,) * n, (0.0,) * n)
+    s = equilibrium(rows, 4e3)
+    np.testing.assert_allclose(s.loads, 4e3 / n, rtol=1e-12)
+    assert s.displacement == pytest.approx(ROW.deflection(4e3 / n), rel=1e-12)
+    assert s.stiffness == pytest.approx(n * ROW.stiffness(s.displacement), rel=1e-12)
+
+
+def test_opposed_rows_double_the_stiffness_at_preload():
+    pair = preloaded(ROW, (1, -1), 2e3)
+    s = equilibrium(pair)
+    np.testing.assert_allclose(s.loads, 2e3, rtol=1e-11)
+    assert s.displacement == pytest.approx(0.0, abs=1e-16)
+    assert s.stiffness == pytest.approx(2.0 * ROW.stiffness(ROW.deflection(2e3)), rel=1e-9)
+
+
+def test_displacement_under_load_is_second_order_straight():
+    """Preloaded pair: u = F/k to third order, because the curvatures of both rows cancel: half of F, an eighth off."""
+    pair = preloaded(ROW, (1, -1), 2e3)
+    k = equilibrium(pair).stiffness
+    off = [abs(equilibrium(pair, f).displacement - f / k) for f in (800.0, 400.0, 200.0)]
+    assert off[0] / off[1] == pytest.approx(8.0, rel=0.05)
+    assert off[1] / off[2] == pytest.approx(8.0, rel=0.02)
+
+
+@pytest.mark.parametrize("force", [-2.5e4, -3e3, 0.0, 500.0, 6e3, 5e4])
+def test_equilibrium_balances_and_minimises_the_energy(force):
+    """Brute force: the sum of the work of all rows less that of the force is least there."""
+    rows = BearingSet((ROW, OTHER, ROW), TRIPLEX, (1.5e-5, 1.2e-5, 1.5e-5))
+    s = equilibrium(rows, force)
+    assert np.array(TRIPLEX) @ s.loads == pytest.approx(force, abs=1e-9 * max(abs(force), 1e3))
+
+    def energy(u):
+        work = [
+            quad(r.load, 0.0, max(d * u + g, 0.0), epsrel=1e-11)[0]
+            for r, d, g in zip(rows.rows, rows.directions, rows.offsets, strict=True)
+        ]
+        return 1e3 * (sum(work) - force * u)
+
+    found = minimize_scalar(energy, bounds=(s.displacement - 3e-5, s.displacement + 3e-5), options={"xatol": 1e-12})
+    assert found.x == pytest.approx(s.displacement, abs=2e-9)
+
+
+def test_stiffness_of_a_set_is_the_derivative():
+    rows = arrangement(ROW, TRIPLEX, 1.5e-5)
+    for force in (-3e3, 0.0, 4e3):
+        h = 1.0
+        slope = (equilibrium(rows, force + h).displacement - equilibrium(rows, force - h).displacement) / (2.0 * h)
+        assert equilibrium(rows, force).stiffness == pytest.approx(1.0 / slope, rel=1e-6)
+
+
+def test_unloaded_row_leaves_the_rest_alone():
+    pair = preloaded(ROW, (1, -1), 1e3)
+    limit = lift_off_force(pair)
+    just, beyond = equilibrium(pair, 0.999 * limit), equilibrium(pair, 1.5 * limit)
+    assert just.loads[1] > 0.0
+    np.testing.assert_array_equal(beyond.loads[1], 0.0)
+    assert beyond.loads[0] == pytest.approx(1.5 * limit, rel=1e-12)
+    assert beyond.row_stiffness[1] == 0.0
+    assert lift_off_force(pair, -1) == pytest.approx(-limit, rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [1.0, 1.1, 1.5])
+def test_lift_off_of_a_power_law(n):
+    assert lift_off_force(preloaded(Power(n), (1, -1), 700.0)) == pytest.approx(2.0**n * 700.0, rel=1e-12)
+
+
+def test_triplex_preload_of_a_power_law():
+    """Both gaps closed: (P/2)^(1/n) + P^(1/n) = 2 F_p^(1/n), so P/F_p = (2/(1 + 2^(-1/n)))^n; 1.359 for n = 1.5."""
+    row = Power(1.5)
+    loads = equilibrium(arrangement(row, TRIPLEX, row.deflection(1500.0))).loads
+    expected = 1500.0 * (2.0 / (1.0 + 2.0 ** (-2.0 / 3.0))) ** 1.5
+    np.testing.assert_allclose(loads, [expected / 2.0, expected / 2.0, expected], rtol=1e-10)
+
+
+def test_gap_and_force_describe_one_set():
+    by_gap = equilibrium(arrangement(ROW, TRIPLEX, 1.5e-5))
+    by_force = preloaded(ROW, TRIPLEX, float(by_gap.loads[2]))
+    np.testing.assert_allclose(equilibrium(by_force).loads, by_gap.loads, rtol=1e-10)
+    assert sum(by_force.offsets[1:]) == pytest.approx(3e-5, rel=1e-10)
+    np.testing.assert_allclose(equilibrium(by_force, 2e3).loads, equilibrium(arrangement(ROW, TRIPLEX, 1.5e-5), 2e3).loads)
+
+
+def test_a_set_facing_one_way_rests_loose():
+    assert np.all(equilibrium(BearingSet((ROW, ROW), (-1, -1), (1e-6, 2e-6))).loads == 0.0)
+
+
+def test_equal_shares_are_first_order_for_equal_groups():
+    """Exact for springs; the source's sharing moves each side by the whole force, and so balances twice of it."""
+    pair = preloaded(ROW, (1, -1), 2e3)
+    now = equilibrium(pair, 100.0).loads
+    np.testing.assert_allclose(equal_shares((2e3, 2e3), (1, -1), 100.0), now, atol=1.0)
+    springs = preloaded(Power(1.0), (1, -1), 2e3)
+    np.testing.assert_allclose(equal_shares((2e3, 2e3), (1, -1), 900.0), equilibrium(springs, 900.0).loads, rtol=1e-12)
+    for share, times in ((equal_shares, 1.0), (shared_loads, 2.0)):
+        loads = share((1020.0, 1020.0, 2040.0), TRIPLEX, 300.0)
+        assert np.array(TRIPLEX) @ loads == pytest.approx(times * 300.0)
+
+
+def test_state_at_a_displacement():
+    rows = BearingSet((Power(1.0), Power(1.0)), (1, -1), (2e-6, 5e-6))
+    s = state_at(rows, 1e-6)
+    np.testing.assert_allclose(s.loads, [3e3, 4e3], rtol=1e-12)
+    assert s.stiffness == pytest.approx(2e9)
+
+
+def test_refusals():
+    with pytest.raises(ValueError, match="at least one row"):
+        BearingSet((), (), ())
+    with pytest.raises(ValueError, match="offset for each"):
+        BearingSet((ROW,), (1,), ())
+    with pytest.raises(ValueError, match=r"\+1 or -1"):
+        BearingSet((ROW,), (2,), (0.0,))
+    with pytest.raises(ValueError, match="direction of the force"):
+        equilibrium(BearingSet((ROW,), (1,), (0.0,)), -1.0)
+    with pytest.raises(ValueError, match="both directions"):
+        preloaded(ROW, (1, 1), 1e3)
+    with pytest.raises(ValueError, match="other way"):
+        lift_off_force(BearingSet((ROW,), (1,), (0.0,)))

@@ -1,0 +1,312 @@
+"""Tapered roller bearing: load zone, geometry on one apex, balance with the rib, combined load, slices."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import beta, gamma
+
+from lowfi.bearings import as_printed
+from lowfi.bearings.combined_load import azimuths, by_load_zone, combined, state_at
+from lowfi.bearings.load_zone import load_zone, zone_of_load
+from lowfi.bearings.roller_slices import SlicedRow, approach_of, circular_crown, middles, slice_state, sliced
+from lowfi.bearings.sets import equilibrium, preloaded
+from lowfi.bearings.tapered_roller import RollerRow, TaperedBearing, rib_contact, roller_contacts
+from lowfi.hertz import contact_modulus, hertz_constants
+
+B = TaperedBearing(16, 8.38e-3, 12.4e-3, np.radians(30.8), np.radians(4.0), 207e9, 0.3, 5e-3)
+THRUST = 9e3
+
+# --- load zone
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.1, 1.5])
+@pytest.mark.parametrize("eps", [0.02, 0.3, 0.4999, 0.6, 3.0])
+def test_load_zone_against_plain_quadrature(eps, exponent):
+    z = load_zone(eps, exponent)
+
+    def share(psi):
+        return max(1.0 - 0.5 / eps * (1.0 - np.cos(psi)), 0.0) ** exponent
+
+    ends = {"epsabs": 1e-13, "limit": 400}
+    assert z.axial == pytest.approx(quad(share, 0.0, z.half_angle, **ends)[0] / np.pi, rel=1e-9)
+    radial = quad(lambda p: share(p) * np.cos(p), 0.0, z.half_angle, **ends)[0] / np.pi
+    assert z.radial == pytest.approx(radial, rel=1e-9)
+
+
+@pytest.mark.parametrize("n", [1.0, 1.1, 10.0 / 9.0, 1.5])
+def test_half_zone_in_closed_form(n):
+    """eps = 1/2: the bracket is cos(psi) over half the circumference, J_a = B((n+1)/2, 1/2)/2 pi, J_r with n + 1."""
+    z = load_zone(0.5, n)
+    assert z.axial == pytest.approx(beta((n + 1) / 2, 0.5) / (2 * np.pi), rel=1e-12)
+    assert z.radial == pytest.approx(beta((n + 2) / 2, 0.5) / (2 * np.pi), rel=1e-12)
+
+
+def test_full_zone_in_closed_form():
+    """eps = 1: the bracket is cos^2(psi/2), so J_a = Gamma(n + 1/2)/(sqrt(pi) Gamma(n + 1)), J_r = J_a n/(n + 1)."""
+    n = 1.1
+    z = load_zone(1.0, n)
+    assert z.axial == pytest.approx(gamma(n + 0.5) / (np.sqrt(np.pi) * gamma(n + 1)), rel=1e-12)
+    assert z.radial / z.axial == pytest.approx(n / (n + 1), rel=1e-12)
+
+
+def test_pure_thrust_and_nearly():
+    z = load_zone(np.inf, 1.1)
+    assert (z.axial, z.radial, z.half_angle) == (1.0, 0.0, np.pi)
+    near = load_zone(1e9, 1.1)
+    assert near.radial == pytest.approx(1.1 / 4e9, rel=1e-8)  # n w/2, w = 1/(2 eps)
+
+
+@pytest.mark.parametrize("eps", [1e-3, 0.2, 0.5, 1.0, 40.0, 1e6])
+def test_zone_of_a_load_inverts(eps):
+    z = load_zone(eps, 1.1)
+    angle = 0.4
+    back = zone_of_load(1e3, 1e3 * z.radial / z.axial / np.tan(angle), angle, 1.1)
+    assert back.eps == pytest.approx(eps, rel=1e-8)
+
+
+def test_zone_refusals():
+    with pytest.raises(ValueError, match="positive"):
+        load_zone(0.0, 1.1)
+    for axial, radial in ((1.0, 2.0), (0.0, 1.0), (1.0, -0.1)):
+        with pytest.raises(ValueError, match="stay together"):
+            zone_of_load(axial, radial, np.pi / 4.0, 1.1)
+
+
+# --- one roller
+
+
+def test_cones_share_one_apex():
+    """Radii of curvature by finite geometry: distance from the axis over the cosine of the cone's angle."""
+    for along in (-6e-3, 0.0, 6e-3):
+        reach = B.apex_distance + along
+        for radius, angle in zip(B.radii(along), (B.roller_angle, B.cone_angle, B.cup_angle), strict=True):
+            assert float(radius) == pytest.approx(reach * np.sin(angle) / np.cos(angle), rel=1e-14)
+    assert 2.0 * B.apex_distance * np.sin(B.roller_angle) == pytest.approx(B.diameter)
+    axis_radius = B.apex_distance * np.cos(B.roller_angle) * np.sin(B.cup_angle - B.roller_angle)
+    assert B.pitch_diameter == pytest.approx(2.0 * axis_radius, rel=1e-14)
+
+
+def test_balance_of_the_roller_with_its_rib():
+    """Forces on the roller in an axial plane: cup, cone, rib; and thrust on the cone from race and rib together."""
+    q = 1000.0
+    rib = roller_contacts(B, q).rib_load
+    cup = -q * np.array([np.sin(B.cup_angle), np.cos(B.cup_angle)])  # (axial, radial)
+    cone = q * np.array([np.sin(B.cone_angle), np.cos(B.cone_angle)])
+    along = B.cup_angle - B.roller_angle
+    push = rib * np.array([np.cos(along), -np.sin(along)])
+    np.testing.assert_allclose(cup + cone + push, 0.0, atol=1e-9)
+    by_race = q * np.sin(B.cone_angle)
+    assert by_race + push[0] == pytest.approx(q * np.sin(B.cup_angle), rel=1e-12)
+
+
+def test_contacts_are_hertz_lines():
+    c = roller_contacts(B, 1100.0)
+    roller, cone, cup = (float(r) for r in B.radii())
+    modulus = contact_modulus(207e9, 0.3, 207e9, 0.3)
+    for i, k in enumerate((1 / roller + 1 / cone, 1 / roller - 1 / cup)):
+        b = np.sqrt(4 * 1100.0 / B.length / (np.pi * modulus * k))
+        assert c.half_widths[i] == pytest.approx(b, rel=1e-14)
+        assert 0.5 * np.pi * b * c.pressures[i] * B.length == pytest.approx(1100.0, rel=1e-12)
+        assert c.areas[i] == pytest.approx(2 * b * B.length, rel=1e-14)
+
+
+def test_rib_contact():
+    modulus = contact_modulus(207e9, 0.3, 207e9, 0.3)
+    a, b, peak = rib_contact(150.0, 80e-3, np.inf, modulus)  # sphere on a plane
+    radius = (0.75 * 150.0 * 80e-3 / modulus) ** (1 / 3)
+    assert (a, b) == pytest.approx((radius, radius), rel=1e-9)
+    assert peak == pytest.approx(1.5 * 150.0 / (np.pi * radius**2), rel=1e-9)
+    a, b, peak = rib_contact(150.0, 80e-3, 100e-3, modulus)
+    h = hertz_constants(np.array(1 / 80e-3), np.array(1 / 80e-3 - 1 / 100e-3), modulus)
+    assert a > b
+    assert peak == pytest.approx(float(h.pressure(np.array(150.0))), rel=1e-12)
+    with pytest.raises(ValueError, match="positive"):
+        rib_contact(150.0, 80e-3, 80e-3, modulus)
+
+
+def test_row_under_thrust():
+    row = RollerRow(B)
+    u = row.deflection(THRUST)
+    assert row.load(u) == pytest.approx(THRUST, rel=1e-12)
+    h = 1e-5 * u
+    assert row.stiffness(u) == pytest.approx((row.load(u + h) - row.load(u - h)) / (2 * h), rel=1e-7)
+    assert row.load(-1e-6) == row.stiffness(0.0) == row.deflection(0.0) == 0.0
+    with pytest.raises(ValueError, match="negative"):
+        row.deflection(-1.0)
+
+
+def test_direct_mounting_with_preload():
+    """Two rows: nearly straight, so the stiffness doubles and stays within 2 % up to half the lift-off."""
+    pair = preloaded(RollerRow(B), (1, -1), 6e3)
+    k = [equilibrium(pair, f).stiffness for f in (0.0, 3e3, 6e3)]
+    row = RollerRow(B)
+    assert k[0] == pytest.approx(2.0 * row.stiffness(row.deflection(6e3)), rel=1e-9)
+    assert max(k) / min(k) < 1.02
+
+
+# --- combined load
+
+
+@pytest.mark.parametrize("radial", [0.0, 1.0, 4e3, 9e3, 14e3])
+def test_combined_load_balances(radial):
+    s = combined(B, THRUST, radial)
+    assert s.converged
+    assert s.loads.sum() * np.sin(B.cup_angle) == pytest.approx(THRUST, rel=1e-10)
+    total = (s.loads * np.cos(azimuths(B))).sum() * np.cos(B.cup_angle)
+    assert total == pytest.approx(radial, abs=1e-9 * THRUST)
+    assert abs((s.loads * np.sin(azimuths(B))).sum()) < 1e-9 * THRUST
+
+
+def test_combined_stiffness_and_force_are_derivatives():
+    x = np.array([9e-6, 6e-6])
+    _, force, stiffness, _ = state_at(B, x)
+    for i in range(2):
+        h = np.zeros(2)
+        h[i] = 1e-10
+        up, down = state_at(B, x + h), state_at(B, x - h)
+        assert force[i] == pytest.approx((up[0] - down[0]) / 2e-10, rel=1e-6)
+        np.testing.assert_allclose(stiffness[i], (up[1] - down[1]) / 2e-10, rtol=1e-6)
+
+
+def test_pure_thrust_is_the_row():
+    s = combined(B, THRUST, 0.0)
+    assert s.axial == pytest.approx(RollerRow(B).deflection(THRUST), rel=1e-10)
+    assert s.radial == pytest.approx(0.0, abs=1e-15)
+    zone = by_load_zone(B, THRUST, 0.0)
+    assert zone.axial == pytest.approx(s.axial, rel=1e-12)
+
+
+@pytest.mark.parametrize("radial", [1e3, 4e3, 9e3])
+def test_load_zone_integrals_meet_the_rollers(radial):
+    """The source's route with exponent 1.1: greatest load within 1 %, deflections within 3 %, for many rollers too."""
+    for rollers in (16, 64):
+        b = replace(B, rollers=rollers)
+        s, z = combined(b, THRUST, radial), by_load_zone(b, THRUST, radial)
+        assert z.greatest == pytest.approx(s.loads.max(), rel=0.01)
+        assert (z.axial, z.radial) == pytest.approx((s.axial, s.radial), rel=0.03)
+
+
+def test_small_radial_load_by_first_order():
+    """dF_r/d(delta_r) at pure thrust: sum over the rollers of k cos^2(alpha) cos^2(psi)."""
+    row = RollerRow(B)
+    k = row.stiffness(row.deflection(THRUST)) / (B.rollers * np.sin(B.cup_angle) ** 2)
+    assert combined(B, THRUST, 1.0).radial == pytest.approx(2.0 / (B.rollers * k * np.cos(B.cup_angle) ** 2), rel=1e-5)
+
+
+def test_too_much_radial_load_is_refused():
+    with pytest.raises(ValueError, match="stay together"):
+        combined(B, THRUST, 1.01 * THRUST / np.tan(B.cup_angle))
+    hard = combined(B, THRUST, 0.97 * THRUST / np.tan(B.cup_angle))
+    assert hard.converged
+    assert 1 < np.count_nonzero(hard.loads) < 5
+
+
+@pytest.mark.parametrize("rollers", [6, 16, 41])
+@pytest.mark.parametrize("part", [0.95, 0.99, 0.9999])
+def test_near_the_limit_of_the_radial_load_steps_must_be_cut(rollers, part):
+    """One or two rollers carry nearly all and a direction is soft: whole Newton steps leave the law's range here."""
+    b = replace(B, rollers=rollers, cup_angle=np.radians(10.0), roller_angle=np.radians(2.0))
+    for thrust in (1.0, 1e5):
+        assert combined(b, thrust, part * thrust / np.tan(b.cup_angle)).converged
+
+
+# --- slices
+
+
+@pytest.mark.parametrize("slices", [1, 2, 7, 40])
+def test_plain_roller_is_a_line_contact_for_any_number_of_slices(slices):
+    r = sliced(B, slices)
+    d = float(B.law().approach(1100.0 / B.length))
+    s = slice_state(r, d)
+    assert s.force == pytest.approx(1100.0, rel=1e-12)
+    assert s.moment == pytest.approx(0.0, abs=1e-12)
+    assert approach_of(r, 1100.0) == pytest.approx(d, rel=1e-12)
+    row = SlicedRow(B, slices)
+    assert row.deflection(THRUST) == pytest.approx(RollerRow(B).deflection(THRUST), rel=1e-12)
+    assert row.stiffness(1e-5) == pytest.approx(RollerRow(B).stiffness(1e-5), rel=1e-12)
+    assert row.load(1e-5) == pytest.approx(RollerRow(B).load(1e-5), rel=1e-12)
+
+
+def test_a_roller_on_one_apex_is_loaded_evenly():
+    """All radii grow with the distance from the apex, and the law of the pair of contacts stays the same."""
+    g = B.law(np.linspace(-6e-3, 6e-3, 5)).g
+    np.testing.assert_allclose(g, float(B.law().g), rtol=1e-13)
+
+
+def test_tilt_turns_the_load_and_softens():
+    r = sliced(B, 200)
+    plain, tilted = (slice_state(r, approach_of(r, 1100.0, t), t) for t in (0.0, 2e-4))
+    back = slice_state(r, approach_of(r, 1100.0, -2e-4), -2e-4)
+    assert tilted.moment > 0.0
+    assert back.moment == pytest.approx(-tilted.moment, rel=1e-10)
+    # M = k L^3/12 theta for small tilt
+    small = slice_state(r, approach_of(r, 1100.0, 1e-7), 1e-7).moment
+    k = plain.stiffness[0, 0] / B.length
+    assert small == pytest.approx(k * B.length**3 / 12.0 * 1e-7, rel=1e-4)
+
+
+def test_slice_stiffness_is_the_derivative():
+    r = sliced(B, 60, circular_crown(4.0))
+    for i, (d, t) in enumerate(((1e-11, 0.0), (0.0, 1e-9))):
+        up, down = slice_state(r, 8e-6 + d, 2e-4 + t), slice_state(r, 8e-6 - d, 2e-4 - t)
+        slope = np.array([up.force - down.force, up.moment - down.moment]) / (2.0 * (d + t))
+        np.testing.assert_allclose(slice_state(r, 8e-6, 2e-4).stiffness[:, i], slope, rtol=3e-6)
+
+
+def test_slices_converge_with_second_order():
+    """Fully loaded crowned roller: the midpoint rule of a smooth load, so halving the slices cuts the error by four."""
+    exact = quad(lambda x: float(B.law().line_load(2e-5 - x**2 / 20.0)), -0.5 * B.length, 0.5 * B.length, epsrel=1e-12)[0]
+    off = [slice_state(sliced(B, n, circular_crown(20.0)), 2e-5).force - exact for n in (10, 20, 40)]
+    assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
+    assert off[1] / off[2] == pytest.approx(4.0, rel=0.01)
+    assert abs(off[2]) < 1e-4 * exact
+
+
+def test_strong_crown_leaves_the_ends_unloaded():
+    r = sliced(B, 400, circular_crown(0.5))
+    d = approach_of(r, 1100.0)
+    s = slice_state(r, d)
+    assert s.force == pytest.approx(1100.0, rel=1e-9)
+    loaded = r.places[s.line_loads > 0.0]
+    assert loaded.max() == pytest.approx(np.sqrt(0.5 * d), abs=B.length / 400)
+    assert d > approach_of(sliced(B, 400), 1100.0)
+    assert SlicedRow(B, 101, circular_crown(0.5)).stiffness(2e-5) < RollerRow(B).stiffness(2e-5)
+
+
+def test_slices_beside_the_source_s_formulas():
+    """3.19 with base-10 logarithm is softer than line contacts between rings of 5 mm by a quarter; 3.22 by less."""
+    inch, pound = 0.0254, 4.4482216152605
+    ours = SlicedRow(B).deflection(2040.0 * pound) / inch
+    line = 2040.0 / (16 * np.sin(B.cup_angle)) / (B.length / inch)
+    log = as_printed.roller_approach(line, B.diameter / inch, B.cup_angle, B.roller_angle) / np.sin(B.cup_angle)
+    power = as_printed.roller_deflection(2040.0, 16, B.length / inch, B.cup_angle)
+    assert log / ours == pytest.approx(1.25, abs=0.02)
+    assert power / ours == pytest.approx(1.14, abs=0.02)
+
+
+def test_middles():
+    np.testing.assert_allclose(middles(4.0, 4), [-1.5, -0.5, 0.5, 1.5])
+
+
+# --- refusals
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"rollers": 0}, "positive"),
+        ({"depth": 0.0}, "positive"),
+        ({"roller_angle": 0.3}, "angles"),
+        ({"poisson": 0.5}, "Poisson"),
+    ],
+)
+def test_faulty_bearings_are_refused(change, words):
+    with pytest.raises(ValueError, match=words):
+        replace(B, **change)
+
+
+def test_roller_without_load_is_refused():
+    with pytest.raises(ValueError, match="positive"):
+        approach_of(sliced(B, 5), 0.0)

@@ -1,0 +1,92 @@
+"""Smith's section of the report: tables as filed, figure drawable, misprints listed, US units readable."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from compare.evidence.registry import evidence
+from compare.evidence.smith import case
+from compare.evidence.smith.entries import Entries
+from compare.gate.gate import evidence_row
+from compare.models.study import Study
+from compare.printed.printed_data import load_table
+from compare.scenes import units
+from compare.sections import notes, smith
+from reports.figures import draw
+from reports.records import Figure, Table
+
+
+@pytest.fixture(scope="module")
+def made():
+    return smith.section(Study(), lambda _: None)
+
+
+def test_tables_show_every_entry(made):
+    tables = {item.name: item for item in made.items if isinstance(item, Table)}
+    assert list(tables) == [*smith.TITLES, "smith-misprints"]
+    for name in smith.TITLES:
+        rows, printed = tables[name].rows, load_table(name)
+        assert len(rows) == len(printed)
+        assert {c.key for c in tables[name].columns} == set(rows[0])
+        for row, p in zip(rows, printed, strict=True):
+            assert (row["class"], row["printed"]) == (p.cls, p.printed or "–")
+            assert row["verdict"]
+    total = {row["label"]: row for row in tables["smith-4.2"].rows}
+    ball = total["stiffness of the axis with ball bearings (4.6), in 10^6"]
+    assert (ball["as_printed"], ball["right"]) == pytest.approx((1.4883, 1.9149), abs=1e-4)
+
+
+def test_misprints_have_evidence():
+    rows = notes.misprints("smith")
+    assert len(rows) == 40
+    assert all(set(row) == {"place", "wrong", "right", "evidence"} and all(row.values()) for row in rows)
+    assert len(notes.misprints()) == 14
+
+
+def test_figure_can_be_drawn(made):
+    (figure,) = (item for item in made.items if isinstance(item, Figure))
+    for panel in figure.panels:
+        for series in panel.series:
+            assert len(series.x) == len(series.y) >= 1
+            assert np.all(np.isfinite(series.y))
+    assert draw(figure).startswith("<?xml")
+    lines = {s.label: s.y for s in figure.panels[1].series}
+    assert lines["ball, fixed-fixed"] == pytest.approx(lines["ball, fixed-fixed"][::-1])
+    assert np.all(np.diff(lines["taper, fixed-supported"]) < 0.0)
+
+
+def test_gate_passes_on_what_it_holds():
+    found = [f for f in evidence(Study(), *smith.TITLES) if f.printed.cls in ("hard", "as-printed", "input")]
+    assert all(evidence_row(f, 7.0).passed for f in found)
+
+
+def test_every_unit_of_force_length_and_stiffness_is_readable():
+    dimension = {
+        "lbf": "force",
+        "N": "force",
+        "in": "length",
+        "mm": "length",
+        "uin": "length",
+        "in-lbf": "moment",
+        "lbf/in": "stiffness",
+        "psi": "pressure",
+        "degF": "temperature difference",
+        "deg": "angle",
+        "rad": "angle",
+    }
+    used = Counter(row.unit for name in smith.TITLES for row in load_table(name) if row.printed)
+    for unit in used:
+        if unit in dimension:
+            assert units.parse(f"1 {unit}", dimension[unit]) > 0.0
+    assert sum(used[u] for u in dimension) > 180
+    assert set(used) - set(dimension) == {"", "N/mm^1.5", "1/mm", "in^2", "cSt", "rpm", "kg", "1/degF", "%", "in/min"}
+
+
+def test_case_in_si():
+    b, t = case.ball_bearing(), case.taper_bearing()
+    assert b.ball_diameter == pytest.approx(8.73125e-3, rel=1e-12)
+    assert t.cup_angle == pytest.approx(np.radians(30.8))
+    assert pytest.approx(4.4482216152605 / 0.0254) == case.POUND_PER_INCH
+    with pytest.raises(KeyError, match="claim"):
+        Entries("smith-5").printed("four_times")
