@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 BALANCED = 1e-8
 #: Semi-axis over ball radius from which Hertz's half-space is doubtful.
 LARGE = 0.3
-#: Dissipation over that of full sliding below which the contacts only creep where they ought to rest.
+#: Dissipation over that of full sliding below which the loss is an artefact of regularisation.
 NOTHING = 1e-6
 #: Balls from which loading the compiled kernels pays.
 LONG = 60
@@ -75,7 +75,7 @@ def balance(power: float, loss: float, bound: float) -> dict[str, Any]:
 
 
 def balance_line(energy: dict[str, Any]) -> str:
-    """The energy balance in words."""
+    """Sentence on the energy balance."""
     power, loss, off = (
         cell(energy[k], f) for k, f in (("input_power_W", ".6g"), ("loss_W", ".6g"), ("balance_percent", "+.1e"))
     )
@@ -98,7 +98,7 @@ def rotary_motion(scene: RotaryScene, problem: Problem) -> Motion:
 
 
 def rotary_status(loaded: bool, balanced: bool, motion: str) -> str:
-    """How a rotary scene ended, in words."""
+    """Text of how a rotary scene ended."""
     if not loaded:
         return "no contact: nothing presses the ball"
     if not balanced:

@@ -71,7 +71,7 @@ def pair_rows(r: PairResult) -> list[dict[str, Any]]:
 
 
 def pair_status(r: PairResult) -> str:
-    """How a pair ended, in words."""
+    """Text of how a pair ended."""
     if r.converged:
         return "converged"
     if all(c.load.converged and c.motion.converged for c in (r.free, r.touching)):
@@ -261,7 +261,7 @@ def bearing_states(case: BearingCase, angle: Array) -> list[BearingState]:
 
 
 def over(part: float, whole: float) -> float | None:
-    """A ratio; None of nothing."""
+    """Part / whole; None if the whole is zero."""
     return number(part / whole) if whole > 0.0 else None
 
 

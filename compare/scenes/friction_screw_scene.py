@@ -104,7 +104,7 @@ class TrackKeys(Table):
     balls: Annotated[int, Field(ge=2, le=1000)] = key("number of balls", example=37)
     turns: Turns = key("loaded turns of the nut")
     return_tube: Gap = key("length of the return tube, whose balls bear no load", "0 mm", "5.6 mm")
-    first_ball: Part = key("place of the first ball at the start, as part of the distance between balls", 0.5, 0.5)
+    first_ball: Part = key("place of the first ball at the start, as a fraction of the distance between balls", 0.5, 0.5)
 
 
 class TimeKeys(Table):

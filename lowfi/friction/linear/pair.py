@@ -31,7 +31,7 @@ class PairResult:
 
     @property
     def friction_increase(self) -> float:
-        """Force on the carriage in contact over that of the balls apart, less one; the same for the losses."""
+        """Relative increase of the drive force by ball-to-ball contact, and of the losses."""
         return self.touching.loss / self.free.loss - 1.0
 
     @property

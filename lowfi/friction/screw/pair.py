@@ -70,7 +70,7 @@ class PairResult:
 
     @property
     def friction_increase(self) -> float:
-        """Dissipation in contact over that of the balls apart, less one; nan without friction."""
+        """Relative increase of the dissipation by ball-to-ball contact; nan without friction."""
         return _over(self.touching.motion.loss, self.free.motion.loss) - 1.0
 
     @property
