@@ -229,7 +229,7 @@ def ball_rows(
 
 
 def solve_linear(scene: LinearScene) -> Answer:
-    """Motion and forces of two or more balls, apart and in reach of each other."""
+    """Motion and forces of two or more balls, without contact and in reach of each other."""
     angles, force, left = linear_loads(scene)
     chains = (prepare(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0))
     apart, near = (solve(chain, fast=force.shape[0] > LONG) for chain in chains)
@@ -271,7 +271,7 @@ def solve_linear(scene: LinearScene) -> Answer:
         "warnings": size_warnings(semi, scene.bearing.ball_radius),
     }
     lines = [
-        f"force on the carriage {near.drive:.6g} N, {apart.drive:.6g} N with the balls apart"
+        f"force on the carriage {near.drive:.6g} N, {apart.drive:.6g} N with the balls without contact"
         + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
         balance_line(energy),
         f"solver: loads out of balance by {left:.1e} of the vertical force, friction by {near.residual:.1e} of its bound",

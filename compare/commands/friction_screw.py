@@ -118,7 +118,7 @@ def solve_screw_pair(scene: ScrewPairScene) -> Answer:
     lines = [
         f"ball-to-ball force {r.force:.6g} N, loss there {cell(data['ball_to_ball_loss_W'], '.6g')} W"
         + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %"),
-        f"when apart the balls close in at {r.closing:.6g} rad/s of azimuth",
+        f"without contact the balls close in at {r.closing:.6g} rad/s of azimuth",
         balance_line(energy),
         f"solver: loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
         f"{solver['friction_imbalance_N']:.1e} N, {solver['rounds']} rounds",

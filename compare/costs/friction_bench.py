@@ -90,7 +90,7 @@ def rotary_job(case: str, repeats: int) -> Row:
 
 
 def screw_job(name: str, pair: Pair, repeats: int) -> Row:
-    """Second ball of a pair of the screw, apart."""
+    """Second ball of a pair of the screw, without contact."""
     g, load = pair.groove, solve_pair(pair).free.load
     one, law = ball_motion(g, load.force[1], load.angle[1]), screw_law(pair.groove)
     return against_root(
@@ -123,12 +123,12 @@ def against_source(
         return None, f"no ratio: {way} fails"
     if found.status == "overlapping":
         return None, (
-            f"no ratio: {way} lets balls overlap, as it decides from the motions apart what touches (3.31); "
+            f"no ratio: {way} lets balls overlap, as it decides from the motions without contact what touches (3.31); "
             f"ball-to-ball forces off by up to {off:.0%} of the largest"
         )
     if off > SAME:
         return None, f"no ratio: {way} ends {off * largest:.3g} N off our ball-to-ball force"
-    return timed(theirs, repeats) / ours, f"ratio: {way}, apart and in contact"
+    return timed(theirs, repeats) / ours, f"ratio: {way}, without and in contact"
 
 
 def linear_jobs(repeats: int) -> Iterator[Row]:
@@ -145,17 +145,17 @@ def linear_jobs(repeats: int) -> Iterator[Row]:
     case, printed = (LINEAR, THETA, SIDE, VERTICAL), entry("lin-3.5", "a_time_numerical").printed
     ours, force = timed(lambda: solve_linear_pair(*case), 10 * repeats), np.array([solve_linear_pair(*case).force])
     ratio, how = against_source(ours, lambda: linear_pair_by_root(*case), force, 5 * repeats)
-    note = f"loads, apart and in contact; {how}; the source prints {printed} s on another machine"
+    note = f"loads, without and in contact; {how}; the source prints {printed} s on another machine"
     yield Row("linear pair, all of it", ours, LINEAR_PAIR, ratio, note)
 
 
 def pair_jobs(repeats: int) -> Iterator[Row]:
-    """Two balls of a screw, apart and in contact, with their loads."""
+    """Two balls of a screw, without and in contact, with their loads."""
     printed = entry("lin-3.7", "time_a").printed
     for make, words in ((inferred, "loads not coupled"), (plain, "friction moves the balls")):
         pair = make(radians(2.0))
         ratio, how = screw_ratio(pair, seconds := timed(partial(solve_pair, pair), 2 * repeats), 2 * repeats)
-        note = f"loads ({words}), apart and in contact; {how}; the source prints {printed} s on another machine"
+        note = f"loads ({words}), without and in contact; {how}; the source prints {printed} s on another machine"
         yield Row(f"screw pair, {make.__name__} reading", seconds, SCREW_PAIR, ratio, note)
 
 

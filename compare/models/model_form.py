@@ -137,8 +137,8 @@ def unlike_kind(scene: Scene) -> str:
 def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
     """The model-form error to expect of a result, or that it is not covered by what was compared.
 
-    Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings count apart from screws), and
-    scenes further than one unit from every compared one.
+    Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings are compared with rings only),
+    and scenes further than one unit from every compared one.
     """
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0

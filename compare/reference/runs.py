@@ -302,7 +302,7 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run]) -> tupl
 
 
 def with_bodies(task: Task) -> bool:
-    """Whether a task also leaves its bodies, condensed to the contacts: no variant, a level of its own, an elastic nut."""
+    """Whether a task also stores its bodies, condensed to the contacts: base variant on a regular mesh level."""
     return not task.variant and task.level in LEVELS
 
 

@@ -14,7 +14,7 @@ from lowfi.friction.linear.loads import Loads, balanced_loads, diagonal_loads, e
 
 @dataclass(frozen=True)
 class PairResult:
-    """Two balls apart and in reach of each other; ``free.deviation`` are the epsilons of Table 3.4."""
+    """Two balls without contact and in reach of each other; ``free.deviation`` are the epsilons of Table 3.4."""
 
     free: ChainResult
     touching: ChainResult
@@ -26,7 +26,7 @@ class PairResult:
 
     @property
     def difference(self) -> float:
-        """epsilon_1 - epsilon_2 of the balls apart; they close in where it is positive."""
+        """epsilon_1 - epsilon_2 of the balls without contact; they close in where it is positive."""
         return float(self.free.deviation[0] - self.free.deviation[1])
 
     @property
@@ -36,7 +36,7 @@ class PairResult:
 
     @property
     def rubbing_ratio(self) -> float:
-        """Groove loss of the balls apart plus ball-to-ball loss, over the former (Lin Figure 3.15 (c))."""
+        """Groove loss of the balls without contact plus ball-to-ball loss, over the former (Lin Figure 3.15 (c))."""
         return 1.0 + float(self.touching.ball_loss[0]) / self.free.loss
 
 
