@@ -15,7 +15,7 @@ from compare.errors import InputError, one_line
 
 app = App(
     name="rollbench",
-    help="Validation workbench for ball screws and rolling bearings: low-order models beside their references.",
+    help="Validation workbench for ball screws and rolling bearings: low-order models and their references.",
     version=__version__,
     help_format="plaintext",
 )
@@ -362,7 +362,7 @@ def export(
 
         if part or format or level != 1 or ball is not None:
             raise InputError(
-                "command line", "--deck", deck, "no part, --format, --level or --ball beside it", "leave them out"
+                "command line", "--deck", deck, "no part, --format, --level or --ball with it", "leave them out"
             )
         choices = DeckChoices(deck, unit, balls, b_over_h, growth, stiffness)
         return run_deck(catalogue.scene(scene), choices, out, _show)

@@ -31,7 +31,7 @@ class LoadError:
     """Difference of two load distributions in per cent.
 
     max_percent, rms_percent: of the mean loaded contact of the reference, over all contacts loaded in either;
-    own_max_percent, own_rms_percent: each contact against its own reference load (the source's way), over the contacts
+    own_max_percent, own_rms_percent: each contact against its own reference load (as the source does), over the contacts
     loaded in the reference; ball (from 1) and side: where max_percent is met.
     """
 

@@ -176,7 +176,7 @@ JOBS = {
 
 @dataclass(frozen=True)
 class HertzRun:
-    """A verification run: what the mesh gives, and the closed form beside it.
+    """A verification run: what the mesh gives, and the closed form.
 
     element, b_over_h: of the mesh, h the edge of the cells at the contact along the short semi-axis; unknowns: free
     freedoms; contact_nodes: that may touch; iterations: of Newton's method; seconds: of mesh, assembly, factor, solution

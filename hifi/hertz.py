@@ -1,7 +1,7 @@
 """Hertz's elliptical contact in closed form: what the 3D reference is verified against.
 
-Written from Johnson, Contact Mechanics (1985), section 3.3, with the integrals by quadrature, apart from the low-order
-model's own Hertz formulas, so that neither can hide a fault of the other.
+Written from Johnson, Contact Mechanics (1985), section 3.3, with the integrals by quadrature, independently of the
+low-order model's own Hertz formulas, so that neither can hide a fault of the other.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The shaft beyond the 3D stretch: a Timoshenko beam of given section stiffnesses, apart from the low-order model's."""
+"""The shaft beyond the 3D stretch: a Timoshenko beam of given section stiffnesses, independent of the low-order model's."""
 
 from __future__ import annotations
 

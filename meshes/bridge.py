@@ -389,7 +389,7 @@ def _elements_of(entities: list[int], dimension: int, what: str) -> tuple[IntArr
 
 
 def _known(types: Iterable[int], what: str) -> None:
-    """Raise ValueError for volume elements other than ours."""
+    """Raise ValueError for volume elements of another type than the package makes."""
     strange = sorted({int(t) for t in types} - set(VOLUMES))
     if strange:
         raise ValueError(f"{what} has volume cells of gmsh's types {strange}, expected only {sorted(VOLUMES)}")

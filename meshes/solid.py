@@ -1,4 +1,5 @@
-"""Dimensions of the parts that only a 3D model needs: as the scene gives them, or assumed, with the assumption in words."""
+"""Dimensions of the parts that only a 3D model needs: as the scene gives them, or assumed, with the assumption as a
+sentence."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ SHAFT = 1.5
 class Dimensions:
     """Radii of the nut's lands and of the screw's hole [m], 3D length of shaft beyond each nut face [m], radius of the
     shaft beyond it (None: homogenised), where nut and screw are held, radii [m] between which a face of the nut is held,
-    and the assumptions in words."""
+    and the assumptions as sentences."""
 
     land: float
     hole: float

@@ -1,4 +1,4 @@
-"""A report as one self-contained HTML file, with its tables as CSV and its figures as files beside it."""
+"""A report as one self-contained HTML file, with its tables as CSV and its figures as files in the same folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command ``rollbench crosscheck``: the 3D reference beside another program, contact by contact."""
+"""The command ``rollbench crosscheck``: the 3D reference against another program, contact by contact."""
 
 from __future__ import annotations
 

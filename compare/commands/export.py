@@ -53,7 +53,7 @@ def run_export(
     if it exists; None: ``<scene>-<part>.<form>``; level: mesh level of the reference (0: the source's mesh); cache: folder
     of the reference's meshes, None for none.
     Raises InputError for an unknown part, format or level, a package that is missing, a mesh that cannot be built and a
-    file that cannot be written; all but the last two before anything is meshed.
+    file that cannot be written; all except the last two before anything is meshed.
     """
     if part not in parts_of(scene):
         raise InputError("command line", "part", part, ", ".join(parts_of(scene)), "choose one of these")

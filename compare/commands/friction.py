@@ -171,7 +171,7 @@ def settled(state: FrictionState) -> bool:
 
 
 def status_of(state: FrictionState) -> str:
-    """How it ended, in words."""
+    """Text of how it ended."""
     failed = [str(i + 1) for i, word in enumerate(state.balls.status) if word == "failed"]
     if failed:
         return f"no balance of friction found on {len(failed)} balls: {', '.join(failed[:8])}"

@@ -34,16 +34,17 @@ from lowfi.jit import CONTACT, kernels
 MANY = 2000
 #: Targets [s]: contact call, ball at given loads, linear pair, screw pair, whole run.
 CONTACT_CALL, BALL, LINEAR_PAIR, SCREW_PAIR, WHOLE = 1e-6, 0.15e-3, 1e-3, 20e-3, 3.0
-NO_SOURCE = "the source's way is not here to compare"
-#: Balls of the timed chains of a linear bearing; steps of the whole run that the source's way is timed over.
+NO_SOURCE = "the source's method is not implemented here for comparison"
+#: Balls of the timed chains of a linear bearing; steps of the whole run that the source's method is timed over.
 CHAINS, SOURCE_STEPS = (5, 20), 20
-#: Difference of ball-to-ball force, relative, up to which the source's way counts as having found the same answer.
+#: Difference of ball-to-ball force, relative, up to which the source's method counts as having found the same answer.
 SAME = 1e-6
 
 
 @dataclass(frozen=True)
 class Row:
-    """One job: median seconds, target [s], the source's formulation over ours in this process (None: it has none)."""
+    """One job: median seconds, target [s], the source's formulation over the one here in this process (None: it has
+    none)."""
 
     name: str
     seconds: float
@@ -58,11 +59,11 @@ class Row:
 
 
 def against_root(name: str, ours: Callable[[], object], theirs: Callable[[], Motion], repeats: int) -> Row:
-    """A ball at given loads beside the source's root finding from the solution; no ratio where that finds no root."""
+    """A ball at given loads against the source's root finding from the solution; no ratio where that finds no root."""
     seconds = timed(ours, 20 * repeats)
     if theirs().status != "exact":
         return Row(name, seconds, BALL, None, "given loads; the source's root finding fails even from the solution")
-    note = "given loads; ratio: the source's root finding, started from the solution, over ours"
+    note = "given loads; ratio: the source's root finding, started from the solution, over least dissipation"
     return Row(name, seconds, BALL, timed(theirs, 5 * repeats) / seconds, note)
 
 
@@ -89,7 +90,7 @@ def rotary_job(case: str, repeats: int) -> Row:
 
 
 def screw_job(name: str, pair: Pair, repeats: int) -> Row:
-    """Second ball of a pair of the screw, apart."""
+    """Second ball of a pair of the screw, without contact."""
     g, load = pair.groove, solve_pair(pair).free.load
     one, law = ball_motion(g, load.force[1], load.angle[1]), screw_law(pair.groove, SHARPNESS)
     return against_root(
@@ -111,9 +112,10 @@ def ball_jobs(repeats: int) -> Iterator[Row]:
 def against_source(
     ours: float, theirs: Callable[[], SourceMotion], force: Array, repeats: int, begin: str = "from rolling"
 ) -> tuple[float | None, str]:
-    """Ratio of the source's root finding to ``ours`` [s], None unless it finds our ball-to-ball forces (N-1,) [N]; why.
+    """Ratio of the source's root finding to ``ours`` [s], None unless it finds the ball-to-ball forces found here (N-1,)
+    [N]; why.
 
-    begin: where the source's search starts, in words.
+    begin: label of where the source's search starts.
     """
     found, largest = theirs(), float(force.max())
     off, way = float(np.max(np.abs(found.ball_force - force))) / largest, f"the source's root finding {begin}"
@@ -121,12 +123,12 @@ def against_source(
         return None, f"no ratio: {way} fails"
     if found.status == "overlapping":
         return None, (
-            f"no ratio: {way} lets balls overlap, as it decides from the motions apart what touches (3.31); "
+            f"no ratio: {way} lets balls overlap, as it decides from the motions without contact what touches (3.31); "
             f"ball-to-ball forces off by up to {off:.0%} of the largest"
         )
     if off > SAME:
         return None, f"no ratio: {way} ends {off * largest:.3g} N off our ball-to-ball force"
-    return timed(theirs, repeats) / ours, f"ratio: {way}, apart and in contact"
+    return timed(theirs, repeats) / ours, f"ratio: {way}, without and in contact"
 
 
 def linear_jobs(repeats: int) -> Iterator[Row]:
@@ -137,23 +139,23 @@ def linear_jobs(repeats: int) -> Iterator[Row]:
         ours = timed(partial(solve, chain), 10 * repeats)
         theirs = partial(solve_linear_by_root, LINEAR, *state)
         ratio, how = against_source(ours, theirs, solve(chain).ball_force, 5 * repeats)
-        how += ", over ours in contact alone" if ratio else ""
+        how += ", over the chain solver in contact only" if ratio else ""
         name = "linear pair, given loads" if count == 2 else f"linear chain, {count} balls"
         yield Row(name, ours, LINEAR_PAIR if count == 2 else count * BALL, ratio, f"prepared, in contact; {how}")
     case, printed = (LINEAR, THETA, SIDE, VERTICAL), entry("lin-3.5", "a_time_numerical").printed
     ours, force = timed(lambda: solve_linear_pair(*case), 10 * repeats), np.array([solve_linear_pair(*case).force])
     ratio, how = against_source(ours, lambda: linear_pair_by_root(*case), force, 5 * repeats)
-    note = f"loads, apart and in contact; {how}; the source prints {printed} s on another machine"
+    note = f"loads, without and in contact; {how}; the source prints {printed} s on another machine"
     yield Row("linear pair, all of it", ours, LINEAR_PAIR, ratio, note)
 
 
 def pair_jobs(repeats: int) -> Iterator[Row]:
-    """Two balls of a screw, apart and in contact, with their loads."""
+    """Two balls of a screw, without and in contact, with their loads."""
     printed = entry("lin-3.7", "time_a").printed
     for make, words in ((inferred, "loads not coupled"), (plain, "friction moves the balls")):
         pair = make()
         ratio, how = screw_ratio(pair, seconds := timed(partial(solve_pair, pair), 2 * repeats), 2 * repeats)
-        note = f"loads ({words}), apart and in contact; {how}; the source prints {printed} s on another machine"
+        note = f"loads ({words}), without and in contact; {how}; the source prints {printed} s on another machine"
         yield Row(f"screw pair, {make.__name__} reading", seconds, SCREW_PAIR, ratio, note)
 
 
@@ -173,7 +175,7 @@ def screw_ratio(pair: Pair, ours: float, repeats: int) -> tuple[float | None, st
 
 
 def run_jobs(repeats: int) -> Iterator[Row]:
-    """The whole screw over 200 steps; the source's way over the first of them."""
+    """The whole screw over 200 steps; the source's method over the first of them."""
     run = lin_3_4_4()
     seconds = timed(lambda: simulate(run), max(1, repeats // 5))
     note = f"{run.steps} steps, {run.count} balls, theta of 3 deg, loads not coupled"
@@ -184,7 +186,9 @@ def run_jobs(repeats: int) -> Iterator[Row]:
         why = f"no ratio: the source's root finding fails in {found.failures} of its first {SOURCE_STEPS} steps"
         yield Row("whole screw", seconds, WHOLE, None, f"{note}; {why}")
         return
-    note += f"; ratio: the source's root finding, {SOURCE_STEPS} steps times {run.steps / SOURCE_STEPS:g}, over ours"
+    note += (
+        f"; ratio: the source's root finding, {SOURCE_STEPS} steps times {run.steps / SOURCE_STEPS:g}, over the solver here"
+    )
     note += f"; its rule (3.77) lets balls overlap in {found.overlapping} of these"
     yield Row("whole screw", seconds, WHOLE, theirs / seconds, note)
     agreed = replace(run, coupling="ball and screw", rounds=ROUNDS)

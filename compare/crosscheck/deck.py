@@ -303,7 +303,7 @@ def _heading(
 
 
 def _worth(scene: Scene, found: StaticResult) -> str:
-    """Model-form error to expect of the loads, in words."""
+    """Sentence on the model-form error to expect of the loads."""
     form = estimate(scene, found)
     if not found.converged or form.percent is None:
         return "nothing like the scene was compared with a 3D reference"

@@ -1,4 +1,4 @@
-"""Another program's loads extrapolated to elements of no size and to rigid contact, with what that is worth.
+"""Another program's loads extrapolated to elements of no size and to rigid contact, with its uncertainty.
 
 Elements of a deck are h at the contacts and grow by g per distance d from them. With c the length over which the field of
 a contact changes, their size over the distance in which the field changes there is (h + g d) / (c + d), and the energy
@@ -40,7 +40,7 @@ EXACT = 1e-9
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """Loads ``(n, 4)`` [N] extrapolated, what that is worth ``(n, 4)`` [N], order p and length lambda, RMS misfit [N], and
+    """Loads ``(n, 4)`` [N] extrapolated, their uncertainty ``(n, 4)`` [N], order p and length lambda, RMS misfit [N], and
     what elements and contact law add to the limit in the run nearest to it ``(n, 4)`` [N]; choices that no run varies."""
 
     load: Array

@@ -1,4 +1,4 @@
-"""The 3D reference beside another program: contact by contact, each at its meshes, extrapolated, with both errors."""
+"""The 3D reference against another program: contact by contact, each at its meshes, extrapolated, with both errors."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def columns(data: CrossData, ours: Reference) -> list[Column]:
 
 
 def agreement(name: str, rows: Sequence[ContactRow]) -> str:
-    """Worst and RMS difference in words, and whether they are more than both programs' uncertainties."""
+    """Sentence on the worst and RMS difference, and on whether they are more than both programs' uncertainties."""
     worst = max(rows, key=lambda r: abs(r.difference))
     rms = float(np.sqrt(np.mean([r.difference**2 for r in rows])))
     met = "within" if abs(worst.difference) <= TARGET else "NOT within"

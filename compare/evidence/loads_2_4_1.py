@@ -106,7 +106,7 @@ def _case_3(study: Study, sheet: Sheet) -> None:
 
 
 def _against_ansys(study: Study, sheet: Sheet) -> None:
-    """The source's errors against ANSYS stay open; those of its model against the 3D reference stand beside them."""
+    """The source's errors against ANSYS stay open; those of its model against the 3D reference are filed with them."""
     for name, (largest, rms, _) in PRINTED.items():
         found = study.reference(name)
         if found is None:

@@ -66,7 +66,7 @@ class Evidence:
 
     @property
     def verdict(self) -> str:
-        """In words: reproduced, within its band, taken over (an input), not so, or open with what is seen."""
+        """One of: reproduced, within its band, taken over (an input), not so, or open with what is seen."""
         agrees = self.agrees
         if self.printed.cls == "open":
             if agrees is None or self.printed.value is not None:

@@ -107,7 +107,7 @@ def rise(first: Solution, now: Solution, what: str) -> float:
 
 
 def table_3_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
-    """Table 3.2 and the increases of 3.2.2: as printed beside exact Hertz constants and least dissipation."""
+    """Table 3.2 and the increases of 3.2.2: as printed, and with exact Hertz constants and least dissipation."""
     sheet = Sheet("lin-3.2")
     for row in load_table("lin-3.2"):
         key, _, case = row.key.rpartition("_")

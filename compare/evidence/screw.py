@@ -108,7 +108,7 @@ def _modulus(sheet: Sheet, young: float) -> None:
 
 
 def table_3_7(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
-    """Table 3.7 and the text around it: plain reading, with the inferred reading beside it."""
+    """Table 3.7 and the text around it: plain reading and inferred reading."""
     sheet = Sheet("lin-3.7")
     for case in THETA:
         _pair_of_3_7(sheet, case)
@@ -162,7 +162,7 @@ def engages_again(r: RunResult) -> bool:
 
 
 def section_3_4_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
-    """3.4.4: inputs, the numbers with theta of 3 degrees and beside them with 2, and the claims."""
+    """3.4.4: inputs, the numbers with theta of 3 degrees (and of 2 in the words), and the claims."""
     base, sheet = lin_3_4_4(), Sheet("lin-3.4.4")
     inputs = {
         "balls": base.count,

@@ -38,7 +38,7 @@ def rotary_ball(bearing: Bearing, axial: float, u_y: float, sharpness: float = 1
 
 
 def screw_ball(pair: Pair, force: Array | None = None, sharpness: float = 100.0) -> OneBall:
-    """Second ball of a pair apart, or with contact forces (4,) [N] at the nominal angles."""
+    """Second ball of a pair without contact, or with contact forces (4,) [N] at the nominal angles."""
     g = pair.groove
     angle = np.full(4, g.contact_angle)
     if force is None:

@@ -50,7 +50,7 @@ class LinearCase:
     loads: Array
 
     def chain(self) -> Chain:
-        """Prepared as ours takes it."""
+        """Prepared for the chain solver."""
         return prepare(self.bearing, self.angles, self.loads)
 
 
@@ -62,9 +62,10 @@ def chain_group(
     most: int = 200,
     note: str = "",
 ) -> Record:
-    """Chains of the linear bearing from their own start and random ones; the source's way from as far off.
+    """Chains of the linear bearing from their own start and random ones; the source's method from starts at the same
+    distance.
 
-    starts: random ones; most: balls up to which the source's way is tried.
+    starts: random ones; most: balls up to which the source's method is tried.
     """
     rng, tally = np.random.default_rng(2), Tally()
     for case in cases:
@@ -110,7 +111,7 @@ def patchy_chain(count: int, mu: float) -> LinearCase:
 
 
 def relieved_pair(share: float) -> LinearCase:
-    """Linear pair whose balls all but lose a diagonal: side force ratio 1 - share."""
+    """Linear pair whose balls nearly lose a diagonal: side force ratio 1 - share."""
     return linear_pair(2.0, -1.0 + share)
 
 

@@ -2,7 +2,7 @@
 
 The scenes are extreme on purpose (100 t of load, a shaft a thousand times too soft): the question is whether the
 equations are solved, not whether the model holds there. Most are scenes that a file may describe; where one is not (a
-bore that leaves too thin a wall) that is said beside it.
+bore that leaves too thin a wall) that is said at the case.
 
 The source's starts are those of ``lowfi.as_source.static``: the nominal state; a good guess, the screw moved along its
 axis as if all balls shared the axial load (without an axial load that is the nominal state); ten load steps from there.
@@ -47,7 +47,7 @@ FORMULATIONS = (OURS, *BACKENDS, *SOURCE)
 CONVERGED = "converged"
 #: The source's dense Jacobian is not attempted above this many unknowns.
 DENSE_LIMIT = 2000
-#: Global balance of forces and moments [-] that a converged row of ours must also meet.
+#: Global balance of forces and moments [-] that a converged row of the energy solver must also meet.
 BALANCE = 1e-6
 #: Loads of two formulations that differ by less than this share of the largest load [%] are the same solution.
 SAME = 1e-4
@@ -72,9 +72,9 @@ class Row:
     """One case solved by one formulation.
 
     residual: largest unbalanced force over the largest force (None where nothing was solved, or there is no force);
-    round_off_bound: what double precision leaves of it at best (ours only); seconds include set-up;
-    difference_percent: largest difference of a load to ours, solved on the same partition, in per cent of the largest
-    load (None unless both converge); reason: the verdict in short, with what else a reader must know.
+    round_off_bound: what double precision leaves of it at best (energy solver only); seconds include set-up;
+    difference_percent: largest difference of a load from the energy solver's, on the same partition, in per cent of the
+    largest load (None unless both converge); reason: the verdict in short, with what else a reader must know.
     """
 
     case: str
@@ -404,7 +404,8 @@ def _source(case: Case, formulation: str, scene: Scene, ours: StaticResult | Non
 def _apart(difference: float | None) -> str:
     if difference is None or difference <= SAME:
         return ""
-    return f"; loads differ from ours by {difference:.3g} %: another root of the contact conditions (beyond the arc)"
+    root = "another root of the contact conditions (beyond the arc)"
+    return f"; loads differ from the energy solver's by {difference:.3g} %: {root}"
 
 
 def _finite(value: float) -> float | None:
@@ -459,6 +460,6 @@ def table(
 
 
 def failures(rows: Sequence[Row]) -> list[Row]:
-    """Rows of ours whose status is not the expected one: converged, or the mechanism by name."""
+    """Rows of the solvers of this project whose status is not the expected one: converged, or the mechanism by name."""
     own = [r for r in rows if r.formulation == OURS or r.formulation in BACKENDS]
     return [r for r in own if r.status != r.expected and not r.status.startswith("not attempted")]

@@ -21,9 +21,9 @@ RHO, CLEARANCE = (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999), (1e-7, 1e-6, 5e-6, 1e-5)
 SMALL = (1e-3, 1e-2, 0.1, 0.3)
 #: Sizes of the chains: linear bearing, ball screw.
 LINEAR_BALLS, SCREW_BALLS = (2, 5, 10, 20, 50, 100, 200), (2, 5, 10, 20, 50, 100, 200)
-#: Largest chain that the source's way is tried on, in the groups of chains over friction.
+#: Largest chain that the source's method is tried on, in the groups of chains over friction.
 SOURCE_BALLS = 20
-#: Part of the contacts without load in the chains that lack some.
+#: Fraction of the contacts without load in the chains that lack some.
 UNLOADED = 0.25
 #: Difference of ball-to-ball force over the friction bound from which a root of the source's is another answer.
 OTHER = 1e-3
@@ -33,9 +33,10 @@ OTHER = 1e-3
 class Record:
     """One group of cases.
 
-    ours, tries: solutions of ours that converged, and all that were tried; energy: largest power in over dissipation,
-    less one; spread: largest difference of the answers from several starts, relative (loss of one ball, ball-to-ball
-    forces of more); source, source_tries: roots found by the source's way and tried, None where it has no such model.
+    ours, tries: solutions of the solvers here that converged, and all that were tried; energy: largest relative excess of
+    power in over dissipation; spread: largest difference of the answers from several starts, relative (loss of one ball,
+    ball-to-ball forces of more); source, source_tries: roots found by the source's method and tried, None where it has no
+    such model.
     """
 
     group: str
@@ -67,7 +68,8 @@ class Tally:
     other: int = 0
 
     def theirs(self, found: SourceMotion | None, force: Array, bound: float) -> None:
-        """One search of the source's way for several balls, None: no loads; ball-to-ball forces of ours [N], bound [N].
+        """Count one run of the source's method (None: it found no loads) against the ball-to-ball forces found here [N];
+        bound [N].
 
         Solved: a root whose balls neither overlap nor pull. ``other`` counts those that are not our answer.
         """
@@ -92,7 +94,7 @@ class Tally:
         if self.restarts:
             own = f"{self.direct} of {self.restarts} random starts led there by themselves"
             note = f"{note}; {own}" if note else own
-        for count, what in ((self.overlapping, "let balls overlap"), (self.other, "are another answer than ours")):
+        for count, what in ((self.overlapping, "let balls overlap"), (self.other, "differ from the answer found here")):
             if count:
                 more = f"roots of the source's that {what}: {count}"
                 note = f"{note}; {more}" if note else more

@@ -1,4 +1,4 @@
-"""Cases with a closed form, computed here apart from the solvers, for the gate and the report."""
+"""Cases with a closed form, computed here independently of the solvers, for the gate and the report."""
 
 from __future__ import annotations
 

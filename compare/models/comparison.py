@@ -1,4 +1,4 @@
-"""Low-order models beside the 3D reference: rows per contact, errors with the reference's own uncertainty, the gate."""
+"""Low-order models against the 3D reference: rows per contact, errors with the reference's own uncertainty, the gate."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Row:
     seconds: float | None
 
     def as_json(self) -> dict[str, Any]:
-        """JSON-ready: no number that JSON does not know."""
+        """JSON-ready: nan and infinity become null."""
         return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in asdict(self).items()}
 
 

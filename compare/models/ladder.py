@@ -108,7 +108,7 @@ def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
 
 
 def left_out_one(study: Study, rungs: Sequence[Rung]) -> list[dict[str, Any]]:
-    """The estimate of every scene made without it, beside the error that was measured."""
+    """The estimate of every scene made without it, and the error that was measured."""
     everything = points(study, rungs)
     rows = []
     for rung in rungs:

@@ -1,4 +1,4 @@
-"""What a low-order result may be worth: the same model's errors against the 3D reference on scenes like it.
+"""Model-form error to expect of a low-order result: the same model's errors against the 3D reference on scenes like it.
 
 A scene is a point of dimensionless features; the compared scenes are points with measured errors. The estimate is the
 largest error among the nearest points, grown by one part per unit of distance to the nearest one: no fit, and no number
@@ -50,7 +50,7 @@ HELD = {"left face": (0.0, 0.0), "right face": (0.0, 0.0), "both faces": (1.0, 0
 
 @dataclass(frozen=True)
 class ModelForm:
-    """What a result may be worth: errors of the same model against a 3D reference on scenes like it.
+    """Model-form error to expect of a result: errors of the same model against a 3D reference on scenes like it.
 
     percent, rms_percent: largest and RMS error to expect, in per cent of the mean contact load; both None where nothing
     like the scene was ever compared: not covered. distance: to the nearest compared scene, 1 at the edge of what counts as
@@ -126,7 +126,7 @@ def shipped_points() -> tuple[Point, ...]:
 
 
 def unlike_kind(scene: Scene) -> str:
-    """Why no compared scene is of this one's kind, in words; empty where some are (rings with a rigid screw among them)."""
+    """Reason why no compared scene is of this one's kind; empty where some are (rings with a rigid screw among them)."""
     if scene.solid.nut == "rigid":
         return "its nut is rigid, that of every compared scene is elastic"
     if scene.ingredients.screw == "rigid" and scene.track.lead > 0.0:
@@ -137,8 +137,8 @@ def unlike_kind(scene: Scene) -> str:
 def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None = None) -> ModelForm:
     """The model-form error to expect of a result, or that it is not covered by what was compared.
 
-    Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings count apart from screws), and
-    scenes further than one unit from every compared one.
+    Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings are compared with rings only),
+    and scenes further than one unit from every compared one.
     """
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0

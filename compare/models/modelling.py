@@ -1,11 +1,11 @@
-"""Modelling uncertainty of the 3D reference: what its idealisations and unprinted dimensions are worth, beside its grid's.
+"""Modelling uncertainty of the 3D reference: the effect of its idealisations and of unprinted dimensions.
 
 Every modelling choice is varied alone on the coarsest level, every choice of the mesh refined alone on the finest, against
 the same scene on the same level (``base``). Of several
 variants of one choice each contact counts its largest change; choices are independent of one another and have no known
 sign, so contact by contact they add by the root of the sum of squares. That sum is an estimate of one typical variation of
 every choice, not a bound. What is the scene's own (where the nut is held) or the method's (modes, sockets) is listed, and
-is no part of it; nor are choices that cannot be varied (``compare.reference.variants.NOT_VARIED``).
+is not in it; nor are choices that cannot be varied (``compare.reference.variants.NOT_VARIED``).
 """
 
 from __future__ import annotations

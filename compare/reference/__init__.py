@@ -1,1 +1,1 @@
-"""The 3D reference: mesh levels, runs, their store, and what a scene's reference is worth."""
+"""The 3D reference: mesh levels, runs, their store, and a scene's reference with its grid uncertainty."""

@@ -96,7 +96,7 @@ class Pooled:
 
     @property
     def text(self) -> str:
-        """The order in words, with the interval that the data allow."""
+        """Text on the order, with the interval that the data allow."""
         if self.fitted_order is None or self.interval is None:
             return TOO_FEW if any(c.label == TOO_FEW for c in self.each) else HELD
         low, high = self.interval

@@ -22,7 +22,7 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Fit:
-    """A fit: ``form`` in words, ``order`` (None where it was not fitted), ``weighted`` by 1 / h (Eca and Hoekstra's
+    """A fit: ``form`` as text, ``order`` (None where it was not fitted), ``weighted`` by 1 / h (Eca and Hoekstra's
     weights), limits ``(m,)`` at h = 0 (nan for orders at which there is none), residuals ``(levels, m)``, standard
     deviation of all, and of each ``(m,)``; both are zero where no degree of freedom is left."""
 

@@ -1,4 +1,4 @@
-"""What a scene's reference is worth in a few numbers: its grid uncertainty in per cent of the mean load, and its orders."""
+"""A scene's reference in a few numbers: its grid uncertainty in per cent of the mean load, and its orders."""
 
 from __future__ import annotations
 

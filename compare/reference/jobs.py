@@ -17,7 +17,7 @@ from meshes.condensed import CondensedBodies
 from meshes.parts import Scene
 
 Step = Callable[[str], None]
-#: Seconds between signs of life.
+#: Interval of progress messages [s].
 HEARTBEAT = 20.0
 
 

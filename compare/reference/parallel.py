@@ -90,7 +90,7 @@ def _elsewhere(
 def _call(number: int, function: Callable[..., Any], arguments: Sequence[Any]) -> Answer:
     """Run one job in a worker; one at a time in a process, because gmsh has one state per process.
 
-    Results and exceptions travel as bytes: joblib waits forever for what cannot be made again on arrival.
+    Results and exceptions travel as bytes: joblib hangs on results that cannot be unpickled.
     """
     with _ALONE:
         try:

@@ -1,4 +1,4 @@
-"""Runs of the 3D reference: mesh levels, a store of their results, and what a scene's reference is worth."""
+"""Runs of the 3D reference: mesh levels, a store of their results, and a scene's reference with its grid uncertainty."""
 
 from __future__ import annotations
 
@@ -262,7 +262,8 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
 
 
 def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run]) -> tuple[Settings | None, str]:
-    """Settings with patches for the loads that were found, or None where that changes no patch; both numbers in words."""
+    """Settings with patches for the loads that were found, or None where that changes no patch; a text with both
+    numbers."""
     from hifi.expected import hertz_units
     from hifi.fit import patch_lines, socket_size
 
@@ -301,7 +302,7 @@ def enlarged(setup: Setup, scenes: Sequence[Scene], runs: Sequence[Run]) -> tupl
 
 
 def with_bodies(task: Task) -> bool:
-    """Whether a task also leaves its bodies, condensed to the contacts: no variant, a level of its own, an elastic nut."""
+    """Whether a task also stores its bodies, condensed to the contacts: base variant on a regular mesh level."""
     return not task.variant and task.level in LEVELS
 
 

@@ -34,7 +34,7 @@ class Quantity:
 
     @property
     def allowed(self) -> str:
-        """The range in words: ``0.01 mm to 1 m``, ``above 0 deg, below 90 deg``."""
+        """The range as text: ``0.01 mm to 1 m``, ``above 0 deg, below 90 deg``."""
         if not (self.above or self.below):
             return f"{self.low} to {self.high}"
         low = f"{'above' if self.above else 'from'} {self.low}"

@@ -1,4 +1,4 @@
-"""Case study 3 of Lin 2.4.1: the readings of the right end beside one another."""
+"""Case study 3 of Lin 2.4.1: the readings of the right end compared."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from reports.records import Cell, Column, Table
 
 
 def reference_words(study: Study, name: str) -> str:
-    """Which 3D reference a scene has, in words."""
+    """Text that says which 3D reference a scene has."""
     found = study.reference(name)
     return "none stored" if found is None else f"level {found.runs[-1].level}"
 

@@ -32,7 +32,7 @@ EXTRAPOLATED = (
 
 
 def run_table(data: CrossData) -> Table:
-    """Every run: choices, meshes, effort, and what the weak springs and the last correction are worth."""
+    """Every run: choices, meshes, effort, and what the weak springs and the last correction change."""
     rows: list[dict[str, Cell]] = []
     base = {(r.b_over_h, r.growth, r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
@@ -98,7 +98,7 @@ def section(study: Study, step: Callable[[str], None], folder: Path | None = Non
     """Section of the report; folder: of CalculiX's results (None: those of the package)."""
     items: list[Text | Table] = [Text((ABOUT, EXTRAPOLATED))]
     for name in STUDIES:
-        step(f"{name}: the 3D reference beside CalculiX")
+        step(f"{name}: the 3D reference and CalculiX")
         data, ours = load(folder or shipped(), name), study.reference(name)
         if data is None or data.key != scene_key(name):
             items.append(Text((f"{name}: no results of CalculiX are stored for the scene as it is.",)))

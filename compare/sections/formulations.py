@@ -24,18 +24,18 @@ SCENES = (
 
 
 def agreement(study: Study, name: str) -> dict[str, Cell]:
-    """Differences of the source's solver from ours on one scene, in per cent of the mean load."""
-    scene, ours = study.scene(name), study.solve(name)
-    row: dict[str, Cell] = {"scene": name, "iterations": ours.solver.iterations, "residual": ours.solver.residual}
+    """Differences of the source's solver from the energy solver on one scene, in per cent of the mean load."""
+    scene, by_energy = study.scene(name), study.solve(name)
+    row: dict[str, Cell] = {"scene": name, "iterations": by_energy.solver.iterations, "residual": by_energy.solver.residual}
     kinds: tuple[Literal["arc", "source"], ...] = ("arc", "source")
     for kinematics in kinds:
-        theirs = best_start(scene, kinematics)
-        row[kinematics] = load_error(ours.load, theirs.load).max_percent if theirs.converged else None
-        row[f"{kinematics}_status"] = theirs.status
-        row[f"{kinematics}_iterations"] = theirs.iterations
+        by_source = best_start(scene, kinematics)
+        row[kinematics] = load_error(by_energy.load, by_source.load).max_percent if by_source.converged else None
+        row[f"{kinematics}_status"] = by_source.status
+        row[f"{kinematics}_iterations"] = by_source.iterations
     for arm in ("nominal", "ball"):
         frozen = study.solve(study.changed(name, arm=arm))
-        row[arm] = load_error(frozen.load, ours.load).max_percent
+        row[arm] = load_error(frozen.load, by_energy.load).max_percent
     return row
 
 
@@ -47,7 +47,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         rows.append(agreement(study, name))
     columns = (
         Column("scene", "scene", "", "s"),
-        Column("iterations", "iterations, ours", "", "s"),
+        Column("iterations", "iterations, energy solver", "", "s"),
         Column("residual", "residual", "", "g2"),
         Column("arc", "same equations", "% of mean", "g2"),
         Column("arc_iterations", "iterations, source's Newton", "", "s"),

@@ -199,7 +199,7 @@ def stability_table() -> Table:
         Column("cases", "cases", "", "s"),
         Column("solved", "solved from three starts", "", "s"),
         Column("residual", "largest residual", "", "g2"),
-        Column("energy", "power in over dissipation, less 1", "", "g2"),
+        Column("energy", "relative excess of power in over dissipation", "", "g2"),
         Column("spread", "spread of the force over the starts", "", "g2"),
     )
     note = "Elastic loads; residual and spread over the largest friction bound of a ball."
@@ -211,7 +211,7 @@ ROOT_STARTS = 8
 
 
 def root_rows() -> list[dict[str, Cell]]:
-    """The source's root finding on cases I to III from random starts, beside least dissipation from the same."""
+    """The source's root finding on cases I to III and least dissipation, from the same random starts."""
     rng, rows = np.random.default_rng(5), []
     first = {case: right(case, "as printed") for case in CASES}
     for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
@@ -297,7 +297,7 @@ def velocity_figure() -> Figure:
     panels += [velocity_panel(case, as_printed(case), "as printed") for case in CASES]
     caption = (
         "A slope is spin, a zero the centre of rotation, an offset sliding. Case I: one contact rolls (at rest), the "
-        "other spins about its centre. As printed, case II slides in IR and OL while OR all but rests; with exact "
+        "other spins about its centre. As printed, case II slides in IR and OL while OR nearly rests; with exact "
         "Hertz constants all four contacts spin already. Case III: spin in all four."
     )
     return Figure("friction-velocity", "Velocity along the major axes of the contacts", panels, caption, 3)

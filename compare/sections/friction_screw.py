@@ -131,7 +131,7 @@ def readings_table() -> Table:
 
 
 def run_changes() -> list[tuple[str, str, dict[str, object]]]:
-    """What is varied in the whole run: assumption, value in words, changes of the run."""
+    """What is varied in the whole run: assumption, label of its value, changes of the run."""
     changes: list[tuple[str, str, dict[str, object]]] = [("theta", "3°, 7.2° of the nut a step", {})]
     changes += [("theta", f"{a:g}°", {"amplitude": radians(a)}) for a in (1.0, 2.0, 2.5, 4.0)]
     changes += [("axial force", f"{f:g} N", {"force": (f,)}) for f in (500.0, 3000.0)]
@@ -167,7 +167,7 @@ def summary_row(label: str, value: str, r: RunResult) -> dict[str, Cell]:
 
 
 def source_run_row(run: Run) -> dict[str, Cell]:
-    """The same run the source's way: what touches is decided from the motions apart, and gaps may become negative."""
+    """The same run by the method of the source: motions without contact decide what touches, gaps may become negative."""
     r = simulate_by_root(run)
     ratio, touching = r.ball_torque / r.groove_torque, r.ball_force > 0.0
     top, angle = int(np.argmax(ratio)), np.degrees(r.nut_angle)
@@ -299,7 +299,7 @@ def onset_table(study: Study) -> Table:
 
 
 def introduction(pairs: Table, runs: Table) -> Text:
-    """What the tables of readings and of the whole run say, in words."""
+    """Text on the tables of readings and of the whole run."""
     return Text((_of_the_pair(pairs), _of_the_run(runs)))
 
 

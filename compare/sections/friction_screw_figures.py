@@ -66,7 +66,7 @@ def run_figure() -> Figure:
         f"{high.largest:.0%} of it at {high.at:.0f}° of the nut (θ of 3°) or {low.largest:.0%} at {low.at:.0f}° (2°), "
         f"ends, and comes back weaker. Contacts form {high.groups} groups, one in each cycle of θ. Without oversize "
         f"the grooves' torque is lower and varies by {variation(open_grooves):.0%} after the first step, whose loads "
-        "know of no friction yet. Amplitude, phase and oversize are assumed; the source prints none of them."
+        "are computed without friction. Amplitude, phase and oversize are assumed; the source prints none of them."
     )
     return Figure("friction-run", "Whole screw over two seconds (Figures 3.23 to 3.25)", panels, caption, 3)
 

@@ -16,7 +16,7 @@ COLUMNS = (
     Column("label", "quantity", "", "s"),
     Column("unit", "unit", "", "s"),
     Column("printed", "printed", "", "s"),
-    Column("as_printed", "as printed, ours", "", "g5"),
+    Column("as_printed", "as printed, computed", "", "g5"),
     Column("right", "right", "", "g5"),
     Column("error", "as printed against printed", "%", ".3f"),
     Column("fault", "printed against right", "%", ".1f"),
@@ -75,7 +75,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                     "Table B.1 comes out to every printed digit when the source's faults are repeated: groove radius "
                     "0.56 x ball diameter instead of Table 2.1's 3.254 mm, eigenvalues of the second fundamental form "
                     "alone, the correction factor set to 1, and the ratio of B.8 inverted against the table's labels. "
-                    "The right values beside it use I⁻¹ II and exact elliptic integrals with the same groove radius.",
+                    "The right values use I⁻¹ II and exact elliptic integrals with the same groove radius.",
                 )
             ),
             Table("hertz-B1", "Table B.1: printed, as printed, right", COLUMNS, rows),

@@ -132,7 +132,7 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
 
 
 def estimate_table(study: Study, rungs: Sequence[Rung]) -> Table:
-    """The model-form estimate of every scene made without it, beside the error that was measured."""
+    """The model-form estimate of every scene made without it, and the error that was measured."""
     rows: list[dict[str, Cell]] = [dict(row) for row in left_out_one(study, rungs)]
     columns = (
         Column("scene", "scene", "", "s"),
@@ -151,7 +151,7 @@ def estimate_table(study: Study, rungs: Sequence[Rung]) -> Table:
         "The estimate is the largest error among the three nearest compared scenes, times one plus the distance to the "
         "nearest; nothing is fitted."
     )
-    return Table("ladder-estimate", "What a result may be worth: the estimate put to the test", columns, rows, note)
+    return Table("ladder-estimate", "The model-form estimate tested on the compared scenes", columns, rows, note)
 
 
 def headline(rungs: Sequence[Rung]) -> str:

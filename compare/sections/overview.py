@@ -21,7 +21,7 @@ INFERRED = (
 HOW_TO_READ = (
     "Every number printed by the source has a class. hard: the text determines it, it must be reproduced to the digits "
     "printed. as-printed: it comes out only when a fault of the source is repeated; that is done in a mode of its own, "
-    "and the right value stands beside it. band: under-specified or random, compared with a range whose origin is "
+    "and the right value is given too. band: under-specified or random, compared with a range whose origin is "
     "stated. open: it contradicts itself, or what it compares with is not printed; shown, never gated on. input: the "
     "source gives it, or something was inferred from it; that its scene holds it is checked, not counted as reproduced.",
     "A reproduced entry says as much as its kind: a computed number tests a model, a claim in words tests its tendency, "

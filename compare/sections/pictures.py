@@ -47,7 +47,7 @@ LEVEL = 1
 #: Colours: screw, nut, ball, patches of the grooves and of the ball.
 STEEL, NUT, BALL, FINE, FINE_BALL = "#c9ced4", "#a9bccd", "#e4dcc8", "#f0a35e", "#7fb7a2"
 MM, MPA = 1e3, 1e-6
-#: Sections are taken this far [m] beside the middle of the ball, where no cells' faces lie in them.
+#: Sections are taken this far [m] from the middle of the ball, where no cells' faces lie in them.
 BESIDE = 0.02e-3
 
 
@@ -374,7 +374,7 @@ def step_along(found: ContactPressure) -> float:
 
 
 def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
-    """Largest pressures beside Hertz's."""
+    """Largest pressures, by the 3D reference and by Hertz."""
     rows: list[dict[str, Cell]] = [
         {
             "contact": f"{scene}, {name}",
@@ -438,7 +438,7 @@ def loaded(solved: Solved) -> LoadedScrew:
 
 
 def stress_caption(solved: Solved, found: Stresses, pressure: ContactPressure) -> tuple[str, tuple[float, float]]:
-    """Largest equivalent stresses below the contact beside Hertz's; and they themselves, ours over Hertz's."""
+    """Largest equivalent stresses below the contact, by the 3D reference and by Hertz, and their ratio."""
     from hifi.fields import hertz_von_mises
 
     h = pressure.hertz

@@ -1,4 +1,4 @@
-"""The low-order models beside the 3D reference: errors with its error bar, loads, centreline, run times."""
+"""The low-order models against the 3D reference: errors with its error bar, loads, centreline, run times."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def error_table(study: Study, found: References) -> Table:
     note = (
         "Errors against the finest level of the 3D reference. Printed: the source's low-order model against its ANSYS "
         "model, whose loads are not printed; its errors are of the own load. The reference's uncertainty is its grid's "
-        "(largest of any contact); its modelling uncertainty, what idealisations and unprinted dimensions are worth, is a "
+        "(largest of any contact); its modelling uncertainty, what idealisations and unprinted dimensions change, is a "
         "number of its own (section reference-mesh) and deducted nowhere."
     )
     return Table("reference-errors", "Models against the 3D reference", columns, rows, note)
@@ -241,7 +241,7 @@ LIMIT = 7.0
 
 
 def gate_text(found: References, study: Study) -> str:
-    """What the gate sees, in words from the data."""
+    """Sentence on the contacts that the gate finds, from the data."""
     worst = []
     for name, ref in found.items():
         points = gate_points(name, ref, LIMIT, study.solve(name, "lin").load)

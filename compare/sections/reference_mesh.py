@@ -292,7 +292,7 @@ def modelling_table(study: Study) -> Table | None:
     note = (
         "Added contact by contact by the root of squares, because choices are independent and have no known sign; of "
         "several variants of one choice each contact counts the largest. The RMS is what a typical contact may be off, the "
-        "largest is quoted beside the grid's uncertainty. An estimate by one typical variation of each choice, not a bound."
+        "largest is quoted with the grid's uncertainty. An estimate by one typical variation of each choice, not a bound."
     )
     return Table("reference-modelling", "Modelling uncertainty of the 3D reference", columns, rows, note)
 
@@ -357,7 +357,7 @@ def ablation_table(study: Study) -> Table | None:
 
 
 def ablation_text(study: Study) -> str:
-    """Cause of the low-order error in words, from the data."""
+    """Sentence on the cause of the low-order error, from the data."""
     parts = []
     for name in case_studies(study):
         scene = study.scene(name)

@@ -194,7 +194,7 @@ def compile_table(step: Step) -> Table:
         Column("memory", "peak memory", "MB", ".0f"),
     )
     note = (
-        "Compiled kernels are made once per machine and kept beside the sources; the command line solves single scenes "
+        "Compiled kernels are made once per machine and kept in the user's cache; the command line solves single scenes "
         "interpreted. Each row is a process of its own; the first solve of the refined model makes the geometry's bodies."
     )
     return Table("reference-cold", f"{FIRST}: first process, with and without compiling", columns, rows, note)

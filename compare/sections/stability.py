@@ -26,7 +26,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
     ]
     columns = (
         Column("case", "case", "", "s"),
-        Column(OURS, "ours", "", "s"),
+        Column(OURS, "energy solver", "", "s"),
         Column("iterations", "iterations", "", "s"),
         Column("residual", "residual", "", "g2"),
         Column("bound", "round-off bound", "", "g2"),

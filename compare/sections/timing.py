@@ -1,4 +1,5 @@
-"""Run times: ratios to the source's formulation in the same process, with seconds and the source's own beside them."""
+"""Run times: ratios to the source's formulation in the same process, with seconds, and the times that the source
+reports."""
 
 from __future__ import annotations
 
@@ -35,16 +36,16 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
         {"label": p.label, "printed": p.printed, "unit": p.unit, "class": p.cls, "remark": p.remark}
         for p in load_table("lin-2.2")
     ]
-    theirs = entry("lin-2.2", "time_proposed_1")
+    reported = entry("lin-2.2", "time_proposed_1")
     return Section(
         "timing",
         "Run times",
         (
             Text(
                 (
-                    "Ratios are seconds of the source's formulation, run in the same process on the same task, over "
-                    f"ours. The source reports {theirs.printed} s for case 1 on its machine and in its language; that "
-                    "is shown below, not compared.",
+                    "Ratios are seconds of the source's formulation, run in the same process on the same task, over those "
+                    f"of the solver here. The source reports {reported.printed} s for case 1 on its machine and in its "
+                    "language; that is shown below, not compared.",
                 )
             ),
             Table(
@@ -83,8 +84,8 @@ def headline(done: Sequence[Job]) -> tuple[tuple[str, str], ...]:
     by_name = {job.job: job for job in done}
     lines = []
     for name, label in (
-        ("cold solve, case 1", "source's Newton from a good guess over ours"),
-        ("cold solve, no guess", "source's Newton by load steps over ours"),
+        ("cold solve, case 1", "source's Newton from a good guess over the energy solver"),
+        ("cold solve, no guess", "source's Newton by load steps over the energy solver"),
     ):
         job = by_name[name]
         if name == "cold solve, case 1" and job.seconds is not None:

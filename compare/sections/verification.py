@@ -34,7 +34,7 @@ class Level:
 
 
 def level(label: str, run: HertzRun) -> Level:
-    """Errors of a run against the closed form; of the two semi-axes the larger error counts as theirs."""
+    """Errors of a run against the closed form; of the two semi-axes the larger error counts for both."""
     exact = run.exact
     a = float(error_percent(run.semi_x, exact.semi_x))
     b = float(error_percent(run.semi_y, exact.semi_y))
@@ -68,7 +68,7 @@ def production(found: Sequence[Level]) -> list[Level]:
 
 
 def verdict(found: Sequence[Level]) -> list[str]:
-    """Whether the production mesh meets its targets, and what the source's mesh does, in words."""
+    """Whether the production mesh meets its targets, and what the source's mesh does: sentences."""
     return [*map(_met, production(found)), *(_source_errors(one) for one in found if one.label == SOURCE)]
 
 
@@ -129,7 +129,7 @@ def error_rows(found: Sequence[Level]) -> list[dict[str, Cell]]:
 
 
 def value_rows(found: Sequence[Level]) -> list[dict[str, Cell]]:
-    """Values of the production mesh beside the closed form."""
+    """Values of the production mesh and of the closed form."""
     rows: list[dict[str, Cell]] = []
     for one in production(found):
         run, exact = one.run, one.run.exact

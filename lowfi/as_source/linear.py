@@ -1,4 +1,4 @@
-"""The source's way for balls in a linear bearing, kept for comparison: a root at given loads (Lin 3.3.1, 3.3.2)."""
+"""The source's method for balls in a linear bearing, kept for comparison: a root at given loads (Lin 3.3.1, 3.3.2)."""
 
 from __future__ import annotations
 
@@ -63,8 +63,8 @@ def solve_linear_by_root(
 def linear_pair_by_root(
     bearing: LinearBearing, theta: float, rho: float, vertical: float, law: Law | None = None
 ) -> SourceMotion:
-    """Case study of Lin 3.3.4 the source's way: theta [rad], side force ratio rho, N_y [N] on each ball, in reach.
+    """Case study of Lin 3.3.4 by the source's method: theta [rad], side force ratio rho, N_y [N] on each ball, in reach.
 
-    Loads in equilibrium at the given angles, in closed form as ours.
+    Loads in equilibrium at the given angles, in closed form as in the linear pair here.
     """
     return solve_linear_by_root(bearing, *pair_state(bearing, theta, rho, vertical), True, law)

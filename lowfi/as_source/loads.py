@@ -1,4 +1,4 @@
-"""The source's way for contact loads of balls in a ball screw without friction, kept for comparison: a root.
+"""The source's method for contact loads of balls in a ball screw without friction, kept for comparison: a root.
 
 Unknowns: place of each ball in its groove section (2), its contact angles gamma (4) and the screw's motions. Where the
 beam is rigid that is chapter 2's state (Lin 2.11-2.25), searched by the hybrid method.

@@ -1,4 +1,4 @@
-"""A whole ball screw in time the source's way, kept for comparison: a root for every touching group (Lin 3.4.4).
+"""A whole ball screw in time by the source's method, kept for comparison: a root for every touching group (Lin 3.4.4).
 
 Each step: loads as a root, every ball's motion alone, then the groups of those that are within reach and close in
 (Lin 3.77); places move on with these speeds. Nothing keeps gaps from becoming negative: how far is reported.

@@ -1,4 +1,4 @@
-"""The source's way for balls of a ball screw, kept for comparison: loads and motion as one root (Lin 3.4.1, 3.4.2).
+"""The source's method for balls of a ball screw, kept for comparison: loads and motion as one root (Lin 3.4.1, 3.4.2).
 
 Unknowns of a ball, as above Lin 3.71: place in the groove section (2), contact angles gamma (4), motion (4); of two
 that touch: the force between them. First the loads without friction and the screw's place, which then stays.
@@ -76,7 +76,7 @@ class SourceState:
 
 @dataclass(frozen=True)
 class SourceScrew:
-    """Balls of a screw the source's way: loads without friction, then contact forces (N, 4) [N] with it, motion."""
+    """Balls of a screw by the source's method: loads without friction, then contact forces (N, 4) [N] with it, motion."""
 
     load: ScrewLoad
     force: Array
@@ -144,7 +144,7 @@ def coupled_roots(cell: Cell, law: Law, touching: Mask, start: SourceState, scal
 
 
 def state_of(result: PairResult, touching: bool) -> SourceState:
-    """A solution of ours, balls apart or in touch, as a start."""
+    """A solution of the chain solver, balls in contact or not, as a start."""
     found = result.touching if touching else result.free
     at = Places(found.load.ball, found.load.angle, np.zeros(0))
     return SourceState(at, found.load.force, found.motion.q, found.motion.ball_force[:1], 0.0, 0)
@@ -193,7 +193,7 @@ def coupled_by_root(
 def screw_pair_by_root(
     pair: Pair, law: Law | None = None, start: SourceState | None = None, touching: SourceState | None = None
 ) -> SourceScrew:
-    """Two balls of a screw in reach (Lin 3.4.3) the source's way; law: its sigmoid with SHARPNESS where None.
+    """Two balls of a screw in reach (Lin 3.4.3) by the source's method; law: its sigmoid with SHARPNESS where None.
 
     Loads by root finding first; the motion at these where the pair's coupling is "none", else both together, from
     starts as in ``coupled_by_root``. Raises ValueError for coupling "ball and screw", which the source has not, and

@@ -75,7 +75,8 @@ def from_screw_starts(
 ) -> Iterator[SourceMotion]:
     """An open chain of a screw at given loads; angle (N, 4) [rad]: its contact angles; found: our solution.
 
-    Only closed gaps are in reach: one that closes within a step ours brings to contact, the source lets overlap.
+    Only closed gaps are in reach: one that closes within a step comes to contact in the solver here and overlaps in the
+    source's.
     """
     alone = solve_chain(replace(chain, slack=np.full(chain.slack.shape, np.inf)))
     balls, law = screw_balls(chain.groove, chain.force, angle), screw_sigmoid(chain.groove)

@@ -331,7 +331,7 @@ def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:
 
 
 def newton(system: System, x: Array, load: Array, tolerance: float) -> tuple[Array, int, float, str]:
-    """Plain Newton (Lin 2.26): state, iterations, relative residual and status in words."""
+    """Plain Newton (Lin 2.26): state, iterations, relative residual and status text."""
     best, stalled = np.inf, 0
     residual = np.inf
     for iteration in range(MOST + 1):

@@ -90,7 +90,7 @@ RIGID = "rigid apart from the Hertzian contacts"
 
 
 def idealised(backend: Backend, scene: Scene) -> tuple[str, ...]:
-    """What a backend takes a scene's bodies for, in words. Raises ValueError as `meshes.solid.dimensions`."""
+    """Statements on how a backend idealises a scene's bodies. Raises ValueError as `meshes.solid.dimensions`."""
     ring = scene.track.lead == 0.0
     section = "Lin C.8" if backend.section == "scene" else "half a lead of its groove"
     smooth = "; beyond that, a smooth body of revolution with each contact's own flank"
@@ -355,6 +355,6 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 
 def forget() -> None:
-    """Drop everything that is kept of geometries, so that the next scene pays for its bodies."""
+    """Clear the per-geometry caches, so that the next solve is timed with its set-up."""
     for kept in (grooved_section, smooth_compliance, whole_ring, own_flank, _whole_body):
         kept.cache_clear()

@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 
 Array = NDArray[np.float64]
 
-#: A mode is soft from this part of a contact's compliance on.
+#: A mode is soft from this fraction of a contact's compliance on.
 SOFT = 0.3
 
 

@@ -111,7 +111,7 @@ def round_off(elastic: Elastic, scale: float) -> float:
 
 
 def untouched(elastic: Elastic) -> bool:
-    """Whether no flank that was left out comes near its ball, which every ball must show by carrying load.
+    """True if every ball is loaded and no omitted flank is within MARGIN of its ball.
 
     A flank that was left out moves with its neighbour on the same ridge, up to their own elastic difference.
     """

@@ -36,8 +36,8 @@ class BearingCase:
 
     groove: lead 0; count: balls per row; force [N] in the plane of x and z at the angle from the axis z given to
     ``solve_bearing``; clearance [m] of the ball's radius at each contact, negative for preload; tilt: whether the inner
-    ring may tilt; phase: azimuth of the first ball, as part of the distance between balls, 0 on x; arm [m]: axial place
-    where the force acts.
+    ring may tilt; phase: azimuth of the first ball, as a fraction of the distance between balls, 0 on x; arm [m]: axial
+    place where the force acts.
     """
 
     groove: ScrewGroove

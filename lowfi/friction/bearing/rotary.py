@@ -178,7 +178,7 @@ def solve_ball(bearing: Bearing, force_x: float, u_y: float, hertz: Mode = "righ
 def solve_ball_as_printed(
     bearing: Bearing, force_x: float, u_y: float, law: Sigmoid, start: Array | None = None, fast: bool = False
 ) -> Solution:
-    """The source's own way, faults included: Table B.1's Hertz constants, sigmoid, root of 3.19, torque 3.21.
+    """The source's method, faults included: Table B.1's Hertz constants, sigmoid, root of 3.19, torque 3.21.
 
     With a ``start`` (3,) a plain search for the root, which fails from most of them near two-point contact; without,
     from the motion of least dissipation, then if need be with a sigmoid that grows ever sharper.

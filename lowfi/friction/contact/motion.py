@@ -112,7 +112,7 @@ def without_friction(found: Motion) -> Motion:
 
 
 def balance_by_root(problem: Problem, law: Law, start: Array, fast: bool = False) -> Motion:
-    """The source's way, kept for comparison: a root of the force balance under ``law`` by MINPACK's hybrid method.
+    """The source's method, kept for comparison: a root of the force balance under ``law`` by MINPACK's hybrid method.
 
     start (n,). As Matlab's fsolve for Lin 3.19: fails from many starts near two-point contact and for sharp laws. A short
     first step finds more roots than MINPACK's default.

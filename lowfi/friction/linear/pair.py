@@ -14,7 +14,7 @@ from lowfi.friction.linear.loads import Loads, balanced_loads, diagonal_loads, e
 
 @dataclass(frozen=True)
 class PairResult:
-    """Two balls apart and in reach of each other; ``free.deviation`` are the epsilons of Table 3.4."""
+    """Two balls without contact and in reach of each other; ``free.deviation`` are the epsilons of Table 3.4."""
 
     free: ChainResult
     touching: ChainResult
@@ -26,17 +26,17 @@ class PairResult:
 
     @property
     def difference(self) -> float:
-        """epsilon_1 - epsilon_2 of the balls apart; they close in where it is positive."""
+        """epsilon_1 - epsilon_2 of the balls without contact; they close in where it is positive."""
         return float(self.free.deviation[0] - self.free.deviation[1])
 
     @property
     def friction_increase(self) -> float:
-        """Force on the carriage in contact over that of the balls apart, less one; the same for the losses."""
+        """Relative increase of the drive force by ball-to-ball contact, and of the losses."""
         return self.touching.loss / self.free.loss - 1.0
 
     @property
     def rubbing_ratio(self) -> float:
-        """Groove loss of the balls apart plus ball-to-ball loss, over the former (Lin Figure 3.15 (c))."""
+        """Groove loss of the balls without contact plus ball-to-ball loss, over the former (Lin Figure 3.15 (c))."""
         return 1.0 + float(self.touching.ball_loss[0]) / self.free.loss
 
 

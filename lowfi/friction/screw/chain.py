@@ -23,7 +23,7 @@ from lowfi.jit import SCREW, kernels
 SPEEDS = tuple(10.0 ** (-0.5 * k) for k in range(2, 15))
 #: Parts of the friction between balls, one after the other at the first of these speeds.
 PARTS = (0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
-#: Force out of balance, as part of the largest friction bound of a ball: aimed at (root of the sum of squares), and
+#: Force out of balance, as a fraction of the largest friction bound of a ball: aimed at (root of the sum of squares), and
 #: what counts as converged (largest, relative to the largest ball-to-ball force where that is larger).
 GOAL, ACCEPTED = 1e-12, 2e-9
 #: The same between regularising speeds; most Newton steps, and those of first tries.
@@ -32,7 +32,7 @@ COARSE, STEPS, SHORT = 1e-10, 60, 15
 MISSED, DEPTH = 1e-8, 12
 #: Springs to the nominal motion per friction bound, for balls with contacts and without.
 HOLD, HOLD_IDLE = 1e-13, 1e-10
-#: Balls with less than this part of the largest load count as unloaded.
+#: Balls with less than this fraction of the largest load count as unloaded.
 NEGLIGIBLE = 1e-7
 
 

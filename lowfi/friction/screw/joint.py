@@ -100,7 +100,7 @@ class _Path:
         self.q, self.ball_force = moved.q, moved.ball_force
 
     def measure(self) -> None:
-        """Take the loads here as the measure of forces and of which balls are loaded: both may change much."""
+        """Rescale forces and the set of loaded balls by the loads at the present state."""
         g, self.state = self.cell.groove, load_state(self.cell)
         kernels(SCREW, compiled=self.fast).evaluate(load_arrays(self.cell), self.ball, self.screw, self.state)
         n = self.state[4]
@@ -109,7 +109,7 @@ class _Path:
         self.system = system_of(self.cell, self.search)
 
     def follow(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
-        """Go from a part of the friction on balls and screw and a logarithm of the regularising speed to others.
+        """Go from a fraction of the friction on balls and screw and a logarithm of the regularising speed to others.
 
         Each stage begins where the last two point to; stages shrink where Newton's method fails. Whether it arrived.
         """
@@ -135,7 +135,7 @@ class _Path:
         return self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force
 
     def stage(self, guess: Place, part: float, eps: float) -> int | None:
-        """Newton at one part of the friction and one regularising speed; stays here and returns None where it fails."""
+        """Newton at one fraction of the friction and one regularising speed; stays here and returns None where it fails."""
         s = self.search
         p, u, x, f = (plain_array(a).copy() for a in guess)
         f /= s.bound

@@ -101,7 +101,7 @@ def settle(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = Tr
     force, n = state[3], np.abs(state[4])
     left = float(max(np.max(np.abs(state[0]), initial=0.0), np.max(np.abs(state[1]), initial=0.0)))
     good = left <= ACCEPTED * (load + float(np.sum(force)))
-    if not good and start is not None:  # from afar a ball all but free may creep along a flat energy
+    if not good and start is not None:  # from a distant start a nearly unloaded ball may creep along a flat energy
         return settle(cell, None, fast)
     return ScrewLoad(force, np.arctan2(n[..., 1], n[..., 0]), p, u, left, steps, good)
 

@@ -56,7 +56,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class PairResult:
-    """The balls apart and together."""
+    """The balls without contact and in contact."""
 
     free: CoupledChain
     touching: CoupledChain
@@ -68,17 +68,17 @@ class PairResult:
 
     @property
     def friction_increase(self) -> float:
-        """Dissipation in contact over that of the balls apart, less one; nan without friction."""
+        """Relative increase of the dissipation by ball-to-ball contact; nan without friction."""
         return _over(self.touching.motion.loss, self.free.motion.loss) - 1.0
 
     @property
     def rubbing_ratio(self) -> float:
-        """Ball-to-ball loss over the losses of the balls apart; nan without friction."""
+        """Ball-to-ball loss over the losses of the balls without contact; nan without friction."""
         return _over(float(self.touching.motion.ball_loss.sum()), self.free.motion.loss)
 
     @property
     def closing(self) -> float:
-        """omega_B of the first ball less that of the second when apart [rad/s]; they meet where it is positive."""
+        """omega_B of the first ball less that of the second without contact [rad/s]; they meet where it is positive."""
         q = self.free.motion.q
         return float(q[0, 0] - q[1, 0])
 
@@ -100,7 +100,8 @@ def _over(part: float, whole: float) -> float:
 def solve_pair(pair: Pair, guess: Guess | None = None) -> PairResult:
     """Both states of the pair (Lin 3.69-3.76); force and rate are complementary, so that balls that part stay apart.
 
-    guess: forces and motion of two balls from which both states are sought, in place of none and of the balls apart.
+    guess: forces and motion of two balls from which both states are sought, in place of none and of the balls without
+    contact.
     """
     cell, apart = pair.cell(), None if guess is None else replace(guess, ball_force=np.zeros(2))
     free = coupled_chain(cell, np.full(2, np.inf), pair.coupling, guess=apart)

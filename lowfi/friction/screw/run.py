@@ -26,8 +26,8 @@ class Run:
     force: on the screw along its free translations ``free`` [N]; amplitude [rad], cycles per turn and phase [rad] of
     the deviation theta of the contact angles, times pattern (SL, SR, NL, NR), over the azimuth on the screw; tube:
     length of the return tube as an angle of the track [rad], balls in it bear no load; first: place of the first ball
-    at the start as part of the distance between balls; rounds: of load and friction per step (one: friction of the step
-    before).
+    at the start as a fraction of the distance between balls; rounds: of load and friction per step (one: friction of the
+    step before).
     """
 
     groove: ScrewGroove

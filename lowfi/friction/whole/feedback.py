@@ -22,9 +22,10 @@ from meshes.errors import specimen
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive
 
-#: Change of the friction fed back in a round, as part of a ball's contact forces: aimed at, and accepted after most rounds.
+#: Change of the friction fed back in a round, as a fraction of a ball's contact forces: aimed at, and accepted after most
+#: rounds.
 AGREED, ACCEPTED, ROUNDS = 1e-7, 1e-4, 200
-#: Force out of balance as part of a ball's contact forces; Newton steps; longest step as part of the reach.
+#: Force out of balance as a fraction of a ball's contact forces; Newton steps; longest step as a fraction of the reach.
 GOAL, STEPS, FAR = 1e-13, 60, 0.3
 
 
@@ -141,7 +142,7 @@ def _stiffness(place: Seats, force: Array, normal: Array, length: Array) -> Arra
 class FedBack:
     """Contacts and friction that agree, balls whose feedback did not settle (N,), and rounds.
 
-    change: largest change of a ball's friction in its last round, as part of its contact forces.
+    change: largest change of a ball's friction in its last round, as a fraction of its contact forces.
     """
 
     at: StaticContacts

@@ -54,7 +54,7 @@ class BallFriction:
     ball against the groove, sliding of its centre across (x) and along (z) the groove and spin about the normal; force
     (N, 4, 2) and moment (N, 4) of friction on the ball likewise; loss (N, 4, 3) [W] by ``CAUSES``; rest (N, 4): held by
     friction. status: one word per ball, "no load" for one that nothing presses; left: largest force out of balance [N],
-    as a part of the ball's sum of mu F.
+    as a fraction of the ball's sum of mu F.
     """
 
     orbit: Array

@@ -25,7 +25,7 @@ class FrictionState:
     """Contacts, friction of every ball, sums, and closing speeds (N,) [m/s] of a scene at one pair of coefficients.
 
     bare: the sums at the static loads, without feedback; unsettled: indices of balls whose feedback did not settle, in one
-    direction of motion or the other; change: of the friction fed back in the last round, as part of contact forces;
+    direction of motion or the other; change: of the friction fed back in the last round, as a fraction of contact forces;
     coupled: whether friction feeds back.
     """
 

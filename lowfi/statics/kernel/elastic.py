@@ -17,7 +17,7 @@ from .elastic_balls import ball_rows, evaluate_balls
 from .modes import gradients, soft_factor
 from .newton import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
 
-#: Residual asked of the linear equations, as part of that of the contact forces: a tenth keeps Newton's own order.
+#: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
 FORCING = 0.1
 
 

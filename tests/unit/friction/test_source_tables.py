@@ -97,7 +97,7 @@ def test_roots_are_counted_by_what_they_are():
     record = tally.record("group", "model")
     assert (record.source, record.source_tries) == (2, 5)
     assert "roots of the source's that let balls overlap: 1" in record.note
-    assert "roots of the source's that are another answer than ours: 1" in record.note
+    assert "roots of the source's that differ from the answer found here: 1" in record.note
 
 
 def test_linear_groups_try_rolling_and_random_starts():

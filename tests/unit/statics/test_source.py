@@ -111,3 +111,16 @@ def test_the_source_model_keeps_the_constants_of_error_free_parts():
     old = solved(with_ingredients(scene, hertz="error-free")).load
     assert relative(solve_source(with_ingredients(scene, hertz="error-free"), kinematics="arc").load, old) < 1e-8
     assert relative(solved(scene).load, old) > 1e-3
+
+
+@pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset"])
+def test_reactions_are_those_of_the_source_s_own_equations(case):
+    """Sums of loads, reactions and contact forces; with the arcs of the energy solver both models have one reaction."""
+    scene = catalogue.scene(case)
+    result = solve_source_result(scene)
+    balance = result.equilibrium
+    assert balance.force_residual < 1e-3
+    assert balance.reaction_force == pytest.approx(solved(scene).equilibrium.reaction_force, abs=1.0)
+    arc = solve_source(scene, kinematics="arc")
+    expected = solved(scene).equilibrium.reaction_force
+    assert arc.reactions[:, :3].sum(axis=0) == pytest.approx(expected, abs=1e-6 * np.abs(result.load).max())

@@ -53,7 +53,7 @@ def evaluate(
 
 @kernel
 def newton_step(hess: Array, grad: Array, units: Array, step: Array) -> None:
-    """Writes the step (n,) of the lower triangle ``hess`` by Cholesky, pivots kept above a tiny part of the largest."""
+    """Writes the step (n,) of the lower triangle ``hess`` by Cholesky, pivots kept above a tiny fraction of the largest."""
     n = grad.shape[0]
     top = 0.0
     for j in range(n):

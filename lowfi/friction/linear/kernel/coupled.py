@@ -16,7 +16,7 @@ from .law import Array
 
 #: (slip, pair, drift, z (N-1,)), slip to drift as in ``energy.State``.
 Point = Any
-#: (eps, part, smooth, spring): creeping speed, part of the friction between balls, force times rate of the gap,
+#: (eps, part, smooth, spring): creeping speed, fraction of the friction between balls, force times rate of the gap,
 #: stiffness towards nominal rolling besides the balls' own.
 Law = tuple[float, float, float, float]
 

@@ -146,7 +146,7 @@ def settle(
 
 @kernel
 def leap(problem: Problem, point: Point, law: Law, work: Work, tolerance: float, limit: int) -> tuple[int, float]:
-    """Whole Newton steps on the coupled equations, whatever the residual on the way: across kinks it rises first.
+    """Undamped Newton steps on the coupled equations: at kinks the residual rises before it falls.
 
     Returns iterations and the largest residual; the point is left where it was if that has not fallen.
     """

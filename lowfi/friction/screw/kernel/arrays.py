@@ -14,7 +14,7 @@ ON_SCREW = 2
 #: surface speeds per ``speed``; the rest as in ``screw_groove.PairGeometry``, for such x.
 Groove = tuple[Array, Array, Array, Array, Array, Array, Array, float, float]
 #: Balls: (force (N, 4) [N], normal (N, 4, 2) along x3, z3, hold (N,), slack (N,), allowed (N,), mu (N,), strength);
-#: strength: groove friction coefficient over the unit of force; mu from ball to ball; slack as a part of ``speed``.
+#: strength: groove friction coefficient over the unit of force; mu from ball to ball; slack as a fraction of ``speed``.
 Balls = tuple[Array, Array, Array, Array, Array, Array, float]
 #: Cell: (start (N, 4, 2), interference (N, 4), C (4,), section (N, 2, m), offset (N, 2), push (N, 2), pull (m,),
 #: reach); start: from the grooves' centres to the ball [m]; pull: force and drag along the screw's motions [N].

@@ -14,7 +14,8 @@ from .contacts import ball, rubbing, semi_axes
 Parts = tuple[Array, Array, Array, Array]
 #: Half bandwidth with a ball's motion and the force on the next in one block of five.
 HALF = 9
-#: Largest step of a ball's surface speeds, as part of its nominal speed: far off, friction no longer tells the way.
+#: Largest step of a ball's surface speeds, as a fraction of its nominal speed: further off, friction no longer gives the
+#: direction.
 REACH = 0.3
 
 

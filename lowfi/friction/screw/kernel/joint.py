@@ -18,7 +18,7 @@ from .place import OWN_COLUMNS, OWN_ROWS, System, own
 
 #: Unknowns of a ball, half bandwidth.
 SIZE, HALF = 7, 12
-#: Longest step of positions as part of the groove's reach.
+#: Longest step of positions as a fraction of the groove's reach.
 FAR = 0.1
 #: (p (N, 2) [m], u (m,) [m], x (N, 4), f (N,)).
 Place = tuple[Array, Array, Array, Array]

@@ -10,7 +10,7 @@ from .arrays import ON_SCREW, Array, Cell
 
 #: (gradient by balls (N, 2), by the screw (m,), stiffness (N, 4, 3) as xx, xz, zz, forces (N, 4), normals (N, 4, 2)).
 State = tuple[Array, Array, Array, Array, Array]
-#: Longest step as part of the distance of the grooves' centres from the ball.
+#: Longest step as a fraction of the distance of the grooves' centres from the ball.
 FAR = 0.3
 
 
@@ -143,7 +143,8 @@ def settle(cell: Cell, load: float, p: Array, u: Array, state: State, goal: floa
         moved = False
         for _ in range(50):
             new = evaluate(cell, p + length * dp, u + length * du, trial)
-            # the work is that of the step, for the digits that a ball all but free needs; where round-off still hides
+            # the work is that of the step, to keep precision for nearly unloaded balls, which would otherwise drift; where
+            # round-off still hides
             # the fall of the energy, the forces must tell: such a ball would wander
             flat = -length * slope <= 1e-12 * energy
             off = largest(trial[0], trial[1])

@@ -1,0 +1,41 @@
+"""The report's list of sections stands once; drawing writes nothing into a store."""
+
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from compare.commands import report
+from compare.commands.report import PARTS, Source, save_model_form, wanted_parts
+from compare.errors import InputError
+from compare.models import ladder, model_form
+from compare.models.study import Study
+from compare.reference.jobs import Engine
+
+
+def test_every_part_has_a_module_with_a_section():
+    assert len({part.name for part in PARTS}) == len(PARTS)
+    for part in PARTS:
+        assert callable(import_module(f"compare.sections.{part.module}").section)
+
+
+def test_wanted_parts():
+    assert [p.name for p in wanted_parts(["timing", "hertz"], quick=True)] == ["hertz", "timing"]
+    assert [p.name for p in wanted_parts([])] == list(report.SECTIONS)
+    left = {p.name for p in PARTS} - {p.name for p in wanted_parts([], quick=True)}
+    assert left == {"pictures", "stability", "timing"}
+    with pytest.raises(InputError, match="no-such"):
+        wanted_parts(["no-such"])
+
+
+def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    study = Study()
+    found = study.reference("lin-case1")
+    assert found is not None
+    rungs = ladder.climb(study.scene("lin-case1"), found, None)[:2]
+    monkeypatch.setattr(ladder, "ladder", lambda _: rungs)
+    save_model_form(study, Source((tmp_path,), Engine()))
+    kept = (tmp_path / model_form.FILE).read_text(encoding="utf-8")
+    assert kept.count('"scene": "lin-case1"') == 2
+    save_model_form(Study(), Source(None, Engine(), compute=False))
+    assert sorted(p.name for p in tmp_path.iterdir()) == [model_form.FILE]

@@ -1,0 +1,74 @@
+"""One record per model: complete, and each use of the models takes it from there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.errors import InputError
+from compare.extremes.static import BACKENDS
+from compare.models.comparison import compared_models, from_result, suited
+from compare.models.ladder import RUNGS
+from compare.models.model_form import estimate
+from compare.models.registry import DEFAULT, MODELS, Options, run_model
+from compare.models.study import Study
+from compare.scenes import catalogue
+
+QUIET = Options(discretisation=False, engine="interpreted")
+
+
+def test_records_are_complete_and_labels_are_unique():
+    assert all(m.about and m.label and m.words for m in MODELS.values())
+    assert len({m.label for m in MODELS.values()}) == len(MODELS)
+    assert DEFAULT in MODELS
+    assert {m.errors_of for m in MODELS.values()} <= {"", *MODELS}
+
+
+def test_uses_of_the_registry():
+    assert [m.name for m in RUNGS] == ["lin", "lin-cell", "lin-nut", "refined", "condensed"]
+    assert set(BACKENDS.values()) == {"refined", "lin-nut"}
+    axial, bent = catalogue.scene("lin-case1"), catalogue.scene("lin-case3")
+    lin = ["refined", "lin", "lin-source-partition", "lin-printed-hertz"]
+    assert [m.name for m in suited(axial)] == [*lin, "mei", "mei-nut"]
+    assert [m.name for m in suited(bent)] == lin
+    rigid = replace(axial, ingredients=replace(axial.ingredients, screw="rigid"))
+    assert [m.name for m in suited(rigid)] == lin
+    assert not MODELS["source"].suits(rigid)
+
+
+def test_only_compared_models_are_named_for_compare():
+    assert compared_models(("lin",)) == [MODELS["lin"]]
+    with pytest.raises(InputError, match="lin-source-partition"):
+        compared_models(("lin-cell",))
+
+
+def test_a_variant_is_the_model_on_the_changed_scene():
+    scene = catalogue.scene("lin-case1")
+    changed = replace(scene, ingredients=replace(scene.ingredients, partition="source"))
+    found, expected = run_model(scene, "lin-source-partition", QUIET), run_model(changed, "lin", QUIET)
+    np.testing.assert_array_equal(found.load, expected.load)
+    assert found.model == "lin-source-partition"
+    assert from_result(found).model == "lin-source-partition"
+    assert np.abs(found.load - run_model(scene, "lin", QUIET).load).max() > 0.1
+
+
+def test_estimate_is_no_part_of_a_run_and_speaks_for_the_source_too():
+    scene = catalogue.scene("lin-case1")
+    lin, source = (run_model(scene, name, QUIET) for name in ("lin", "source"))
+    assert not hasattr(lin, "model_form")
+    assert estimate(scene, source).percent == pytest.approx(estimate(scene, lin).percent, rel=0.02)
+    assert estimate(scene, run_model(scene, "mei", QUIET)).percent is None
+
+
+def test_a_study_makes_everything_once():
+    study, calls = Study(), []
+
+    def make(of: Study, x: int) -> int:
+        assert of is study
+        calls.append(x)
+        return x + 1
+
+    assert [study.once(make, 1), study.once(make, 1), study.once(make, 2)] == [2, 2, 3]
+    assert calls == [1, 2]
+    assert study.reference("lin-case1") is study.reference("lin-case1")
+    assert list(study.references(("lin-case1", "lin-case3-ux"))) == ["lin-case1"]

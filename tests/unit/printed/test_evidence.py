@@ -1,0 +1,71 @@
+"""Evidence of printed numbers: sheets filed entry by entry, the table that shows them, one computation per study."""
+
+import pytest
+
+from compare.evidence.record import Evidence, Sheet
+from compare.evidence.registry import BY_TABLE, evidence
+from compare.models.study import Study
+from compare.printed.printed_data import entry, load_table
+from compare.sections.finding_table import FAULTS, printed_table
+
+
+def test_sheet_keeps_the_order_of_the_table_and_leaves_the_rest_open():
+    sheet = Sheet("lin-3.3")
+    sheet.claim("sign_region", True, "why")
+    sheet.number("mu", 0.1)
+    found = sheet.evidence()
+    assert [e.printed for e in found] == list(load_table("lin-3.3"))
+    filed = {e.printed.key: e.verdict for e in found if e.verdict != "open"}
+    assert filed == {"mu": "taken over", "sign_region": "reproduced"}
+
+
+def test_sheet_refuses_a_key_that_is_not_printed():
+    with pytest.raises(KeyError, match=r"lin-3\.3: no printed entry 'my'"):
+        Sheet("lin-3.3").number("my", 1.0)
+    with pytest.raises(KeyError, match="no printed entry"):
+        entry("lin-3.3", "my")
+
+
+def test_compared_value_follows_the_class():
+    row = next(r for r in load_table("lin-3.2") if r.cls == "as-printed")
+    e = Evidence(row, value=2.0 * row.value, as_printed=row.value, reading=1.5 * row.value)
+    assert e.verdict == "reproduced as printed"
+    assert e.error_percent == 0.0
+    assert e.reading_error_percent == pytest.approx(50.0)
+
+
+def test_table_has_only_the_columns_that_its_entries_fill():
+    plain = printed_table("a", "A", [Evidence(row) for row in load_table("lin-3.1")])
+    assert {"as_printed", "reading", "reading_error", "place"}.isdisjoint(c.key for c in plain.columns)
+    assert FAULTS not in plain.note
+    row = load_table("lin-3.7")[0]
+    both = printed_table("b", "B", [Evidence(row, 1.0, 2.0, 3.0)], "Note.", place=True)
+    keys = [c.key for c in both.columns]
+    assert set(both.rows[0]) == set(keys)
+    assert {"as_printed", "reading", "reading_error", "place"} <= set(keys)
+    assert both.note.startswith("Note. As printed:")
+    assert (both.rows[0]["right"], both.rows[0]["as_printed"], both.rows[0]["reading"]) == (1.0, 2.0, 3.0)
+
+
+def test_shared_remarks_stand_once_and_round_off_is_zero():
+    found = [Evidence(row, value=(row.value or 0.0) * (1.0 + 1e-15)) for row in load_table("lin-3.1")]
+    table = printed_table("a", "A", found)
+    assert [row["remark"] for row in table.rows].count("remark 1") > 2
+    assert "Remark 1: " in table.note
+    assert all(row["error"] == 0.0 for row in table.rows)
+    zero = next(row for row in load_table("lin-3.2") if row.value == 0.0)
+    assert printed_table("a", "A", [Evidence(zero, 1.0, 1.0)]).rows[0]["error"] is None
+
+
+def test_no_screws_are_drawn_unless_asked_for():
+    study = Study(members=0)
+    found = {e.printed.key: e for e in evidence(study, "lin-2.4.2")}
+    assert [found[k].verdict for k in ("random_two_point", "random_much", "combined_four_point")] == ["open"] * 3
+    assert found["pitch_much"].agrees is True
+    assert not any(getattr(key[0], "__name__", "") == "_ensemble" for key in study.made)
+
+
+def test_every_computation_fills_its_own_table_only():
+    study = Study(members=0)
+    for name in ("lin-B1", "lin-3.1", "lin-G", "lin-4.2"):
+        assert [e.printed for e in BY_TABLE[name].compute(study)] == list(load_table(name))

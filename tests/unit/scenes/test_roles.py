@@ -1,0 +1,40 @@
+"""The role of a shipped scene is said in its file and changes neither its hash nor the key of its runs."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from compare.errors import SceneError
+from compare.models.comparison import REFERENCED
+from compare.models.ladder import CATALOGUE, CHANGED, LARGE, UNSEEN
+from compare.reference.runs import key_of
+from compare.scenes import catalogue, scene_file
+
+
+def test_roles_group_the_scenes_of_the_report():
+    assert REFERENCED == ("lin-case1", "lin-case2", "lin-case3", "lin-case3-offset")
+    assert set(UNSEEN) == {*CHANGED, *CATALOGUE}
+    assert all(name.startswith("unseen-") for name in UNSEEN)
+    assert len(UNSEEN) == len(CHANGED) + len(CATALOGUE) == 11
+    assert set(LARGE) < set(UNSEEN)
+    for name in REFERENCED:
+        assert catalogue.scene(name).role == "referenced"
+
+
+def test_hash_and_key_do_not_know_the_role():
+    text = catalogue.scene_text("lin-case1")
+    bare = re.sub(r'(?m)^role = "referenced"\n', "", text)
+    assert bare != text
+    assert scene_file.scene_hash(bare) == scene_file.scene_hash(text)
+    assert scene_file.scene_hash(text.replace("lead", "Lead")) != scene_file.scene_hash(text)
+    scene = catalogue.scene("lin-case1")
+    other = replace(scene, role="")
+    assert other == scene
+    assert key_of(other, "", {"b_over_h": 2.0}, (0, 3)) == key_of(scene, "", {"b_over_h": 2.0}, (0, 3))
+
+
+def test_an_unknown_role_is_refused():
+    text = catalogue.scene_text("lin-case1").replace('role = "referenced"', 'role = "seen"')
+    with pytest.raises(SceneError, match="role"):
+        scene_file.loads(text, "mine.toml")
