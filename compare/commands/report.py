@@ -147,7 +147,7 @@ def _printed(study: Study, source: Source, step: Step) -> tuple[list[Finding], S
 
 def build(only: Sequence[str], progress: Progress, source: Source) -> tuple[list[Section], list[tuple[str, str]], Study]:
     """Sections asked for (all if none), headline figures, and the study they were made from."""
-    from compare.evidence.cases import SCENES_3_2_3_3, SCENES_3_4_4_3
+    from compare.evidence.source_cases import SCENES_3_2_3_3, SCENES_3_4_4_3
     from compare.sections import (
         cases,
         crosscheck,

@@ -8,9 +8,9 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.cases import inferred
 from compare.evidence.rotary_linear import numbers
 from compare.evidence.screw import ANGLES, THETA, curve, cut, loose_run, run, variation
+from compare.evidence.source_cases import inferred
 from compare.printed.findings import entry
 from lowfi.friction.bearing.pairs import TorqueCurve
 from lowfi.friction.contact.ellipse import Array

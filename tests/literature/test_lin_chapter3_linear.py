@@ -6,7 +6,7 @@ from math import degrees, radians
 import numpy as np
 import pytest
 
-from compare.evidence import cases
+from compare.evidence import source_cases
 from compare.printed.printed_data import Printed, load_table
 from lowfi.friction.linear.analytic import velocity_deviation
 from lowfi.friction.linear.loads import Loads
@@ -14,7 +14,7 @@ from lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas
 
 TABLES = ("lin-3.3", "lin-3.4", "lin-3.5")
 ROWS: dict[str, Printed] = {f"{r.table}:{r.key}": r for t in TABLES for r in load_table(t)}
-SCENE = cases.linear()
+SCENE = source_cases.linear()
 BEARING, VERTICAL, SIDE, THETA = SCENE.bearing, SCENE.vertical, float(SCENE.side[0]), SCENE.deviation
 
 
@@ -25,7 +25,7 @@ def numerical(mated: bool, theta: float = THETA, loads: Loads = "balanced") -> P
 
 @cache
 def study() -> PairMaps:
-    return maps(BEARING, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, cases.k_f())
+    return maps(BEARING, np.radians(np.linspace(-3.0, 3.0, 7)), np.linspace(-0.6, 0.6, 7), VERTICAL, source_cases.k_f())
 
 
 def formula_deviation(mated: bool) -> np.ndarray:
@@ -62,7 +62,7 @@ def number(key: str) -> float:
         return 100.0 * float(found[ball])
     if name.endswith("numerical"):
         return numerical(mated).force
-    return pair_formulas(BEARING, THETA, SIDE, VERTICAL, cases.k_f(), mated=mated)[1]
+    return pair_formulas(BEARING, THETA, SIDE, VERTICAL, source_cases.k_f(), mated=mated)[1]
 
 
 NUMBERS = [k for k, r in ROWS.items() if r.value is not None and r.cls != "open"]

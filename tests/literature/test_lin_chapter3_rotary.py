@@ -5,18 +5,18 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.evidence import cases
+from compare.evidence import source_cases
 from compare.printed.printed_data import Printed, load_table
 from lowfi.friction.bearing.rotary import SIDES, Solution, inner_torque, solve_ball, solve_ball_as_printed, source_law
 from lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from lowfi.hertz import contact_modulus, hertz_constants
 
-BEARING, FORCE = cases.rotary("I").bearing, cases.rotary("I").force
-PRINTED = cases.rotary("I", printed=True)
+BEARING, FORCE = source_cases.rotary("I").bearing, source_cases.rotary("I").force
+PRINTED = source_cases.rotary("I", printed=True)
 #: The source's law with what was inferred for it, and the same with exact integrals in place of its maps.
 LAW, EXACT = (source_law(BEARING, PRINTED.sharpness, step) for step in (PRINTED.map_step, None))
 #: Radial displacements [m] of the three cases: not printed, inferred from the forces.
-U_Y = {case: cases.rotary(case).displacement for case in cases.ROTARY}
+U_Y = {case: source_cases.rotary(case).displacement for case in source_cases.ROTARY_SCENES}
 UNIT = {"N": 1.0, "W": 1.0, "N mm": 1e3, "rad/s": 1.0}
 
 

@@ -7,13 +7,22 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.evidence.cases import PAIRS, RUNS, deviation, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
+from compare.evidence.source_cases import (
+    PAIR_SCENES,
+    RUN_SCENES,
+    deviation,
+    inferred,
+    inferred_oversize,
+    lin_3_4_4,
+    plain,
+    table_3_6,
+)
 from compare.printed.printed_data import Printed, load_table
 from lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
 from lowfi.friction.screw.run import RunSummary, groups, simulate, summarise
 
-THETA = {case: deviation(case) for case in PAIRS}
-AMPLITUDES = tuple(RUNS)
+THETA = {case: deviation(case) for case in PAIR_SCENES}
+AMPLITUDES = tuple(RUN_SCENES)
 
 
 def rows(table: str) -> dict[str, Printed]:

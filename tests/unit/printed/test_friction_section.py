@@ -5,8 +5,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from compare.evidence import cases
 from compare.evidence import rotary_linear as friction_values
+from compare.evidence import source_cases
 from compare.models.study import Study
 from compare.printed.printed_data import load_table
 from compare.scenes import catalogue
@@ -166,11 +166,11 @@ def test_formula_and_difference_add_up(made):
 def test_scenes_of_friction_are_hashed_and_their_assumptions_shown():
     study = Study()
     friction_values.findings(study)
-    assert set(study.used) == set(cases.SCENES_3_2_3_3)
+    assert set(study.used) == set(source_cases.SCENES_3_2_3_3)
     rows = {row["assumed"]: row["scenes"] for row in assumptions(study)}
     for name, scene in study.used.items():
         assert scene_hash(catalogue.scene_text(name))
         for sentence in scene.assumed:
             assert rows[sentence] == "all" or name in rows[sentence].split(", ")
     study.scene("lin-case1")
-    assert list(study.used) == sorted({*cases.SCENES_3_2_3_3, "lin-case1"})
+    assert list(study.used) == sorted({*source_cases.SCENES_3_2_3_3, "lin-case1"})
