@@ -445,13 +445,13 @@ def friction(
 ) -> int:
     """Friction of a screw or bearing at its static loads: ball motion, losses, friction torque, efficiency, drag.
 
-    Also solves friction scenes of a kind of their own: balls of a rotary or linear bearing, two balls or a whole ball
-    screw in time, bearings in pairs; these take no further options.
+    Also solves the kinds of scenes that only friction solves: balls of a rotary or linear bearing, two balls or a whole
+    ball screw in time, bearings in pairs; these take no further options.
 
     Parameters
     ----------
     scene
-        Name of a shipped scene of either sort, or a scene file.
+        Name of a shipped scene of any kind, or a scene file.
     model
         Model of the contact loads: refined unless given, or "condensed" where its file is given; see: rollbench list.
     mu

@@ -51,6 +51,12 @@ def load_row(sides: Sequence[str], force: Array, angle: Array) -> dict[str, Any]
     return {"load_N": by_side(sides, force), "contact_angle_deg": by_side(sides, loaded)}
 
 
+def flat_ball(sides: Sequence[str], row: dict[str, Any]) -> dict[str, Any]:
+    """A ball's row for the terminal: loads and rotations each in a column of their own."""
+    flat = row | {f"{side} N": row["load_N"][side] for side in sides}
+    return flat | {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
+
+
 def energy(power: float, loss: float, bound: float) -> dict[str, Any]:
     """Input power against dissipation [W]; no percentage where less than ``NOTHING`` of full sliding is lost."""
     off = number(float(error_percent(power, loss))) if loss > NOTHING * bound else None

@@ -129,15 +129,25 @@ def solve_ball(scene: KindScene) -> Answer:
         "assumed": list(scene.assumed),
         "warnings": size_warnings(at.a[held], b.ball_radius),
     }
-    lines = [
-        f"sum of contact forces {load.force.sum():.6g} N, torque that turns the inner ring {1e3 * torque:.6g} N mm"
+    return Answer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
+
+
+def ball_lines(data: dict[str, Any]) -> list[str]:
+    """The results of one ball in a few lines."""
+    (ball,), torque, solver = data["balls"], data["torque"], data["solver"]
+    by_loss = torque["friction_torque_Nmm"]
+    return [
+        f"sum of contact forces {data['load_sum_N']:.6g} N, torque that turns the inner ring "
+        f"{torque['driving_torque_on_screw_Nmm']:.6g} N mm"
         + ("" if by_loss is None else f" (dissipation over speed: {by_loss:.6g} N mm)"),
-        "ball: orbit {:.6g} rad/s, omega_x {:.6g} rad/s, omega_y {:.6g} rad/s".format(*motion.q),
-        energy_line(power),
-        f"solver: loads out of balance by {load.imbalance:.1e} N, friction by {motion.imbalance:.1e} N",
-        f"law {scene.law}, Hertz constants {data['hertz']}; loads do not depend on friction",
+        "ball: orbit {:.6g} rad/s, omega_x {:.6g} rad/s, omega_y {:.6g} rad/s".format(
+            ball["orbit_rad_s"], *ball["rotation_rad_s"][:2]
+        ),
+        energy_line(data["energy"]),
+        f"solver: loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
+        f"{solver['friction_imbalance_N']:.1e} N",
+        f"law {data['law']}, Hertz constants {data['hertz']}; loads do not depend on friction",
     ]
-    return Answer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], lines, converged)
 
 
 # --- bearings in pairs
@@ -236,14 +246,18 @@ def _bearing_answer(scene: BearingPairScene, common: dict[str, Any]) -> Answer:
         strict=True,
     )
     rows = [dict(zip((name for name, _, _ in BEARING_COLUMNS), row, strict=True)) for row in columns]
-    lines = [
-        f"largest over smallest torque: four-point {cell(four['largest_over_smallest'], '.5g')}, "
-        f"double row {cell(double['largest_over_smallest'], '.5g')}",
-        f"mean {energy_line(spent)}",
-        f"solver: loads out of balance by {solver['load_imbalance_N']:.1e} N",
+    return Answer(data, [("over the load's angle", BEARING_COLUMNS, rows)], bearing_lines(data), all(good))
+
+
+def bearing_lines(data: dict[str, Any]) -> list[str]:
+    """The results of both bearings in a few lines."""
+    four, double = (cell(data[name]["largest_over_smallest"], ".5g") for name in ("four_point", "double_row"))
+    return [
+        f"largest over smallest torque: four-point {four}, double row {double}",
+        f"mean {energy_line(data['energy'])}",
+        f"solver: loads out of balance by {data['solver']['load_imbalance_N']:.1e} N",
         f"law coulomb, Hertz constants {data['hertz']}, inner ring {'free to tilt' if data['tilt'] else 'held upright'}",
     ]
-    return Answer(data, [("over the load's angle", BEARING_COLUMNS, rows)], lines, all(good))
 
 
 BEARING_COLUMNS = (

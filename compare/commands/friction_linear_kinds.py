@@ -6,7 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import NOTHING, Answer, Column, energy, energy_line, head, increase, load_row, size_warnings
+from compare.commands.answer import (
+    NOTHING,
+    Answer,
+    Column,
+    energy,
+    energy_line,
+    flat_ball,
+    head,
+    increase,
+    load_row,
+    size_warnings,
+)
 from compare.commands.solve_output import number
 from compare.scenes.kinds.common import KindScene
 from compare.scenes.kinds.linear import LinearScene
@@ -105,20 +116,24 @@ def solve_linear(scene: KindScene) -> Answer:
         "assumed": list(scene.assumed),
         "warnings": size_warnings(semi, scene.bearing.ball_radius),
     }
-    lines = [
-        f"force on the carriage {near.drive:.6g} N, {apart.drive:.6g} N with the balls apart"
-        + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
-        energy_line(spent),
-        f"solver: loads out of balance by {left:.1e} of the vertical force, friction by {near.residual:.1e} of its bound",
-        f"law coulomb, loads {scene.distribution}; loads do not depend on friction",
+    tables = [
+        ("per ball", BALL_COLUMNS, [flat_ball(CONTACTS, row) for row in balls]),
+        ("between balls", PAIR_COLUMNS, pairs),
     ]
-    flat = [row | {f"{c} N": row["load_N"][c] for c in CONTACTS} | _omegas(row) for row in balls]
-    tables = [("per ball", BALL_COLUMNS, flat), ("between balls", PAIR_COLUMNS, pairs)]
-    return Answer(data, [t for t in tables if t[2]], lines, converged)
+    return Answer(data, [t for t in tables if t[2]], linear_lines(data), converged)
 
 
-def _omegas(row: dict[str, Any]) -> dict[str, Any]:
-    return {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
+def linear_lines(data: dict[str, Any]) -> list[str]:
+    """The results in a few lines."""
+    rise, solver = data["friction_increase_percent"], data["solver"]
+    return [
+        f"force on the carriage {data['drive_N']:.6g} N, {data['drive_apart_N']:.6g} N with the balls apart"
+        + ("" if rise is None else f": ball-to-ball contact changes it by {rise:+.4g} %"),
+        energy_line(data["energy"]),
+        f"solver: loads out of balance by {solver['load_imbalance']:.1e} of the vertical force, friction by "
+        f"{solver['residual']:.1e} of its bound",
+        f"law coulomb, loads {data['distribution']}; loads do not depend on friction",
+    ]
 
 
 BALL_COLUMNS: tuple[Column, ...] = (

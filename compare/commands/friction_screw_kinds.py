@@ -14,6 +14,7 @@ from compare.commands.answer import (
     cell,
     energy,
     energy_line,
+    flat_ball,
     head,
     increase,
     load_row,
@@ -108,26 +109,28 @@ def solve_screw_pair(scene: KindScene) -> Answer:
         "assumed": list(scene.assumed),
         "warnings": screw_warnings(pair.groove, r.touching.load.force),
     }
-    lines = [
-        f"ball-to-ball force {r.force:.6g} N, loss there {ball_loss:.6g} W"
+    return Answer(
+        data, [("per ball", PAIR_COLUMNS, [flat_ball(SIDES, row) for row in rows])], pair_lines(data), r.converged
+    )
+
+
+def pair_lines(data: dict[str, Any]) -> list[str]:
+    """The results of two balls in a few lines."""
+    (pair,), rise, solver = data["pairs"], data["friction_increase_percent"], data["solver"]
+    return [
+        f"ball-to-ball force {pair['force_N']:.6g} N, loss there {data['ball_to_ball_loss_W']:.6g} W"
         + ("" if rise is None else f"; contact changes all losses by {rise:+.4g} %"),
-        f"when apart the balls close in at {r.closing:.6g} rad/s of azimuth",
-        energy_line(spent),
+        f"when apart the balls close in at {pair['closing_apart_rad_s']:.6g} rad/s of azimuth",
+        energy_line(data["energy"]),
         f"solver: loads out of balance by {solver['load_imbalance_N']:.1e} N, friction by "
         f"{solver['friction_imbalance_N']:.1e} N, {solver['rounds']} rounds",
-        f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {pair.coupling}",
+        f"law coulomb, Hertz constants {data['hertz']}, coupling of friction to loads: {data['coupling']}",
     ]
-    flat = [row | {f"{s} N": row["load_N"][s] for s in SIDES} | _omegas(row) for row in rows]
-    return Answer(data, [("per ball", PAIR_COLUMNS, flat)], lines, r.converged)
 
 
 def hertz_word(groove: ScrewGroove) -> str:
     """Hertz constants as a scene names them."""
     return "nominal" if groove.hertz == "right" else groove.hertz
-
-
-def _omegas(row: dict[str, Any]) -> dict[str, Any]:
-    return {f"omega {n}": w for n, w in zip("xyz", row["rotation_rad_s"], strict=True)}
 
 
 PAIR_COLUMNS: tuple[Column, ...] = (

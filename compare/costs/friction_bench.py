@@ -10,8 +10,8 @@ from time import perf_counter
 import numpy as np
 
 from compare.costs.bench import timed
-from compare.evidence.cases import inferred, lin_3_4_4, plain
 from compare.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
+from compare.evidence.source_cases import inferred, lin_3_4_4, plain
 from compare.extremes.friction_chains import chain_state
 from compare.printed.printed_data import entry
 from lowfi.as_source.chain import SHARPNESS, SourceMotion

@@ -9,7 +9,7 @@ from math import degrees
 
 import numpy as np
 
-from compare.evidence import cases
+from compare.evidence import source_cases
 from compare.evidence.record import Evidence, Sheet
 from compare.measure import error_percent
 from compare.models.study import Study
@@ -22,15 +22,17 @@ from lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas
 from lowfi.hertz import contact_modulus, hertz_constants
 
 #: Tables 3.1 and 3.3: inputs of the two case studies.
-ROTARY, AXIAL = cases.rotary("I").bearing, cases.rotary("I").force
-LINEAR, VERTICAL, SIDE = cases.linear().bearing, cases.linear().vertical, float(cases.linear().side[0])
-THETA, WORST = cases.linear().deviation, cases.linear(cases.LINEAR_WORST).deviation
+ROTARY, AXIAL = source_cases.rotary("I").bearing, source_cases.rotary("I").force
+LINEAR, VERTICAL, SIDE = source_cases.linear().bearing, source_cases.linear().vertical, float(source_cases.linear().side[0])
+THETA, WORST = source_cases.linear().deviation, source_cases.linear(source_cases.LINEAR_WORST).deviation
 #: Radial displacements [m] of cases I to III: not printed, inferred from the forces.
-CASES = {name: cases.rotary(name).displacement for name in cases.ROTARY}
+CASES = {name: source_cases.rotary(name).displacement for name in source_cases.ROTARY_SCENES}
 #: Slope of the normalised friction force, as printed.
-K_F = cases.k_f()
+K_F = source_cases.k_f()
 #: The source's own law of friction, with what was inferred for it.
-PRINTED_LAW = source_law(ROTARY, cases.rotary("I", printed=True).sharpness, cases.rotary("I", printed=True).map_step)
+PRINTED_LAW = source_law(
+    ROTARY, source_cases.rotary("I", printed=True).sharpness, source_cases.rotary("I", printed=True).map_step
+)
 LOADS: tuple[Loads, ...] = ("balanced", "diagonal", "elastic")
 #: Yield strength [MPa] and its multiple that make the allowable pressure of appendix G.
 YIELD, MULTIPLE = 370.0, 4.2
@@ -42,7 +44,7 @@ YIELD, MULTIPLE = 370.0, 4.2
 @cache
 def as_printed(case: str) -> Solution:
     """A case of Table 3.2 with the source's Hertz constants, sigmoid and root."""
-    scene = cases.rotary(case, printed=True)
+    scene = source_cases.rotary(case, printed=True)
     law = source_law(scene.bearing, scene.sharpness, scene.map_step)
     return solve_ball_as_printed(scene.bearing, scene.force, scene.displacement, law, fast=True)
 

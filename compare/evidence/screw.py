@@ -9,9 +9,9 @@ from typing import Literal
 
 import numpy as np
 
-from compare.evidence import cases
-from compare.evidence.cases import double_row, four_point, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
+from compare.evidence import source_cases
 from compare.evidence.record import Evidence, Sheet
+from compare.evidence.source_cases import double_row, four_point, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.printed_data import entry
@@ -24,10 +24,10 @@ from lowfi.friction.screw.pair import PairResult, implied_load, solve_pair
 from lowfi.friction.screw.run import RunResult, simulate, summarise
 
 #: Deviations theta [deg] of the cases of Table 3.7, and amplitudes [deg] of the runs, which 3.4.4 does not print.
-THETA = {name: degrees(cases.deviation(name)) for name in cases.PAIRS}
-AMPLITUDES = tuple(cases.RUNS)
+THETA = {name: degrees(source_cases.deviation(name)) for name in source_cases.PAIR_SCENES}
+AMPLITUDES = tuple(source_cases.RUN_SCENES)
 #: Angles [rad] of the load in 4.3.1, and ends of the range [deg] that the ratio of torques is taken over.
-ANGLES, ENDS = cases.bearings().angle, (10.0, 18.0, 30.0)
+ANGLES, ENDS = source_cases.bearings().angle, (10.0, 18.0, 30.0)
 #: Steps and time [s] of the runs in the sensitivity table: one turn of the nut, 7.2 degrees a step.
 SHORT = {"steps": 50, "duration": 1.0}
 #: Scenes of 4.3.2, and velocities of unloaded balls over the nominal one.
@@ -41,19 +41,19 @@ IDLE = (0.0, 0.5, 0.9, 1.0)
 @cache
 def pair(case: str, reading: Literal["plain", "inferred"]) -> PairResult:
     """A case of Table 3.7 in a reading."""
-    return solve_pair(case_of(cases.PAIRS[case] + "-inferred" * (reading == "inferred"), ScrewPairScene).pair)
+    return solve_pair(case_of(source_cases.PAIR_SCENES[case] + "-inferred" * (reading == "inferred"), ScrewPairScene).pair)
 
 
 @cache
 def run(amplitude: float) -> RunResult:
     """The whole screw of 3.4.4 over its 200 steps; amplitude [deg] of theta."""
-    return simulate(cases.run_of(amplitude))
+    return simulate(source_cases.run_of(amplitude))
 
 
 @cache
 def loose_run() -> RunResult:
     """The same with 3 degrees, without oversize, friction moving balls and screw."""
-    return simulate(replace(cases.run_of(3.0), oversize=0.0, coupling="ball and screw"))
+    return simulate(replace(source_cases.run_of(3.0), oversize=0.0, coupling="ball and screw"))
 
 
 @cache

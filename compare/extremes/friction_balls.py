@@ -9,8 +9,8 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.cases import inferred, plain, table_3_6
 from compare.evidence.rotary_linear import AXIAL, CASES, ROTARY
+from compare.evidence.source_cases import inferred, plain, table_3_6
 from compare.extremes.tally import ANGLES, CLEARANCE, FAR, LOADS, MU, NEAR, SHARPNESS, STARTS, Record, Tally
 from lowfi.friction.bearing.rotary import Bearing, Mode, solve_ball, source_law
 from lowfi.friction.contact.ellipse import Array

@@ -9,8 +9,8 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.cases import four_point, inferred, plain, table_3_6
 from compare.evidence.rotary_linear import LINEAR, VERTICAL
+from compare.evidence.source_cases import four_point, inferred, plain, table_3_6
 from compare.extremes.tally import (
     ANGLES,
     CHAIN_STARTS,

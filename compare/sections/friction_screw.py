@@ -8,7 +8,6 @@ from math import degrees, radians
 
 import numpy as np
 
-from compare.evidence.cases import double_row, four_point, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
 from compare.evidence.registry import evidence
 from compare.evidence.screw import (
     AMPLITUDES,
@@ -25,6 +24,7 @@ from compare.evidence.screw import (
     settled,
     variation,
 )
+from compare.evidence.source_cases import double_row, four_point, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.printed_data import entry

@@ -8,8 +8,8 @@ from math import radians
 
 import numpy as np
 
-from compare.evidence.cases import inferred
 from compare.evidence.screw import ANGLES, THETA, curve, cut, loose_run, run, variation
+from compare.evidence.source_cases import inferred
 from compare.printed.printed_data import entry
 from compare.sections.curves import numbers
 from lowfi.friction.bearing.pairs import TorqueCurve

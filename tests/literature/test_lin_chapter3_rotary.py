@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compare.evidence import cases
+from compare.evidence import source_cases
 from compare.evidence.rotary_linear import (
     AXIAL,
     CASES,
@@ -19,7 +19,7 @@ from lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_pri
 from lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from tests.literature.entries import check, found, keys
 
-PRINTED = cases.rotary("I", printed=True)
+PRINTED = source_cases.rotary("I", printed=True)
 #: The source's law with exact integrals in place of its maps.
 EXACT = source_law(ROTARY, PRINTED.sharpness, None)
 

@@ -7,14 +7,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.evidence.cases import PAIRS, deviation, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
 from compare.evidence.screw import AMPLITUDES, pair
+from compare.evidence.source_cases import PAIR_SCENES, deviation, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
 from compare.printed.printed_data import Printed, load_table
 from lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
 from lowfi.friction.screw.run import RunSummary, simulate, summarise
 from tests.literature.entries import check, keys
 
-THETA = {case: deviation(case) for case in PAIRS}
+THETA = {case: deviation(case) for case in PAIR_SCENES}
 
 
 def rows(table: str) -> dict[str, Printed]:

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.evidence.cases import double_row, four_point
+from compare.evidence.source_cases import double_row, four_point
 from compare.printed.printed_data import Printed, load_table
 from compare.scenes.catalogue import scene
 from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, Row, TorqueCurve, solve_bearing, torque_curve

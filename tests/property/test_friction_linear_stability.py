@@ -6,11 +6,12 @@ from itertools import product
 import numpy as np
 import pytest
 
+from compare.evidence import source_cases
 from lowfi.friction.linear.bearing import LinearBearing, deviations
 from lowfi.friction.linear.chain import ChainResult, prepare, solve
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 
-BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
+BEARING = source_cases.linear().bearing
 MU = (0.001, 0.1, 0.5)
 
 

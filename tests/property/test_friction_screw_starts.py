@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.evidence.cases import plain, table_3_6
+from compare.evidence.source_cases import plain, table_3_6
 from lowfi.friction.screw.coupled import Guess
 from lowfi.friction.screw.pair import Pair, PairResult, solve_pair
 

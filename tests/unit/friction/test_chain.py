@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
+from compare.evidence import source_cases
 from lowfi.friction.contact.ellipse import contacts, friction
-from lowfi.friction.linear.bearing import LinearBearing, deviations, directions, semi_axes
+from lowfi.friction.linear.bearing import deviations, directions, semi_axes
 from lowfi.friction.linear.chain import prepare, solve
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads
 from lowfi.friction.linear.pair import maps, pair_state, solve_pair
 
-BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
+BEARING = source_cases.linear().bearing
 ANGLES, LOADS = pair_state(BEARING, np.radians(2.0), -0.6, 100.0)
 
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lowfi.friction.linear.bearing import LinearBearing
+from compare.evidence import source_cases
 from lowfi.friction.linear.chain import CREEP, prepare, solve
 from lowfi.friction.linear.kernel import band, coupled, energy, newton, path
 from lowfi.friction.linear.loads import balanced_loads
 
-BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.3, 2.1e11, 0.28)
+BEARING = replace(source_cases.linear().bearing, mu_balls=0.3)
 
 
 def random_chain(count, seed, mu_balls=0.5, bare=0.0):

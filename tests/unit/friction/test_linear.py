@@ -7,16 +7,17 @@ import pytest
 from scipy.optimize import fsolve
 from scipy.special import ellipe
 
+from compare.evidence import source_cases
 from lowfi.friction.contact.ellipse import contacts, dissipation
 from lowfi.friction.linear import analytic
-from lowfi.friction.linear.bearing import LinearBearing, deviations, directions, mated_top, semi_axes
+from lowfi.friction.linear.bearing import deviations, directions, mated_top, semi_axes
 from lowfi.friction.linear.kernel import law as kernel
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 from lowfi.friction.linear.pair import pair_formulas
 from lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
 from tests.friction_oracles import ball_velocity, deviation_from_shifts, mismatch, shifts
 
-BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
+BEARING = source_cases.linear().bearing
 
 
 def law(s, w, ratio):

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from compare.evidence import source_cases
 from lowfi.friction.bearing.module_load import Module, energy_at
 from lowfi.friction.bearing.rotary import (
     INNER,
     SIGN_X,
     SIGN_Y,
-    Bearing,
     ball_contacts,
     bearing_load,
     contact_maps,
@@ -27,7 +27,7 @@ from lowfi.friction.contact.ellipse import contacts, dissipation
 from lowfi.friction.contact.kernel.motion import lock
 from lowfi.friction.contact.motion import Problem, balance_by_root, balance_by_sharpening, least_dissipation
 
-BEARING = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
+BEARING = source_cases.rotary("I").bearing
 ANGLES = np.radians([43.0, 46.0, 47.5, 44.2])
 
 

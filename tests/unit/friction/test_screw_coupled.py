@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.evidence.cases import inferred, plain, table_3_6
+from compare.evidence.source_cases import inferred, plain, table_3_6
 from lowfi.friction.screw.coupled import PATIENCE, CoupledChain, Guess, coupled_chain
 from lowfi.friction.screw.joint import solve_joint
 from lowfi.friction.screw.load import settle

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.evidence.cases import inferred, plain, table_3_6
+from compare.evidence.source_cases import inferred, plain, table_3_6
 from lowfi.friction.screw.arrays import groove_arrays
 from lowfi.friction.screw.chain import Chain, Search, solve_chain
 from lowfi.friction.screw.groove import ScrewGroove

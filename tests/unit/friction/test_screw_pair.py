@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from compare.evidence.cases import inferred, plain, table_3_6
+from compare.evidence.source_cases import inferred, plain, table_3_6
 from lowfi import jit
 from lowfi.friction.contact.ellipse import dissipation
 from lowfi.friction.screw.chain import Chain, Search, solve_chain

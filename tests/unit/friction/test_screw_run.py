@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from compare.evidence.cases import lin_3_4_4
+from compare.evidence.source_cases import lin_3_4_4
 from lowfi.friction.screw.motion import ball_motion
 from lowfi.friction.screw.run import RunResult, deviation, groups, run_cell, simulate, summarise
 

@@ -5,15 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compare.evidence import source_cases
 from lowfi.as_source.chain import balance, blocks, closing_in, solve_by_root
 from lowfi.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
 from lowfi.friction.contact.laws import Coulomb, Sigmoid
-from lowfi.friction.linear.bearing import LinearBearing, deviations
+from lowfi.friction.linear.bearing import deviations
 from lowfi.friction.linear.chain import prepare, solve
 from lowfi.friction.linear.loads import balanced_loads
 from lowfi.friction.linear.pair import pair_state, solve_pair
 
-BEARING = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.08, 2.1e11, 0.28)
+BEARING = replace(source_cases.linear().bearing, mu_balls=0.08)
 CASE = (np.radians(2.0), -0.6, 100.0)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from compare.costs import friction_bench
 from compare.costs.friction_bench import Row, against_source
-from compare.evidence.cases import inferred, plain
+from compare.evidence.source_cases import inferred, plain
 from compare.extremes.friction_balls import screw_ball
 from compare.extremes.friction_chains import chain_group, linear_chain, linear_pair, patchy_chain, screw_pairs
 from compare.extremes.tally import LINEAR_BALLS, MU, SOURCE_BALLS, UNLOADED, Tally

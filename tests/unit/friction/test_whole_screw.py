@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
-from compare.evidence.cases import four_point, table_3_6
+from compare.evidence.source_cases import four_point, table_3_6
 from lowfi.friction.bearing.pairs import solve_bearing
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.motion import ball_motion

@@ -5,11 +5,14 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from compare.evidence import rotary_linear
+from compare.evidence import rotary_linear, source_cases
 from compare.evidence.registry import evidence
 from compare.models.study import Study
 from compare.printed.printed_data import load_table
+from compare.scenes import catalogue
+from compare.scenes.scene_file import scene_hash
 from compare.sections import friction
+from compare.sections.notes import assumptions
 from reports.figures import draw
 from reports.records import Figure, Section, Table
 
@@ -158,3 +161,16 @@ def test_formula_and_difference_add_up(made):
         ours, formula, off = (panel.series for panel in figure.panels[k : k + 3])
         for a, b, c in zip(ours, formula, off, strict=True):
             np.testing.assert_allclose(np.subtract(b.y, a.y), c.y, atol=1e-12)
+
+
+def test_scenes_of_friction_are_hashed_and_their_assumptions_shown():
+    study = Study()
+    friction_values.findings(study)
+    assert set(study.used) == set(source_cases.SCENES_3_2_3_3)
+    rows = {row["assumed"]: row["scenes"] for row in assumptions(study)}
+    for name, scene in study.used.items():
+        assert scene_hash(catalogue.scene_text(name))
+        for sentence in scene.assumed:
+            assert rows[sentence] == "all" or name in rows[sentence].split(", ")
+    study.scene("lin-case1")
+    assert list(study.used) == sorted({*source_cases.SCENES_3_2_3_3, "lin-case1"})

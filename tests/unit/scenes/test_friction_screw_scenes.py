@@ -10,7 +10,7 @@ from compare.commands.friction import Choices
 from compare.commands.friction import run as run_friction
 from compare.commands.friction_kinds import solve_kind
 from compare.errors import SceneError
-from compare.evidence.cases import double_row, four_point, inferred, lin_3_4_4, plain
+from compare.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from compare.scenes import catalogue, scene_file
 from compare.scenes.kinds.bearing_pair import BearingPairScene
 from compare.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene

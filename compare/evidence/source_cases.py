@@ -19,22 +19,28 @@ from lowfi.friction.screw.pair import Pair
 from lowfi.friction.screw.run import Run
 
 #: Scenes of the cases of 3.2: as computed here, and with the source's constants and law.
-ROTARY = {"I": "lin-rotary-1", "II": "lin-rotary-2", "III": "lin-rotary-3"}
-PAIRS = {"a": "lin-screw-pair-a", "b": "lin-screw-pair-b"}
+ROTARY_SCENES = {"I": "lin-rotary-1", "II": "lin-rotary-2", "III": "lin-rotary-3"}
+PAIR_SCENES = {"a": "lin-screw-pair-a", "b": "lin-screw-pair-b"}
 #: Scenes of 3.4.4 by the amplitude of theta [deg].
-RUNS = {2.0: "lin-screw-run-2deg", 3.0: "lin-screw-run"}
-LINEAR, LINEAR_MATED, LINEAR_WORST = "lin-pair-a", "lin-pair-b", "lin-pair-worst"
+RUN_SCENES = {2.0: "lin-screw-run-2deg", 3.0: "lin-screw-run"}
+LINEAR_PAIR, LINEAR_MATED, LINEAR_WORST = "lin-pair-a", "lin-pair-b", "lin-pair-worst"
 BEARINGS = "lin-bearing-pairs"
-SCENES_3_2_3_3 = (*ROTARY.values(), *(f"{n}-printed" for n in ROTARY.values()), LINEAR, LINEAR_MATED, LINEAR_WORST)
-SCENES_3_4_4_3 = (*PAIRS.values(), *(f"{n}-inferred" for n in PAIRS.values()), *RUNS.values(), BEARINGS)
+SCENES_3_2_3_3 = (
+    *ROTARY_SCENES.values(),
+    *(f"{n}-printed" for n in ROTARY_SCENES.values()),
+    LINEAR_PAIR,
+    LINEAR_MATED,
+    LINEAR_WORST,
+)
+SCENES_3_4_4_3 = (*PAIR_SCENES.values(), *(f"{n}-inferred" for n in PAIR_SCENES.values()), *RUN_SCENES.values(), BEARINGS)
 
 
 def rotary(name: str, *, printed: bool = False) -> BearingBallScene:
     """Case "I", "II" or "III" of Table 3.2; printed: with the source's constants and law."""
-    return case(ROTARY[name] + "-printed" * printed, BearingBallScene)
+    return case(ROTARY_SCENES[name] + "-printed" * printed, BearingBallScene)
 
 
-def linear(name: str = LINEAR) -> LinearPairScene:
+def linear(name: str = LINEAR_PAIR) -> LinearPairScene:
     """A pair of the linear bearing of Table 3.3."""
     return case(name, LinearPairScene)
 
@@ -46,12 +52,12 @@ def k_f() -> float:
 
 def plain(theta: float | None = None) -> Pair:
     """The text of 3.4.3 as it stands: no clearance, friction coupled to the loads; another ``theta`` [rad] ahead."""
-    return _with_theta(case(PAIRS["a"], ScrewPairScene).pair, theta)
+    return _with_theta(case(PAIR_SCENES["a"], ScrewPairScene).pair, theta)
 
 
 def inferred(theta: float | None = None) -> Pair:
     """Inferred, not printed: oversize balls, so that all four contacts carry load; another ``theta`` [rad] ahead."""
-    return _with_theta(case(f"{PAIRS['a']}-inferred", ScrewPairScene).pair, theta)
+    return _with_theta(case(f"{PAIR_SCENES['a']}-inferred", ScrewPairScene).pair, theta)
 
 
 def _with_theta(pair: Pair, theta: float | None) -> Pair:
@@ -60,7 +66,7 @@ def _with_theta(pair: Pair, theta: float | None) -> Pair:
 
 def deviation(name: str) -> float:
     """Deviation theta [rad] of case "a" or "b" of Table 3.7."""
-    return case(PAIRS[name], ScrewPairScene).pair.theta[1]
+    return case(PAIR_SCENES[name], ScrewPairScene).pair.theta[1]
 
 
 def inferred_oversize() -> float:
@@ -80,7 +86,7 @@ def lin_3_4_4(**changes: object) -> Run:
 
 def run_of(degrees: float) -> Run:
     """The shipped run of 3.4.4 with theta of 2 or 3 degrees."""
-    return case(RUNS[degrees], ScrewRunScene).run
+    return case(RUN_SCENES[degrees], ScrewRunScene).run
 
 
 def bearings() -> BearingPairScene:
