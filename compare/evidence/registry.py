@@ -42,6 +42,11 @@ class Computation:
         """``module:function`` of the computation."""
         return f"{self.compute.__module__}:{self.compute.__qualname__}"
 
+    @property
+    def every_scene(self) -> tuple[str, ...]:
+        """Scenes behind any entry, each once."""
+        return tuple(dict.fromkeys(name for _, names in self.scenes for name in names))
+
     def scenes_of(self, key: str) -> tuple[str, ...]:
         """Scenes behind an entry; none for a choice and for arithmetic on printed numbers."""
         return next((names for pattern, names in self.scenes if fnmatchcase(key, pattern)), ())
@@ -95,7 +100,7 @@ COMPUTATIONS = (
             ("*_I", ("lin-rotary-1-printed", "lin-rotary-1")),
         ),
     ),
-    Computation("lin-3.3", rotary_linear.table_3_3, LINEAR, (("*", ("lin-pair-a",)),)),
+    Computation("lin-3.3", rotary_linear.table_3_3, LINEAR, (("worst_ratio", ("lin-pair-worst",)), ("*", ("lin-pair-a",)))),
     Computation("lin-3.4", rotary_linear.table_3_4, LINEAR, (("a_*", PAIRS[:1]), ("b_*", PAIRS[1:]))),
     Computation(
         "lin-3.5",
@@ -117,7 +122,7 @@ COMPUTATIONS = (
             ("*_b", ("lin-screw-pair-b", "lin-screw-pair-b-inferred")),
         ),
     ),
-    Computation("lin-3.4.4", screw.section_3_4_4, SCREW, (("*", ("lin-screw-run",)),)),
+    Computation("lin-3.4.4", screw.section_3_4_4, SCREW, (("*", ("lin-screw-run", "lin-screw-run-2deg")),)),
     Computation("lin-4.2", screw.table_4_2, CHAPTER_4, (("*", ("lin-bearing-pairs",)),)),
     Computation(
         "lin-4.3",
@@ -141,8 +146,11 @@ NOT_COMPUTED = {"lin-2.2": "run times and element counts of the source's program
 
 
 def evidence(study: Study, *names: str) -> list[Evidence]:
-    """Evidence of the printed tables ``names`` (all that are computed unless given), each computed once per study."""
-    return [e for name in names or BY_TABLE for e in study.once(BY_TABLE[name].compute)]
+    """Evidence of the printed tables ``names`` (all that are computed unless given), each computed once per study, which notes the scenes."""
+    wanted = [BY_TABLE[name] for name in names or BY_TABLE]
+    for computation in wanted:
+        study.uses(computation.every_scene)
+    return [e for computation in wanted for e in study.once(computation.compute)]
 
 
 @dataclass(frozen=True)

@@ -165,7 +165,7 @@ def test_formula_and_difference_add_up(made):
 
 def test_scenes_of_friction_are_hashed_and_their_assumptions_shown():
     study = Study()
-    friction_values.findings(study)
+    evidence(study, *friction.TABLES)
     assert set(study.used) == set(source_cases.SCENES_3_2_3_3)
     rows = {row["assumed"]: row["scenes"] for row in assumptions(study)}
     for name, scene in study.used.items():
