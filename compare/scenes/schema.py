@@ -32,6 +32,11 @@ Force = Annotated[float, Quantity("force", "-1000 MN", "1000 MN", "5 kN")]
 Moment = Annotated[float, Quantity("moment", "-1000000 kN m", "1000000 kN m", "3 N m")]
 Element = Annotated[float, Quantity("length", "0.01 mm", "1 m", "1 mm")]
 Coefficient = Annotated[float, Quantity("number", 0, 2, 0.1)]
+Clearance = Annotated[float, Quantity("length", "0 mm", "1 m", "50 um")]
+Filling = Annotated[float, Quantity("number", 0, 1, 0.8, above=True)]
+Travel = Annotated[float, Quantity("angle", "0.001 deg", "1000000 deg", "360 deg")]
+Duration = Annotated[float, Rate("time", "0 s", "1000000 s", "1 s", above=True)]
+StepGoal = Annotated[float, Quantity("number", 0.0001, 0.1, 0.01)]
 Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
 Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
 Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
@@ -232,8 +237,10 @@ class FrictionKeys(Table):
     coefficient: Coefficient = key("coefficient of friction of ball on groove; zero is allowed")
     screw: Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
     nut: Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
-    coupling: Literal["none", "ball"] = key(
-        "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone",
+    balls: Coefficient | None = key("coefficient from ball to ball, where it is not the larger one of the grooves", None)
+    coupling: Literal["none", "ball", "balls"] = key(
+        "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone; "
+        '"balls": it does, and balls that touch by the gap of [circulation] push each other',
         "ball",
         "none",
     )
@@ -248,6 +255,32 @@ class MotionKeys(Table):
     speed: Turning = key("angular speed of the part that turns, about +z; negative: the other way")
     turns: Literal["screw", "nut"] = key(
         "the part that turns; the other one does not, and they move apart along the axis by the lead", "screw", "nut"
+    )
+
+
+class CirculationKeys(Table):
+    """How the balls of a screw go round, for: rollbench friction."""
+
+    circuits: Annotated[int, Field(ge=1, le=1000)] = key("closed circuits that share the balls of each start equally", 1, 1)
+    turns: Turns | None = key(
+        "loaded turns of each start, all circuits together; left out: those that its balls fill", None
+    )
+    returning: Annotated[int, Field(ge=0, le=MAX_BALLS)] = key("balls in the return of each circuit", 0, 4)
+    gap: Clearance | None = key("mean clearance between neighbouring balls along a circuit (or filling)", None, "50 um")
+    filling: Filling | None = key("part of a circuit that its balls would fill if they touched (or gap)", None, 0.8)
+
+
+class TimeKeys(Table):
+    """A run in time, for: rollbench friction. Give angle or duration."""
+
+    angle: Travel | None = key("angle that the part that turns covers", None, "360 deg")
+    duration: Duration | None = key("duration (or angle)", None, "1 s")
+    steps: Annotated[int, Field(ge=4, le=100_000)] | None = key(
+        "number of steps; left out: as many as keep the error of the steps below goal", None, 200
+    )
+    goal: StepGoal = key("error of the steps that is small enough, as a part of the mean friction torque", 0.01, 0.01)
+    output: Literal["balls", "torque"] = key(
+        "histories in the JSON result: of torque and balls, or of torque", "balls", "balls"
     )
 
 
@@ -276,6 +309,8 @@ class SceneKeys(Table):
     solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_held": "left face"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
+    circulation: CirculationKeys | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
+    time: TimeKeys | None = key("run in time", None, {"angle": "360 deg"})
 
 
 def json_schema() -> dict[str, Any]:
