@@ -16,7 +16,7 @@ from lowfi.friction.screw.arrays import groove_arrays, nominal_speed, plain_arra
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.kernel.arrays import Balls
 from lowfi.friction.screw.kernel.balance import Parts
-from lowfi.friction.screw.motion import helical_power
+from lowfi.friction.screw.motion import contact_wrench, helical_power, screw_contacts
 from lowfi.jit import SCREW, kernels
 
 #: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
@@ -37,6 +37,17 @@ NEGLIGIBLE = 1e-7
 
 
 @dataclass(frozen=True)
+class Rubs:
+    """Contacts of N balls as friction sees them: shape (N, 4, 3), semi-axes a >= b [m] and mu F [N]; maps (N, 4, 3, 4) and
+    drives (N, 4, 3) of vx, vz [m/s], spin [rad/s] in the ball's motion [rad/s], in axes x along a, z along b.
+    """
+
+    shape: Array
+    maps: Array
+    drives: Array
+
+
+@dataclass(frozen=True)
 class Chain:
     """N balls in order of azimuth: contact forces and normals (N, 4), (N, 4, 3), and how neighbours may approach.
 
@@ -50,11 +61,33 @@ class Chain:
     normals: Array
     slack: Array
 
+    @property
+    def rubs(self) -> Rubs:
+        """The contacts with their semi-axes and maps."""
+        at = screw_contacts(self.groove, self.force)
+        maps, drives = self.groove.maps(self.normals)
+        shape = np.stack([at.a, at.b, at.strength], axis=1).reshape(-1, 4, 3)
+        return Rubs(shape, maps, np.broadcast_to(drives, (*maps.shape[:2], 3)))
+
+    @property
+    def mu_balls(self) -> float:
+        """Coefficient of friction from ball to ball."""
+        return self.groove.mu if self.groove.mu_balls is None else self.groove.mu_balls
+
+    def wrench(self, pull: Array) -> Array:
+        """Friction on the balls (N, 4, 6) in x3, y3, z3 of forces along x, z and moments about y (N, 4, 3)."""
+        return contact_wrench(self.normals, pull[..., :2], pull[..., 2])
+
+    def input_power(self, wrench: Array) -> float:
+        """Power [W] that screw and nut put in against friction (N, 4, 6) on the balls."""
+        return helical_power(self.groove, self.normals, wrench)
+
 
 @dataclass(frozen=True)
 class ChainMotion:
     """Motions q (N, 4) [rad/s]; ball_force (N,) [N] of ball k on k + 1; friction on the balls (N, 4, 6) [N, N m].
 
+    seen (N, 4, 3): vx, vz [m/s], spin [rad/s] at the contacts; pull (N, 4, 3): friction along and about the same [N, N m];
     ball_push (N, 3): all forces from neighbours on each ball in x3, y3, z3 [N]; groove_loss (N, 4), ball_loss (N,) by
     sliding and closing_loss (N,) by gaps that close under force [W]; input_power [W]; left: largest force out of
     balance [N]; violation: largest rate beyond the slack [rad/s]; from_start: whether the given start led here.
@@ -63,6 +96,8 @@ class ChainMotion:
     q: Array
     ball_force: Array
     wrench: Array
+    seen: Array
+    pull: Array
     ball_push: Array
     groove_loss: Array
     ball_loss: Array
@@ -94,16 +129,17 @@ class Search:
 
     def __init__(self, chain: Chain, fast: bool = True) -> None:
         """Scale everything; balls without loads neither drive nor rub."""
-        g = chain.groove
+        g, rubs = chain.groove, chain.rubs
         total = chain.force.sum(axis=1)
         loaded = total > NEGLIGIBLE * float(total.max())
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
         self.kernels = kernels(SCREW, compiled=fast)
         self.units, self.speed, self.groove = units(g), nominal_speed(g), groove_arrays(g)
-        self.bound = max(g.mu * float(total.max()), 1e-30)
+        self.bound = max(float(rubs.shape[..., 2].sum(axis=1).max()), 1e-30)
         self.allowed = np.isfinite(chain.slack)
         slack = np.where(self.allowed, chain.slack, 0.0) * g.pair.closing / self.speed
-        self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), g.mu if g.mu_balls is None else g.mu_balls, 0.0)
+        self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), chain.mu_balls, 0.0)
+        one = np.ones(self.count)
         self.balls: Balls = (
             plain_array(np.where(loaded[:, None], chain.force, 0.0)),
             plain_array(chain.normals[..., [0, 2]]),
@@ -112,13 +148,16 @@ class Search:
             self.allowed.astype(float),
             self.mu,
             g.mu / self.bound,
+            plain_array(rubs.shape * np.stack([one, one, loaded / self.bound], axis=1)[:, None]),
+            plain_array(rubs.maps / self.units),
+            plain_array(rubs.drives / self.speed),
         )
         self.parts = parts_of(self.count)
 
     def alone(self) -> Array:
         """Scaled motions (N, 4) of the balls without neighbours."""
         x = np.tile(self.groove[4], (self.count, 1))
-        self.kernels.alone(self.groove, self.balls, x)
+        self.kernels.alone(self.balls, x)
         return x
 
     def solve(self, x: Array, f: Array, eps: float, goal: float, limit: int) -> tuple[Array, Array, float, int]:
@@ -152,7 +191,7 @@ class Search:
         at, tries = goals[-1], 0
         while goals:
             part, eps = goals[-1]
-            self.balls = (*self.balls[:5], part * full, self.balls[6])
+            self.balls = (*self.balls[:5], part * full, *self.balls[6:])
             x_new, f_new, size, steps = self.solve(x, f, eps, COARSE if eps > SPEEDS[-1] else GOAL, STEPS)
             total += steps
             if size > MISSED and tries < DEPTH and at != goals[-1]:
@@ -193,18 +232,27 @@ def _result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False)
     ahead = np.append(x[1:, 0], x[0, 0])
     gap = np.where(s.allowed, s.groove[7] * (ahead - x[:, 0]) + s.balls[3], 0.0)
     ball_force = s.bound * np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
-    wrench, loss, push, ball_loss = np.zeros((n, 4, 6)), np.zeros((n, 4)), np.zeros((n, 3)), np.zeros(n)
-    s.kernels.friction(s.groove, s.balls, x, eps, g.mu, wrench, loss)
+    motion, pull, loss, push, ball_loss = (
+        np.empty((n, 4, 3)),
+        np.empty((n, 4, 3)),
+        np.empty((n, 4)),
+        np.zeros((n, 3)),
+        np.zeros(n),
+    )
+    s.kernels.friction(s.balls, x, eps, motion, pull, loss)
+    wrench = chain.wrench(s.bound * pull)
     s.kernels.meeting(s.groove, s.balls, x, ball_force, eps, pair.push, pair.slide, push, ball_loss)
     return ChainMotion(
         q=x * s.speed / s.units,
         ball_force=ball_force,
         wrench=wrench,
+        seen=s.speed * motion,
+        pull=s.bound * pull,
         ball_push=push,
-        groove_loss=loss,
+        groove_loss=s.bound * s.speed * loss,
         ball_loss=ball_loss,
         closing_loss=ball_force * pair.closing * s.speed / g.radius * (x[:, 0] - ahead),
-        input_power=helical_power(g, chain.normals, wrench),
+        input_power=chain.input_power(wrench),
         left=left,
         violation=max(0.0, -float(np.min(gap))) * s.speed / pair.closing,
         steps=steps,
