@@ -68,7 +68,11 @@ def contacts_of(scene: Scene, result: StaticResult, member: int = 0) -> StaticCo
     if not result.converged:
         raise ValueError(f"no loads to take friction from: {result.status}")
     layout = ball_layout(scene)
-    drawn = specimen(scene, layout, member)
+    return contacts_at(scene, result, specimen(scene, layout, member), layout)
+
+
+def contacts_at(scene: Scene, result: StaticResult, drawn: Specimen, layout: BallLayout) -> StaticContacts:
+    """Contacts of a solution for the balls of ``drawn`` at the places of ``layout``."""
     force = np.maximum(result.load, 0.0)
     angle = np.where(force > 0.0, np.nan_to_num(result.contact_angle), scene.track.contact_angle)
     c_a, c_b, across = _ellipses(scene, drawn, angle)

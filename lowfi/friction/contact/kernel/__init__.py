@@ -2,6 +2,14 @@
 
 from .dissipation import dissipation, dissipation_many
 from .minimum import descend, evaluate, speeds_at
-from .motion import least_dissipation
+from .motion import least_dissipation, least_dissipation_many
 
-__all__ = ["descend", "dissipation", "dissipation_many", "evaluate", "least_dissipation", "speeds_at"]
+__all__ = [
+    "descend",
+    "dissipation",
+    "dissipation_many",
+    "evaluate",
+    "least_dissipation",
+    "least_dissipation_many",
+    "speeds_at",
+]
