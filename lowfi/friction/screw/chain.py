@@ -7,13 +7,14 @@ Newton on motions and forces together, with a falling regularising speed of fric
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.arrays import groove_arrays, nominal_speed, plain_array, units
-from lowfi.friction.screw.groove import ScrewGroove
+from lowfi.friction.screw.groove import Grooved, ScrewGroove
 from lowfi.friction.screw.kernel.arrays import Balls
 from lowfi.friction.screw.kernel.balance import Parts
 from lowfi.friction.screw.motion import contact_wrench, helical_power, screw_contacts
@@ -48,7 +49,7 @@ class Rubs:
 
 
 @dataclass(frozen=True)
-class Chain:
+class AnyChain(ABC):
     """N balls in order of azimuth: contact forces and normals (N, 4), (N, 4, 3), and how neighbours may approach.
 
     slack (N,): largest rate [rad/s] at which ball k may gain on ball k + 1, inf where they cannot touch; the last entry
@@ -56,10 +57,35 @@ class Chain:
     pushed, and turn freely between their neighbours as spacers do: without friction there.
     """
 
-    groove: ScrewGroove
+    groove: Grooved
     force: Array
     normals: Array
     slack: Array
+
+    @property
+    @abstractmethod
+    def rubs(self) -> Rubs:
+        """The contacts with their semi-axes and maps."""
+
+    @property
+    @abstractmethod
+    def mu_balls(self) -> float:
+        """Coefficient of friction from ball to ball."""
+
+    def wrench(self, pull: Array) -> Array:
+        """Friction on the balls (N, 4, 6) in x3, y3, z3 of forces along x, z and moments about y (N, 4, 3)."""
+        return contact_wrench(self.normals, pull[..., :2], pull[..., 2])
+
+    @abstractmethod
+    def input_power(self, wrench: Array) -> float:
+        """Power [W] that screw and nut put in against friction (N, 4, 6) on the balls."""
+
+
+@dataclass(frozen=True)
+class Chain(AnyChain):
+    """Balls of one size in the same grooves; see ``AnyChain``."""
+
+    groove: ScrewGroove
 
     @property
     def rubs(self) -> Rubs:
@@ -73,10 +99,6 @@ class Chain:
     def mu_balls(self) -> float:
         """Coefficient of friction from ball to ball."""
         return self.groove.mu if self.groove.mu_balls is None else self.groove.mu_balls
-
-    def wrench(self, pull: Array) -> Array:
-        """Friction on the balls (N, 4, 6) in x3, y3, z3 of forces along x, z and moments about y (N, 4, 3)."""
-        return contact_wrench(self.normals, pull[..., :2], pull[..., 2])
 
     def input_power(self, wrench: Array) -> float:
         """Power [W] that screw and nut put in against friction (N, 4, 6) on the balls."""
@@ -127,7 +149,7 @@ class Search:
     bound of a ball.
     """
 
-    def __init__(self, chain: Chain, fast: bool = True) -> None:
+    def __init__(self, chain: AnyChain, fast: bool = True) -> None:
         """Scale everything; balls without loads neither drive nor rub."""
         g, rubs = chain.groove, chain.rubs
         total = chain.force.sum(axis=1)
@@ -202,16 +224,18 @@ class Search:
         return x, f, total
 
 
-def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None, fast: bool = True) -> ChainMotion:
+def solve_chain(
+    chain: AnyChain, start: tuple[Array, Array] | None = None, fast: bool = True, warm: bool = False
+) -> ChainMotion:
     """Motions and ball-to-ball forces; start: motions (N, 4) [rad/s] and forces (N,) [N] of a similar chain.
 
-    Newton at the last regularising speed from a start with contacts, then from the balls' motions without neighbours,
-    and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls is not determined.
-    ``fast`` takes the compiled kernels.
+    Newton at the last regularising speed from a start with contacts (``warm``: or without), then from the balls' motions
+    without neighbours, and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls is not
+    determined. ``fast`` takes the compiled kernels.
     """
     s = Search(chain, fast)
     total = 0
-    if start is not None and np.any(start[1] > 0.0):
+    if start is not None and (warm or np.any(start[1] > 0.0)):
         x, f, good, total = s.direct(start[0] * s.units / s.speed, start[1] / s.bound)
         if good:
             return _result(s, x, f, total, True)

@@ -47,8 +47,24 @@ class Constants:
     C_b: Array
 
 
+class Grooved(HelicalMotion):
+    """Helical motions with grooves: largest coefficient mu, Hertz constants of nominal contacts, and touching balls."""
+
+    mu: float
+
+    @property
+    def constants(self) -> Constants:
+        """Hertz constants of nominal contacts."""
+        raise NotImplementedError
+
+    @cached_property
+    def pair(self) -> PairGeometry:
+        """Two nominal balls that touch."""
+        return pair_geometry(self)
+
+
 @dataclass(frozen=True)
-class ScrewGroove(HelicalMotion):
+class ScrewGroove(Grooved):
     """Four-point ball screw: lengths [m], angle [rad], Young's modulus [Pa], speeds of nut and screw [rad/s].
 
     lead: of a right-hand helix (negative: left-hand, zero: bearing); both bodies move along the helix, so that only
@@ -105,11 +121,6 @@ class ScrewGroove(HelicalMotion):
         two = [printed_hertz(self.ball_radius, (float(r[0]), float(r[1])), modulus) for r in radii]
         table = np.array([[h.C, h.C_a, h.C_b] for h in two])[[0, 0, 1, 1]]
         return Constants(*table.T)
-
-    @cached_property
-    def pair(self) -> PairGeometry:
-        """Two balls that touch."""
-        return pair_geometry(self)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.motion import Mixer
 from lowfi.friction.screw.path import ON_SCREW
-from lowfi.friction.whole.contacts import StaticContacts, taken, with_loads
+from lowfi.friction.whole.contacts import StaticContacts, with_loads
 from lowfi.friction.whole.losses import BallFriction, ball_friction
 from lowfi.statics.result import StaticResult
 from meshes.errors import specimen
@@ -167,7 +167,7 @@ def feed_back(
     failed, last = np.zeros(count, dtype=bool), np.zeros(count)
     while active.size and rounds < ROUNDS:
         rounds += 1
-        some = taken(now, active)
+        some = now.part(active)
         found = ball_friction(scene, some, friction, drive, fast)
         wrench = found.wrench(some.normals)[..., :3]
         drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], place.axis)

@@ -16,7 +16,7 @@ from lowfi.friction.contact.motion import STATUS
 from lowfi.friction.screw.chain import Rubs
 from lowfi.friction.screw.motion import contact_wrench
 from lowfi.friction.screw.path import HelicalMotion
-from lowfi.friction.whole.contacts import StaticContacts, taken
+from lowfi.friction.whole.contacts import StaticContacts
 from lowfi.jit import CONTACT, kernels
 from meshes.helix import reduced_lead
 from meshes.parts import Friction, Scene
@@ -96,7 +96,7 @@ def ball_friction(scene: Scene, at: StaticContacts, friction: Friction, drive: D
         raise ValueError("friction at rest is not determined: give a speed")
     count = at.force.shape[0]
     loaded = np.flatnonzero(at.force.sum(axis=1) > 0.0)
-    some = taken(at, loaded)
+    some = at.part(loaded)
     part, top = shares(friction)
     rubs = rubs_of(scene, some, part, drive)
     n = loaded.size

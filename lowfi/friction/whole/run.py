@@ -1,0 +1,275 @@
+"""A screw or bearing in time: balls travel through circuits, loads are solved where they are, neighbours meet and part.
+
+Each step is a midpoint rule: loads and motions are those of the places that the speeds of the step before lead to in half a
+step, so that torques and paths are of second order in the step while nothing engages or parts, and of first order in the
+time for which contacts begin, end, or balls enter and leave the loaded arc. Over a step the gap of neighbours obeys
+0 <= F, 0 <= gap + rate dt, F (gap + rate dt) = 0 (Lin 3.4.4): balls keep their order and never overlap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.chain import ChainMotion
+from lowfi.friction.whole.chain import SceneGrooves, chain_motion, grooves_of
+from lowfi.friction.whole.circuit import Circuit, circuits
+from lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread
+from lowfi.statics.again import ContactLoads
+from lowfi.statics.result import StaticResult
+from meshes.errors import Drawn, Specimen, draw_ball_radii
+from meshes.helix import BallLayout, layout_at, reduced_lead
+from meshes.parts import Friction, Scene
+from meshes.parts import Motion as Drive
+
+#: A static model: contact loads of balls with these errors at these places.
+Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]
+#: Sum of gaps [rad] below which a closed track is full: forces between its balls are not determined.
+FULL = 1e-9
+
+
+@dataclass(frozen=True)
+class Balls:
+    """All N balls of a scene, circuit after circuit: radius (N,) [m], azimuth (N,) in the nut's frame [rad] at the start,
+    number (N,) in the scene or -1; bounds: slices of the circuits; spacing (N,): azimuth by which ball k + 1 of a circuit,
+    or its first one, is ahead of ball k where they touch [rad].
+    """
+
+    tracks: tuple[Circuit, ...]
+    bounds: tuple[slice, ...]
+    radius: Array
+    number: NDArray[np.int64]
+    azimuth: Array
+    spacing: Array
+    grooves: SceneGrooves
+
+    def gaps(self, azimuth: Array) -> Array:
+        """Gaps (N,) [rad] to the next ball of the circuit at azimuths (N,)."""
+        out = np.empty_like(azimuth)
+        for track, own in zip(self.tracks, self.bounds, strict=True):
+            out[own] = np.diff(azimuth[own], append=azimuth[own.start] + track.ring)
+        return np.asarray(out - self.spacing)
+
+    def place(self, azimuth: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Azimuths (N,) on the helix of start 1 folded into the circuits, and which balls are on a loaded arc."""
+        folded, loaded = np.empty_like(azimuth), np.zeros(azimuth.size, dtype=bool)
+        for track, own in zip(self.tracks, self.bounds, strict=True):
+            along = np.mod(azimuth[own] - track.first, track.ring)
+            folded[own], loaded[own] = track.first + along, along < track.arc
+        return folded, loaded
+
+
+def balls_of(scene: Scene, friction: Friction, drive: Drive, drawn: Drawn, member: int = 0) -> Balls:
+    """The balls of a scene in their circuits at the beginning.
+
+    Raises CircuitError for circuits that cannot be, ValueError where balls overlap or a circuit has no clearance.
+    """
+    tracks, grooves = circuits(scene), grooves_of(scene, friction, drive)
+    ends = np.cumsum([0, *(t.azimuth.size for t in tracks)])
+    bounds = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
+    number = np.concatenate([t.ball for t in tracks])
+    radius = np.where(number >= 0, drawn.ball_radius[np.maximum(number, 0)], 0.0)
+    rng = np.random.default_rng([scene.errors.seed, member, 1])  # the draws of the scene's own balls stay what they are
+    radius[number < 0] = draw_ball_radii(scene, rng, int(np.sum(number < 0)))
+    excess, pair = radius - scene.balls.radius, grooves.pair
+    spacing = np.empty_like(radius)
+    for own in bounds:
+        spacing[own] = pair.spacing + (excess[own] + np.roll(excess[own], -1)) / pair.closing
+    azimuth = np.concatenate([t.azimuth for t in tracks])
+    found = Balls(tracks, bounds, radius, number, azimuth, spacing, grooves)
+    gaps = found.gaps(azimuth)
+    if gaps.min() < -FULL:
+        raise ValueError(f"balls overlap by {-1e6 * pair.closing * gaps.min():.3g} um where the run begins")
+    for own in bounds:
+        if own.stop - own.start > 1 and gaps[own].sum() < FULL:
+            raise ValueError("a circuit without any clearance: forces between its balls are not determined")
+    return found
+
+
+@dataclass(frozen=True)
+class History:
+    """Arrays over T steps, N balls in the order of ``balls``; SI.
+
+    turned (T,): angle of the part that turns, azimuth (T, N), unwrapped in the nut's frame, and loaded (T, N), whether on a
+    loaded arc, at the middle of each step; gap (T, N) [rad] at its end; ball_force (T, N) of ball k on the next one of its
+    circuit; omega (T, N): speed in the nut's frame; load (T, N, 4): contact forces; torques (T,) [N m] of grooves, of
+    ball-to-ball sliding and of closing gaps, the losses per angle; axial (T,): external axial load on the screw; imbalance
+    (T,): power taken in less losses, over the losses; converged (T,). status: of the whole run, in words.
+    """
+
+    balls: Balls
+    span: float
+    turned: Array
+    azimuth: Array
+    loaded: NDArray[np.bool_]
+    gap: Array
+    ball_force: Array
+    omega: Array
+    load: Array
+    groove_torque: Array
+    ball_torque: Array
+    closing_torque: Array
+    axial: Array
+    imbalance: Array
+    converged: NDArray[np.bool_]
+    status: str
+
+    @property
+    def torque(self) -> Array:
+        """Friction torque (T,) [N m]."""
+        return np.asarray(self.groove_torque + self.ball_torque + self.closing_torque)
+
+    @property
+    def steps(self) -> int:
+        """Number of steps."""
+        return int(self.turned.size)
+
+    @property
+    def good(self) -> bool:
+        """Whether every step converged."""
+        return self.status == "converged"
+
+
+@dataclass
+class _State:
+    """Where a run is: azimuths (N,), gaps (N,), speeds in the nut's frame (N,), motions and forces of the last step."""
+
+    azimuth: Array
+    gap: Array
+    omega: Array
+    q: Array
+    force: Array
+    rows: dict[str, list[Array | NDArray[np.bool_] | float | bool]] = field(default_factory=dict)
+
+    def log(self, **values: Array | NDArray[np.bool_] | float | bool) -> None:
+        """Append one step."""
+        for key, value in values.items():
+            self.rows.setdefault(key, []).append(value)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What stays the same over a run: parts, coefficients, motion, errors, balls, static model, kernels."""
+
+    scene: Scene
+    friction: Friction
+    drive: Drive
+    drawn: Drawn
+    balls: Balls
+    solve: Solve
+    fast: bool = True
+
+    def angles(self, time: float) -> tuple[float, float]:
+        """Angles [rad] of screw and nut in space."""
+        turned = self.drive.speed * time
+        return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
+
+    def contacts(self, azimuth: Array, time: float) -> tuple[StaticContacts, NDArray[np.bool_], str]:
+        """Contacts of all N balls at azimuths (N,) in the nut's frame, which are on a loaded arc, and how loads ended."""
+        scene, track = self.scene, self.scene.track
+        on_screw, on_nut = self.angles(time)
+        folded, loaded = self.balls.place(azimuth)
+        starts = np.concatenate([np.full(t.azimuth.size, t.start) for t in self.balls.tracks])
+        space = folded + on_nut + 2.0 * np.pi * starts / track.starts
+        station = scene.nut.position + reduced_lead(track) * (folded - track.phase)
+        who = np.flatnonzero(loaded)
+        layout = layout_at(track, space, station)
+        some = layout_at(track, space[who], station[who])
+        met = self.drawn.at(scene, space[who] - on_screw, space[who] - on_nut - scene.nut.azimuth, self.balls.radius[who])
+        result = self.solve(met, some)
+        if not result.converged:
+            return spread(None, layout, who, self.balls.radius, scene.track.contact_angle), loaded, result.status
+        at = contacts_at(scene, result, met, some)
+        return spread(at, layout, who, self.balls.radius, scene.track.contact_angle), loaded, "converged"
+
+
+def simulate(setting: Setting, span: float, steps: int) -> History:
+    """Run over ``span`` [s] in ``steps`` equal steps, from the scene's places. Ends early where loads are not found."""
+    balls, dt = setting.balls, span / steps
+    nut = balls.grooves.nut_speed
+    nominal = balls.grooves.nominal_orbit - nut
+    state = _State(
+        balls.azimuth.copy(),
+        np.maximum(balls.gaps(balls.azimuth), 0.0),
+        np.full(balls.radius.size, nominal),
+        np.tile([nominal + nut, 0.0, 0.0, 0.0], (balls.radius.size, 1)),
+        np.zeros(balls.radius.size),
+    )
+    at, _, status = setting.contacts(balls.azimuth, 0.0)
+    if status == "converged":  # speeds for the first half step
+        _advance(setting, state, at, 0.0, np.full(balls.radius.size, np.inf))
+    for k in range(steps):
+        time = (k + 0.5) * dt
+        middle = state.azimuth + 0.5 * dt * state.omega
+        at, loaded, status = setting.contacts(middle, time)
+        if status != "converged":
+            status = f"contact loads at {np.degrees(setting.drive.speed * time):.6g} deg: {status}"
+            break
+        moved = _advance(setting, state, at, dt, state.gap / dt)
+        _record(setting, state, at, moved, (abs(setting.drive.speed) * time, middle, loaded))
+    rows = {key: np.array(values) for key, values in state.rows.items()}
+    if status == "converged" and not np.all(rows["converged"]):
+        first = float(rows["turned"][int(np.argmin(rows["converged"]))])
+        status = f"no balance of friction found at {np.degrees(first):.6g} deg"
+    return History(balls, span, status=status, **rows)
+
+
+def _advance(setting: Setting, state: _State, at: StaticContacts, dt: float, slack: Array) -> list[ChainMotion]:
+    """Move the balls over a step with their motions at the contacts ``at``; the state is overwritten."""
+    balls, out = setting.balls, []
+    for own in balls.bounds:
+        single = own.stop - own.start == 1
+        moved = chain_motion(
+            setting.scene,
+            at.part(own),
+            np.array([np.inf]) if single else slack[own],
+            setting.friction,
+            setting.drive,
+            balls.grooves,
+            (state.q[own], state.force[own]),
+            setting.fast,
+        )
+        state.q[own], state.force[own] = moved.q, moved.ball_force
+        rate = moved.q[:, 0] - balls.grooves.nut_speed
+        state.omega[own] = rate
+        # never less than zero but for round-off
+        state.gap[own] = np.maximum(state.gap[own] + dt * (np.roll(rate, -1) - rate), 0.0)
+        out.append(moved)
+    state.azimuth = state.azimuth + dt * state.omega
+    return out
+
+
+def _record(
+    setting: Setting,
+    state: _State,
+    at: StaticContacts,
+    moved: list[ChainMotion],
+    where: tuple[float, Array, NDArray[np.bool_]],
+) -> None:
+    """Append a step to the history."""
+    speed = abs(setting.drive.speed)
+    groove, ball, closing, power = (
+        sum(float(np.sum(getattr(m, name))) for m in moved)
+        for name in ("groove_loss", "ball_loss", "closing_loss", "input_power")
+    )
+    loss = groove + ball + closing
+    state.log(
+        turned=where[0],
+        azimuth=where[1],
+        loaded=where[2],
+        gap=state.gap.copy(),
+        ball_force=state.force.copy(),
+        omega=state.omega.copy(),
+        load=at.force,
+        groove_torque=groove / speed,
+        ball_torque=ball / speed,
+        closing_torque=closing / speed,
+        axial=-at.axial_force,
+        imbalance=(power - loss) / loss if loss > 0.0 else power,
+        converged=all(m.converged for m in moved),
+    )
