@@ -68,6 +68,9 @@ def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
         if found.gap is not None and found.filling is not None:
             allowed, advice = "either gap or filling", "they say the same: leave one out"
             yield Fault(("circulation.gap",), allowed, advice, "both")
+    if time is not None and time.steps is not None and time.steps % 4:
+        advice = f"the run is repeated with half and a quarter of its steps: write e.g. steps = {4 * round(time.steps / 4)}"
+        yield Fault(("time.steps",), "a multiple of 4", advice)
     if time is not None and (time.angle is None) == (time.duration is None):
         value = "neither" if time.angle is None else "both"
         advice = 'write angle = "360 deg", or duration = "1 s"'

@@ -87,7 +87,7 @@ def nominal_curvatures(scene: Scene) -> Array:
     bare = replace(scene, errors=Errors(), balls=replace(scene.balls, azimuths=(scene.track.phase,)))
     layout = ball_layout(bare)
     drawn = specimen(bare, layout)
-    found = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
+    found: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
     found.flags.writeable = False
     return found
 

@@ -20,15 +20,19 @@ from lowfi.friction.screw.chain import ChainMotion
 from lowfi.friction.whole.chain import SceneGrooves, chain_motion, grooves_of
 from lowfi.friction.whole.circuit import Circuit, circuits
 from lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread
+from lowfi.friction.whole.feedback import feed_back, feeds_back, seats_at
+from lowfi.friction.whole.steps import StepError, solve_steps
 from lowfi.statics.again import ContactLoads
 from lowfi.statics.result import StaticResult
 from meshes.errors import Drawn, Specimen, draw_ball_radii
 from meshes.helix import BallLayout, layout_at, reduced_lead
-from meshes.parts import Friction, Scene
+from meshes.parts import Friction, Scene, Time
 from meshes.parts import Motion as Drive
 
 #: A static model: contact loads of balls with these errors at these places.
 Solve = Callable[[Specimen, BallLayout], StaticResult | ContactLoads]
+#: Steps to begin with: per ball diameter travelled, least and most.
+STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 #: Sum of gaps [rad] below which a closed track is full: forces between its balls are not determined.
 FULL = 1e-9
 
@@ -137,13 +141,15 @@ class History:
 
 @dataclass
 class _State:
-    """Where a run is: azimuths (N,), gaps (N,), speeds in the nut's frame (N,), motions and forces of the last step."""
+    """Where a run is: azimuths (N,), gaps (N,), speeds in the nut's frame (N,), motions and forces of the
+    last step, and its friction fed back (N, 3)."""
 
     azimuth: Array
     gap: Array
     omega: Array
     q: Array
     force: Array
+    push: Array
     rows: dict[str, list[Array | NDArray[np.bool_] | float | bool]] = field(default_factory=dict)
 
     def log(self, **values: Array | NDArray[np.bool_] | float | bool) -> None:
@@ -169,8 +175,11 @@ class Setting:
         turned = self.drive.speed * time
         return (turned, 0.0) if self.drive.turns == "screw" else (0.0, turned)
 
-    def contacts(self, azimuth: Array, time: float) -> tuple[StaticContacts, NDArray[np.bool_], str]:
-        """Contacts of all N balls at azimuths (N,) in the nut's frame, which are on a loaded arc, and how loads ended."""
+    def contacts(self, azimuth: Array, time: float, push: Array) -> tuple[StaticContacts, NDArray[np.bool_], str]:
+        """Contacts of all N balls at azimuths (N,) in the nut's frame, which are on a loaded arc, and how loads ended.
+
+        push (N, 3): forces of friction fed back in the step before, overwritten; see ``feed_back``.
+        """
         scene, track = self.scene, self.scene.track
         on_screw, on_nut = self.angles(time)
         folded, loaded = self.balls.place(azimuth)
@@ -182,10 +191,24 @@ class Setting:
         some = layout_at(track, space[who], station[who])
         met = self.drawn.at(scene, space[who] - on_screw, space[who] - on_nut - scene.nut.azimuth, self.balls.radius[who])
         result = self.solve(met, some)
-        if not result.converged:
-            return spread(None, layout, who, self.balls.radius, scene.track.contact_angle), loaded, result.status
-        at = contacts_at(scene, result, met, some)
-        return spread(at, layout, who, self.balls.radius, scene.track.contact_angle), loaded, "converged"
+        at, status = None, "converged" if result.converged else f"contact loads: {result.status}"
+        if result.converged:
+            at = contacts_at(scene, result, met, some)
+            if feeds_back(scene, self.friction):
+                place = seats_at(at, met, result.hertz_C)
+                fed = feed_back(scene, at, place, self.friction, self.drive, self.fast, push[who])
+                push[who], at = fed.push, fed.at
+                status = f"friction and place do not agree on {int(fed.failed.sum())} balls" if fed.failed.any() else status
+        return spread(at, layout, who, self.balls.radius, track.contact_angle), loaded, status
+
+
+def resolved(setting: Setting, time: Time) -> tuple[History, StepError | None]:
+    """The run of a scene's [time] with the error of its steps; steps that are not given are chosen by it."""
+    span = time.span(setting.drive)
+    nominal = setting.balls.grooves.nominal_orbit - setting.balls.grooves.nut_speed
+    pitches = abs(nominal) * span / setting.balls.grooves.pair.spacing
+    first = int(np.clip(np.ceil(STEPS_PER_PITCH * pitches), *FIRST_STEPS))
+    return solve_steps(lambda steps: simulate(setting, span, steps), time.steps, first, time.goal)
 
 
 def simulate(setting: Setting, span: float, steps: int) -> History:
@@ -199,16 +222,17 @@ def simulate(setting: Setting, span: float, steps: int) -> History:
         np.full(balls.radius.size, nominal),
         np.tile([nominal + nut, 0.0, 0.0, 0.0], (balls.radius.size, 1)),
         np.zeros(balls.radius.size),
+        np.zeros((balls.radius.size, 3)),
     )
-    at, _, status = setting.contacts(balls.azimuth, 0.0)
+    at, _, status = setting.contacts(balls.azimuth, 0.0, state.push)
     if status == "converged":  # speeds for the first half step
         _advance(setting, state, at, 0.0, np.full(balls.radius.size, np.inf))
     for k in range(steps):
         time = (k + 0.5) * dt
         middle = state.azimuth + 0.5 * dt * state.omega
-        at, loaded, status = setting.contacts(middle, time)
+        at, loaded, status = setting.contacts(middle, time, state.push)
         if status != "converged":
-            status = f"contact loads at {np.degrees(setting.drive.speed * time):.6g} deg: {status}"
+            status = f"at {np.degrees(setting.drive.speed * time):.6g} deg: {status}"
             break
         moved = _advance(setting, state, at, dt, state.gap / dt)
         _record(setting, state, at, moved, (abs(setting.drive.speed) * time, middle, loaded))

@@ -8,7 +8,7 @@ import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.whole.contacts import StaticContacts, contacts_of
-from lowfi.friction.whole.feedback import feed_back, seats_of
+from lowfi.friction.whole.feedback import feed_back, feeds_back, seats_of
 from lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds
 from lowfi.friction.whole.torque import ScrewTorque, sum_up
 from lowfi.jit import cached
@@ -42,11 +42,6 @@ class FrictionState:
     def loaded(self) -> bool:
         """Whether any contact carries load."""
         return bool(np.any(self.at.force > 0.0))
-
-
-def feeds_back(scene: Scene, friction: Friction) -> bool:
-    """Whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
-    return friction.coupling == "ball" and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
 
 
 def will_compile(scene: Scene, friction: Friction) -> bool:
