@@ -28,6 +28,7 @@ from compare.commands.friction_output import (
     sums,
     warnings_of,
 )
+from compare.commands.friction_run import Run, run_data, run_lines, run_table, solve_run
 from compare.commands.solve_output import number
 from compare.errors import InputError
 from compare.models.registry import DEFAULT, Options, run_model
@@ -85,7 +86,8 @@ def run(name: str, choices: Choices, as_json: bool, show: Callable[..., None], p
             raise InputError("command line", given, f"with {name}", "with the scene of a whole screw or bearing", advice)
         return run_friction(name, as_json, show, print_json)
     scene = catalogue.scene(name)
-    if any(will_compile(scene, pair) for pair in coefficients(scene, choices.mu)) and not cached():
+    compiles = scene.time is not None or any(will_compile(scene, pair) for pair in coefficients(scene, choices.mu))
+    if compiles and not cached():
         sys.stderr.write(COMPILING)
     answer = solve_scene(scene, choices)
     if as_json:
@@ -149,7 +151,20 @@ def solve_scene(scene: Scene, choices: Choices) -> Answer:
     motion = scene.motion or Motion(ONE_TURN)
     states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
     drags = drag_torques(scene, states, pairs, model, replace(options, estimate=False))
-    return _answer(scene, result, head, (pairs, states, drags))
+    answer = _answer(scene, result, head, (pairs, states, drags))
+    if scene.time is None:
+        return answer
+    return _with_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
+
+
+def _with_run(answer: Answer, run: Run) -> Answer:
+    """The answer for the scene's instant with the run in time after it."""
+    data = answer.data | {"run": run_data(run), "warnings": [*answer.data["warnings"], *run.warnings]}
+    good = answer.converged and run.converged
+    if answer.converged and not good:
+        data |= {"status": f"run in time: {run.status}"}
+    tables = [*answer.tables, *run_table(run)]
+    return Answer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good)
 
 
 def kind_of(scene: Scene) -> str:
