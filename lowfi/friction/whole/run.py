@@ -9,7 +9,7 @@ time for which contacts begin, end, or balls enter and leave the loaded arc. Ove
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -176,7 +176,9 @@ def simulate(setting: Setting, span: float, steps: int) -> History:
             break
         moved = _advance(setting, state, at, dt, state.gap / dt)
         _record(setting, state, at, moved, (abs(setting.drive.speed) * time, middle, loaded))
-    rows = {key: np.array(values) for key, values in state.rows.items()}
+    rows = {
+        f.name: np.array(state.rows.get(f.name, [])) for f in fields(History) if f.name not in ("balls", "span", "status")
+    }
     if status == "converged" and not np.all(rows["converged"]):
         first = float(rows["turned"][int(np.argmin(rows["converged"]))])
         status = f"no balance of friction found at {np.degrees(first):.6g} deg"

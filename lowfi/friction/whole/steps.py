@@ -73,7 +73,8 @@ def step_error(levels: list[Array]) -> StepError:
 
     Where the order observed over three levels is that of smooth motion (2, within 0.5), the change between the last two
     over 2^2 - 1. Otherwise jumps rule, whose errors fall irregularly: the larger one of that change and half of the one
-    before, over 2^p - 1, p the order observed but at most 1.
+    before, over 2^p - 1, p the order observed but at most 1. Levels may agree on a wrong time of a jump by chance: the
+    estimate is never below the torque's largest jump for half a step.
     """
     steps = tuple(t.size for t in levels)
     size = abs(float(levels[-1].mean()))
@@ -88,7 +89,9 @@ def step_error(levels: list[Array]) -> StepError:
     if abs(order - SMOOTH) < 0.5:
         used, before = SMOOTH, (0.0, 0.0)
     scale = size * (2.0**used - 1.0)
-    return StepError(max(last, 0.5 * before[0]) / scale, max(mean, 0.5 * before[1]) / scale, order, used, steps)
+    least = 0.5 * float(np.abs(np.diff(levels[-1])).max(initial=0.0)) / (steps[-1] * size)
+    torque, average = max(last, 0.5 * before[0]) / scale, max(mean, 0.5 * before[1]) / scale
+    return StepError(max(torque, least), max(average, least), order, used, steps)
 
 
 def solve_steps(simulate: Callable[[int], R], steps: int | None, first: int, goal: float) -> tuple[R, StepError | None]:
