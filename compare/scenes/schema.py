@@ -240,7 +240,7 @@ class FrictionKeys(Table):
     balls: Coefficient | None = key("coefficient from ball to ball, where it is not the larger one of the grooves", None)
     coupling: Literal["none", "ball", "balls"] = key(
         "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone; "
-        '"balls": it does, and balls that touch by the gap of [circulation] push each other',
+        '"balls": leaves the loads alone, and neighbours that touch push each other (a run in time always lets them)',
         "ball",
         "none",
     )
