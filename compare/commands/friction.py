@@ -33,7 +33,7 @@ from compare.commands.friction_output import (
 )
 from compare.commands.friction_run import Run, run_data, run_lines, run_table, solve_run
 from compare.commands.solve_output import number
-from compare.errors import InputError
+from compare.errors import InputError, Refusal
 from compare.models.registry import DEFAULT, Options, run_model
 from compare.scenes import catalogue, friction_scene, scene_file
 from lowfi.friction.whole.heathcote import heathcote
@@ -143,7 +143,10 @@ def solve_scene(scene: Scene, choices: Choices) -> Answer:
         data = head | {"status": status, "converged": False, "assumed": list(scene.assumed), "left_out": [], "warnings": []}
         return Answer(data, [], [], False)
     motion = scene.motion or Motion(ONE_TURN)
-    states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
+    try:
+        states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
+    except ValueError as error:  # balls that overlap by their random sizes
+        raise Refusal(scene.name, "balls", str(error), 'spread the balls, or take coupling = "ball"') from error
     drags = drag_torques(scene, states, pairs, model, replace(options, estimate=False))
     answer = _answer(scene, result, head, (pairs, states, drags))
     if scene.time is None:

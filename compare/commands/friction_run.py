@@ -13,9 +13,9 @@ from compare.commands.solve_output import number
 from compare.errors import InputError, Refusal
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.run import groups
+from lowfi.friction.screw.steps import REFUSED, StepError
 from lowfi.friction.whole.balls import balls_of
 from lowfi.friction.whole.run import History, Setting, resolved
-from lowfi.friction.whole.steps import REFUSED, StepError
 from lowfi.statics.again import AGAIN
 from meshes.errors import draw
 from meshes.parts import Friction, Motion, Scene, Time

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.chain import ChainMotion
 from lowfi.friction.screw.path import ON_SCREW
+from lowfi.friction.screw.steps import StepError, solve_steps
 from lowfi.friction.whole.balls import Balls
 from lowfi.friction.whole.chain import chain_motion
 from lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread
 from lowfi.friction.whole.feedback import feed_back, feeds_back, seats_at
-from lowfi.friction.whole.steps import StepError, solve_steps
 from lowfi.statics.again import ContactLoads
 from lowfi.statics.result import StaticResult
 from meshes.errors import Drawn, Specimen
