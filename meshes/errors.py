@@ -56,11 +56,14 @@ def _profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
     return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in zip(mean, sigma, strict=True)]
 
 
-def draw_ball_radii(scene: Scene, rng: np.random.Generator) -> Array:
-    """Ball radii [m], shape ``(n,)``: nominal + oversize + listed errors + one random draw each."""
+def draw_ball_radii(scene: Scene, rng: np.random.Generator, more: int | None = None) -> Array:
+    """Ball radii [m], shape ``(n,)``: nominal + oversize + listed errors + one random draw each.
+
+    more: radii of so many other balls, in the return of a screw, which no listed error can name.
+    """
     errors = scene.errors.balls
-    radius = np.full(scene.ball_count, scene.balls.radius + errors.oversize)
-    for number, error in errors.listed:
+    radius = np.full(scene.ball_count if more is None else more, scene.balls.radius + errors.oversize)
+    for number, error in errors.listed if more is None else ():
         radius[number - 1] += error
     if errors.sigma > 0.0:
         if errors.distribution == "normal":
@@ -71,7 +74,36 @@ def draw_ball_radii(scene: Scene, rng: np.random.Generator) -> Array:
     return radius
 
 
-def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
+@dataclass(frozen=True)
+class Drawn:
+    """All errors of one screw, drawn: ball_radius (n,) of the scene's balls [m]; of each side the terms (harmonic, sine,
+    cosine [m]) of pitch and roundness and the coefficients of its profile [m]."""
+
+    ball_radius: Array
+    pitch: tuple[list[tuple[float, float, float]], ...]
+    roundness: tuple[list[tuple[float, float, float]], ...]
+    profile: tuple[list[float], ...]
+
+    def at(self, scene: Scene, on_screw: Array, on_nut: Array, ball_radius: Array) -> Specimen:
+        """What balls of these radii (n,) [m] meet at azimuths (n,) [rad] on the screw and from the nut's axis of errors."""
+        n = ball_radius.size
+        centre = np.broadcast_to(nominal_groove_centres(scene), (n, 4, 2)).copy()
+        slopes = np.zeros((2, n, 4, 2))
+        for s, name in enumerate(SIDES):
+            phi = on_nut if name.startswith("N") else on_screw
+            along = cos(lead_angle(scene.track)) if scene.errors.side(name).pitch_along == "axis" else 1.0
+            offset = np.stack([_series(self.roundness[s], phi), along * _series(self.pitch[s], phi)], axis=-1)
+            centre[:, s] += offset[0]
+            slopes[:, :, s] += offset[1:]
+        degree = max(len(p) for p in self.profile)
+        table = np.array([p + [0.0] * (degree - len(p)) for p in self.profile]).reshape(4, degree)
+        radius = groove_radii(scene)
+        if degree == 1:  # a constant offset is a change of radius, not of shape
+            radius, table = radius - table[:, 0], np.zeros((4, 0))
+        return Specimen(ball_radius, centre, slopes, radius, table)
+
+
+def draw(scene: Scene, member: int = 0) -> Drawn:
     """Draw specimen number ``member`` of a scene: same seed and number, same screw.
 
     Draws are taken in the order ball radii; then per side SL, SR, NL, NR: pitch, roundness, profile.
@@ -79,23 +111,13 @@ def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
     """
     rng = np.random.default_rng([scene.errors.seed, member])
     radii = draw_ball_radii(scene, rng)
-    n = radii.size
-    centre = np.broadcast_to(nominal_groove_centres(scene), (n, 4, 2)).copy()
-    slopes = np.zeros((2, n, 4, 2))
-    profiles: list[list[float]] = []
-    for s, name in enumerate(SIDES):
-        side = scene.errors.side(name)
-        phi = layout.azimuth - (scene.nut.azimuth if name.startswith("N") else 0.0)
-        along = cos(lead_angle(scene.track)) if side.pitch_along == "axis" else 1.0
-        pitch = along * _series(_draw_terms(side.pitch, rng), phi)
-        roundness = _series(_draw_terms(side.roundness, rng), phi)
-        offset = np.stack([roundness, pitch], axis=-1)
-        centre[:, s] += offset[0]
-        slopes[:, :, s] += offset[1:]
-        profiles.append(_profile(side, rng))
-    degree = max(len(p) for p in profiles)
-    table = np.array([p + [0.0] * (degree - len(p)) for p in profiles]).reshape(4, degree)
-    radius = groove_radii(scene)
-    if degree == 1:  # a constant offset is a change of radius, not of shape
-        radius, table = radius - table[:, 0], np.zeros((4, 0))
-    return Specimen(radii, centre, slopes, radius, table)
+    sides = [scene.errors.side(name) for name in SIDES]
+    found = [(_draw_terms(e.pitch, rng), _draw_terms(e.roundness, rng), _profile(e, rng)) for e in sides]
+    pitch, roundness, profile = zip(*found, strict=True)
+    return Drawn(radii, pitch, roundness, profile)
+
+
+def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
+    """Specimen number ``member`` of a scene (see ``draw``) at the places of its balls."""
+    found = draw(scene, member)
+    return found.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, found.ball_radius)

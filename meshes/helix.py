@@ -51,6 +51,11 @@ def ball_layout(scene: Scene) -> BallLayout:
     own = np.asarray(scene.balls.azimuths, dtype=float)
     azimuth = (own[None, :] + offsets[:, None]).ravel()
     z = scene.nut.position + reduced_lead(track) * np.tile(own - track.phase, track.starts)
+    return layout_at(track, azimuth, z)
+
+
+def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
+    """Centres and section frames of balls at azimuths (n,) [rad] and stations (n,) [m] of a track."""
     alpha = lead_angle(track)
     c, s = np.cos(azimuth), np.sin(azimuth)
     zero = np.zeros_like(c)

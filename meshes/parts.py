@@ -222,13 +222,21 @@ class Solid:
 class Friction:
     """Coulomb coefficients of the balls on the grooves of screw and nut; ``assumed``: where they come from.
 
-    coupling: whether friction moves each ball across its grooves (``"ball"``) or leaves the contact loads alone.
+    coupling: whether friction moves each ball across its grooves (``"ball"``), leaves the contact loads alone
+    (``"none"``), or leaves them alone while neighbouring balls that touch push each other (``"balls"``); balls: coefficient
+    from ball to ball, ``None`` for the larger one of the grooves.
     """
 
     screw: float
     nut: float
     assumed: tuple[str, ...] = ()
-    coupling: Literal["none", "ball"] = "none"
+    coupling: Literal["none", "ball", "balls"] = "none"
+    balls: float | None = None
+
+    @property
+    def between_balls(self) -> float:
+        """Coefficient of friction from ball to ball."""
+        return max(self.screw, self.nut) if self.balls is None else self.balls
 
 
 @dataclass(frozen=True)
@@ -240,11 +248,48 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Circulation:
+    """How the balls of a screw go round: ``circuits`` closed tracks per start, each a loaded arc and a return.
+
+    turns: loaded turns of each start over all its circuits (``None``: as many as its balls fill); returning: balls in the
+    return of each circuit; gap: mean clearance between neighbouring balls of a circuit along its track [m], or filling: the
+    fraction of a circuit that its balls would fill if they touched (neither: spaced in the return as on the loaded arc).
+    """
+
+    circuits: int = 1
+    turns: float | None = None
+    returning: int = 0
+    gap: float | None = None
+    filling: float | None = None
+
+
+@dataclass(frozen=True)
+class Time:
+    """A run over an ``angle`` [rad] of the part that turns, or a ``duration`` [s]; one of them is given.
+
+    steps: ``None`` for as many as keep the error of the steps below ``goal``, a fraction of the mean friction torque;
+    output: histories of torque and balls, or of the torque alone.
+    """
+
+    angle: float | None = None
+    duration: float | None = None
+    steps: int | None = None
+    goal: float = 0.01
+    output: Literal["balls", "torque"] = "balls"
+
+    def span(self, motion: Motion) -> float:
+        """Duration of the run [s] at a motion's speed."""
+        if self.duration is not None:
+            return self.duration
+        return abs((self.angle or 0.0) / motion.speed)
+
+
+@dataclass(frozen=True)
 class Scene:
     """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open.
 
-    ``friction`` and ``motion`` say nothing about the static loads: they are no part of the ``repr``, by which stored
-    static results are keyed.
+    ``friction``, ``motion``, ``circulation`` and ``time`` say nothing about the static loads: they are no part of the
+    ``repr``, by which stored static results are keyed.
     """
 
     name: str
@@ -264,6 +309,8 @@ class Scene:
     friction: Friction | None = field(default=None, repr=False)
     motion: Motion | None = field(default=None, repr=False)
     role: str = field(default="", repr=False, compare=False)
+    circulation: Circulation | None = field(default=None, repr=False)
+    time: Time | None = field(default=None, repr=False)
 
     @property
     def ball_count(self) -> int:

@@ -20,18 +20,23 @@ from compare.commands.friction_output import (
     LOSS_COLUMNS,
     ball_rows,
     flat_rows,
+    left_out,
     lines_of,
     loss_rows,
     mu_columns,
     mu_row,
+    neighbour_data,
+    slip_warnings,
     sums,
     warnings_of,
 )
+from compare.commands.friction_run import Run, run_data, run_lines, run_table, solve_run
 from compare.commands.solve_output import number
-from compare.errors import InputError
+from compare.errors import InputError, Refusal
 from compare.models.registry import DEFAULT, Options, run_model
 from compare.scenes import catalogue
 from compare.scenes.scene_file import kind_of
+from lowfi.friction.whole.heathcote import heathcote
 from lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from lowfi.jit import cached
 from lowfi.statics.result import StaticResult
@@ -46,16 +51,6 @@ NO_SPEED = (
     "efficiencies do not depend on it."
 )
 COMPILING = "rollbench: compiling the friction kernels, once on this machine: some 20 s\n"
-#: What no friction result of a whole screw holds.
-LEFT_OUT = (
-    "feedback of friction on how the balls share the load: each keeps the axial load that it carries without friction",
-    "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature",
-    "rolling hysteresis, and Heathcote slip over the curved contact, which grows as contact angles fall",
-    "contact between balls, cage or spacers, return tube or deflectors, wipers and seals",
-    "gyroscopic moments and centrifugal forces of the balls",
-    "ripple: the work of loads that change as balls roll over errors, and enter and leave the loaded track",
-    "a second, jammed state of a ball, which exists at high coefficients of friction (seen in two-point contact from 0.3)",
-)
 
 
 @dataclass(frozen=True)
@@ -137,9 +132,25 @@ def solve_scene(scene: Scene, choices: Choices) -> Answer:
         data = head | {"status": status, "converged": False, "assumed": list(scene.assumed), "left_out": [], "warnings": []}
         return Answer(data, [], [], False)
     motion = scene.motion or Motion(ONE_TURN)
-    states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
+    try:
+        states = [friction_state(scene, result, pair, motion, choices.member) for pair in pairs]
+    except ValueError as error:  # balls that overlap by their random sizes
+        raise Refusal(scene.name, "balls", str(error), 'spread the balls, or take coupling = "ball"') from error
     drags = drag_torques(scene, states, pairs, model, options)
-    return _answer(scene, result, head, (pairs, states, drags))
+    answer = _answer(scene, result, head, (pairs, states, drags))
+    if scene.time is None:
+        return answer
+    return _with_run(answer, solve_run(scene, pairs[0], motion, model, choices.member))
+
+
+def _with_run(answer: Answer, run: Run) -> Answer:
+    """The answer for the scene's instant with the run in time after it."""
+    data = answer.data | {"run": run_data(run), "warnings": [*answer.data["warnings"], *run.warnings]}
+    good = answer.converged and run.converged
+    if answer.converged and not good:
+        data |= {"status": f"run in time: {run.status}"}
+    tables = [*answer.tables, *run_table(run)]
+    return Answer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good)
 
 
 def drag_torques(
@@ -199,7 +210,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     rows, losses = ball_rows(result, state), loss_rows(state)
     over = [mu_row(f, s, d.torque) for f, s, d in zip(*solved, strict=True)]
     assumed = [*friction.assumed, *(() if scene.motion else (NO_SPEED,)), *_assumed(scene, result)]
-    e = state.torque
+    e, slip = state.torque, heathcote(scene, state.at, state.balls, friction, motion)
     data = head | {
         "status": status,
         "converged": good,
@@ -211,7 +222,12 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         "torque": torque,
         "drag_unknown": drag.reason or None,
         "over_friction": over,
-        "losses": {"total_W": number(e.power), "by_contact_W": losses},
+        "losses": {
+            "total_W": number(e.power),
+            "by_contact_W": losses,
+            "between_balls_W": number(0.0 if state.neighbours is None else state.neighbours.power),
+            "heathcote_percent": number(100.0 * slip),
+        },
         "energy": {
             "input_power_W": number(e.input_power),
             "loss_W": number(e.power),
@@ -223,6 +239,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "friction_torque_without_Nmm": number(1e3 * state.bare.friction),
             "unsettled_balls": len(state.unsettled),
             "axial_friction_on_screw_N": number(e.pull),
+            "balls_touching": None if state.neighbours is None else neighbour_data(state),
             "friction_over_load": number(e.tilt),
         },
         "solver": {
@@ -231,8 +248,8 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "feedback_change": number(state.change),
         },
         "assumed": assumed,
-        "left_out": list(LEFT_OUT),
-        "warnings": warnings_of(scene, friction, state, result.warnings),
+        "left_out": left_out(friction),
+        "warnings": warnings_of(scene, friction, state, (*result.warnings, *slip_warnings(slip))),
     }
     tables: list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]] = []
     if state.loaded:

@@ -11,6 +11,7 @@ import numpy as np
 from compare.commands.answer import Column, size_warnings
 from compare.commands.solve_output import number
 from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.whole.heathcote import WIDE
 from lowfi.friction.whole.losses import CAUSES
 from lowfi.friction.whole.state import FrictionState
 from lowfi.friction.whole.torque import ScrewTorque
@@ -21,6 +22,54 @@ from meshes.parts import SIDES, Friction, Motion, Scene
 YIELD = 4.2e9
 #: Coefficient of friction from which a second, jammed state was seen.
 JAMMED = 0.3
+
+#: What no friction result of a whole screw or bearing holds.
+LEFT_OUT = (
+    "feedback of friction on how the balls share the load: each keeps the load that it carries without friction",
+    "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature",
+    "rolling hysteresis of the materials",
+    "Heathcote slip over the curved contact in torques and losses: losses.heathcote_percent says what it would add",
+    "cage or spacers, return tube or deflectors, wipers and seals",
+    "gyroscopic moments and centrifugal forces of the balls",
+    "ripple: the work of loads that change as balls roll over errors, and enter and leave the loaded track",
+    "a second, jammed state of a ball, which exists at high coefficients of friction (seen in two-point contact from 0.3)",
+)
+#: What coupling leaves out besides, by its word.
+BESIDES = {
+    "none": ("friction that moves a ball across its grooves", "contact between balls at the scene's instant"),
+    "ball": ("contact between balls at the scene's instant",),
+    "balls": (
+        "friction, and forces between balls, that move a ball across its grooves",
+        "forces between balls in the balance of contact loads",
+    ),
+}
+
+
+def left_out(friction: Friction) -> list[str]:
+    """What the result for a scene's instant does not hold."""
+    return [*LEFT_OUT, *BESIDES[friction.coupling]]
+
+
+def slip_warnings(part: float) -> list[str]:
+    """What to say where Heathcote slip, left out, would add much to the losses."""
+    if not part > WIDE:
+        return []
+    size = f"{100.0 * part:.2g} %"
+    return [f"the contacts are so wide that their curvature (Heathcote slip, left out) would raise friction by {size}"]
+
+
+def neighbour_data(state: FrictionState) -> dict[str, Any]:
+    """Forces between balls that touch, and what they do to the friction torque."""
+    n, t = state.neighbours, state.torque
+    if n is None:
+        return {}
+    return {
+        "pairs": n.touching,
+        "smallest_gap_um": number(1e6 * n.least),
+        "force_on_next_N": [number(f) for f in n.force],
+        "loss_W": number(n.power),
+        "friction_torque_change_percent": number(100.0 * (t.power / state.bare.power - 1.0)) if state.bare.power else None,
+    }
 
 
 def _sides(values: Array) -> dict[str, Any]:
@@ -225,7 +274,13 @@ def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str
         f"energy: contacts take {t.input_power:.6g} W (forces and moments about the axis), lose {t.power:.6g} W "
         f"(sum over contacts), difference {t.input_power - t.power:.1e} W"
     )
-    if t.ratio != 0.0:
+    if state.neighbours is not None:
+        n = state.neighbours
+        lines.append(
+            f"{n.touching} pairs of neighbours touch, with up to {n.force.max(initial=0.0):.4g} N; between balls "
+            f"{n.power:.4g} W are lost; without them the friction torque is {1e3 * state.bare.friction:.6g} N mm"
+        )
+    elif t.ratio != 0.0:
         how = "friction moves the balls in their grooves" if state.coupled else "loads are those without friction"
         bare = f"{1e3 * state.bare.friction:.6g} N mm"
         lines.append(

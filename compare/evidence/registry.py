@@ -146,7 +146,8 @@ NOT_COMPUTED = {"lin-2.2": "run times and element counts of the source's program
 
 
 def evidence(study: Study, *names: str) -> list[Evidence]:
-    """Evidence of the printed tables ``names`` (all that are computed unless given), each computed once per study, which notes the scenes."""
+    """Evidence of the printed tables ``names`` (all that are computed unless given), each computed once
+    per study, which notes their scenes."""
     wanted = [BY_TABLE[name] for name in names or BY_TABLE]
     for computation in wanted:
         study.uses(computation.every_scene)

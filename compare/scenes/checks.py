@@ -55,6 +55,25 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     if keys.motion is not None and keys.motion.speed == 0.0:
         advice = "friction at rest may have any value up to its limit: give the speed at which the part turns"
         yield Fault(("motion.speed",), "any angular speed but zero", advice)
+    yield from _circuit_choice_faults(keys)
+
+
+def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
+    found, time = keys.circulation, keys.time
+    if found is not None:
+        if keys.track.lead == 0.0:
+            advice = "the balls of a bearing go round its one turn: leave the table out"
+            yield Fault(("circulation",), "a lead above 0 mm", advice, "a bearing with [circulation]")
+        if found.gap is not None and found.filling is not None:
+            allowed, advice = "either gap or filling", "they say the same: leave one out"
+            yield Fault(("circulation.gap",), allowed, advice, "both")
+    if time is not None and time.steps is not None and time.steps % 4:
+        advice = f"the run is repeated with half and a quarter of its steps: write e.g. steps = {4 * round(time.steps / 4)}"
+        yield Fault(("time.steps",), "a multiple of 4", advice)
+    if time is not None and (time.angle is None) == (time.duration is None):
+        value = "neither" if time.angle is None else "both"
+        advice = 'write angle = "360 deg", or duration = "1 s"'
+        yield Fault(("time.angle", "time"), "either angle or duration", advice, value)
 
 
 def _kind_faults(keys: SceneKeys) -> Iterator[Fault]:
@@ -172,6 +191,26 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
     yield from _solid_faults(scene)
     if scene.track.pitch_radius > scene.balls.radius:
         yield from _packing_faults(scene, radii)
+    if scene.circulation is not None or scene.time is not None:
+        yield from _circuit_faults(scene)
+
+
+def _circuit_faults(scene: Scene) -> Iterator[Fault]:
+    """Circuits that cannot be built, and runs that leave the screw."""
+    from lowfi.friction.whole.circuit import CircuitError, circuits, travel
+
+    try:
+        circuits(scene)
+    except CircuitError as error:
+        yield Fault(
+            (f"circulation.{error.key}", "circulation", "balls.count", "balls.azimuths"), error.allowed, error.advice
+        )
+    ends = travel(scene) + scene.nut.position
+    half, length = 0.5 * scene.nut.length, scene.screw.length
+    if ends.min() < half - TOLERANCE or ends.max() > length - half + TOLERANCE:
+        allowed = f"the nut on the screw, its centre from {mm(half)} to {mm(length - half)}"
+        advice = f"it would run from {mm(float(ends[0]))} to {mm(float(ends[1]))}: shorten the run or lengthen the screw"
+        yield Fault(("time.angle", "time.duration"), allowed, advice)
 
 
 def _groove_faults(scene: Scene, largest: float) -> Iterator[Fault]:

@@ -23,6 +23,7 @@ from meshes.parts import (
     FREEDOMS,
     BallErrors,
     Balls,
+    Circulation,
     Errors,
     FourierTerm,
     Friction,
@@ -36,6 +37,7 @@ from meshes.parts import (
     SideErrors,
     Solid,
     Support,
+    Time,
     Track,
 )
 
@@ -196,12 +198,14 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
         friction=None if keys.friction is None else _friction(keys.friction),
         motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
         role=keys.role,
+        circulation=None if keys.circulation is None else Circulation(**keys.circulation.model_dump()),
+        time=None if keys.time is None else Time(**keys.time.model_dump()),
     )
 
 
 def _friction(keys: FrictionKeys) -> Friction:
     screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
-    return Friction(screw, nut, tuple(keys.assumed), keys.coupling)
+    return Friction(screw, nut, tuple(keys.assumed), keys.coupling, keys.balls)
 
 
 def _material(own: MaterialKeys | None, default: MaterialKeys) -> Material:

@@ -12,11 +12,14 @@ from compare.scenes.keys import (
     Azimuth,
     BallSizeKeys,
     Bore,
+    Clearance,
     Coefficient,
     CoulombKeys,
     Count,
     Deviation,
+    Duration,
     Element,
+    Filling,
     Force,
     Freedom,
     GrooveKeys,
@@ -32,7 +35,9 @@ from compare.scenes.keys import (
     Size,
     Spread,
     Station,
+    StepGoal,
     Table,
+    Travel,
     Turn,
     Turns,
 )
@@ -207,13 +212,41 @@ class FrictionKeys(CoulombKeys):
 
     screw: Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
     nut: Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
-    coupling: Literal["none", "ball"] = key(
-        "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone",
+    balls: Coefficient | None = key("coefficient from ball to ball, where it is not the larger one of the grooves", None)
+    coupling: Literal["none", "ball", "balls"] = key(
+        "whether friction moves each ball across its grooves, at the axial load it carries, or leaves the loads alone; "
+        '"balls": leaves the loads alone, and neighbours that touch push each other (a run in time always lets them)',
         "ball",
         "none",
     )
     assumed: Annotated[list[Sentence], Field(max_length=100)] = key(
         "sentences on where the coefficients come from", [], ["Grease-lubricated steel, assumed."]
+    )
+
+
+class CirculationKeys(Table):
+    """How the balls of a screw go round, for: rollbench friction."""
+
+    circuits: Annotated[int, Field(ge=1, le=1000)] = key("closed circuits that share the balls of each start equally", 1, 1)
+    turns: Turns | None = key(
+        "loaded turns of each start, all circuits together; left out: those that its balls fill", None
+    )
+    returning: Annotated[int, Field(ge=0, le=MAX_BALLS)] = key("balls in the return of each circuit", 0, 4)
+    gap: Clearance | None = key("mean clearance between neighbouring balls along a circuit (or filling)", None, "50 um")
+    filling: Filling | None = key("part of a circuit that its balls would fill if they touched (or gap)", None, 0.8)
+
+
+class TimeKeys(Table):
+    """A run in time, for: rollbench friction. Give angle or duration."""
+
+    angle: Travel | None = key("angle that the part that turns covers", None, "360 deg")
+    duration: Duration | None = key("duration (or angle)", None, "1 s")
+    steps: Annotated[int, Field(ge=4, le=100_000)] | None = key(
+        "number of steps; left out: as many as keep the error of the steps below goal", None, 200
+    )
+    goal: StepGoal = key("error of the steps that is small enough, as a part of the mean friction torque", 0.01, 0.01)
+    output: Literal["balls", "torque"] = key(
+        "histories in the JSON result: of torque and balls, or of torque", "balls", "balls"
     )
 
 
@@ -243,3 +276,5 @@ class SceneKeys(HeadKeys):
     solid: SolidKeys = key("what only the 3D reference needs", SolidKeys(), {"nut_held": "left face"})
     friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
     motion: MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
+    circulation: CirculationKeys | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
+    time: TimeKeys | None = key("run in time", None, {"angle": "360 deg"})

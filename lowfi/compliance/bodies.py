@@ -324,12 +324,19 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) 
     """
     if held_at(geometry_only(scene), screw) == "rigid":
         return np.zeros((4 * layout.z.size,) * 2)
-    return _whole_body(replace(geometry_only(scene), balls=scene.balls), screw, backend)
+    geometry = replace(geometry_only(scene), balls=scene.balls)
+    if np.array_equal(layout.azimuth, ball_layout(scene).azimuth):
+        return _whole_body(geometry, screw, backend)
+    return _body_at(geometry, layout, screw, backend)
 
 
 @lru_cache(maxsize=8)
 def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Array:
-    held, layout = held_at(scene, screw), ball_layout(scene)
+    return _body_at(scene, ball_layout(scene), screw, backend)
+
+
+def _body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:
+    held = held_at(scene, screw)
     if is_ring(geometry_only(scene), screw):
         G = ring_contacts(whole_ring(geometry_only(scene), screw), layout.azimuth)
     else:

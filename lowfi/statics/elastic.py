@@ -26,7 +26,7 @@ from lowfi.statics.solved import SolvedState
 from lowfi.statics.static import ACCEPTED, NO_LOADS, Engine, Outcome, contact_angles, pick_engine, pin, verdict
 from lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
 from meshes.errors import Specimen, specimen
-from meshes.helix import ball_layout
+from meshes.helix import BallLayout, ball_layout
 from meshes.parts import Scene
 
 #: A flank that was left out counts as touching when it comes this near [m].
@@ -191,15 +191,16 @@ def solve_elastic(
     member: int = 0,
     refine: int = 1,
     drawn: Specimen | None = None,
+    layout: BallLayout | None = None,
 ) -> StaticResult:
     """Contact loads, contact angles and shaft motion of a scene in static equilibrium with elastic bodies.
 
     backend: what answers the contact forces; condensed: compliance from a 3D model instead; name: of the model, for the
-    record; engine, everything, member, refine, drawn: as for `lowfi.statics.static.solve_static`. Raises ValueError for
-    bodies that the dimensions make impossible; a scene without equilibrium is named in ``status``.
+    record; engine, everything, member, refine, drawn, layout: as for `lowfi.statics.static.solve_static`. Raises
+    ValueError for bodies that the dimensions make impossible; a scene without equilibrium is named in ``status``.
     """
     with threadpool_limits(1, "blas"):  # small matrices: more threads only wait for one another
-        return _solve(scene, backend, condensed, name, engine, everything, member, refine, drawn)
+        return _solve(scene, backend, condensed, name, engine, everything, member, refine, drawn, layout)
 
 
 def _solve(
@@ -212,11 +213,12 @@ def _solve(
     member: int,
     refine: int,
     drawn: Specimen | None,
+    layout: BallLayout | None,
 ) -> StaticResult:
     start = perf_counter()
-    layout = ball_layout(scene)
+    layout = ball_layout(scene) if layout is None else layout
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
-    kernels = pick_engine(engine, scene.ball_count)
+    kernels = pick_engine(engine, layout.z.size)
     every = everything or drawn.profile.shape[1] > 0
     use = np.ones(4, dtype=bool) if every else choose_sides(scene, drawn)
     notes: tuple[str, ...] = ()

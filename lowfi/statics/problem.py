@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,13 +80,16 @@ def nominal_hertz(scene: Scene) -> HertzConstants:
     return constants_of(scene, nominal_curvatures(scene))
 
 
+@lru_cache(maxsize=64)
 def nominal_curvatures(scene: Scene) -> Array:
     """Relative principal curvatures of the error-free parts at the nominal contact angle, ``(4, 2)`` [1/m], that across the
-    groove first."""
+    groove first. Kept for all solutions of a scene: not to be written to."""
     bare = replace(scene, errors=Errors(), balls=replace(scene.balls, azimuths=(scene.track.phase,)))
     layout = ball_layout(bare)
     drawn = specimen(bare, layout)
-    return np.asarray(relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0])
+    found: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
+    found.flags.writeable = False
+    return found
 
 
 def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> HertzConstants:

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from compare.scenes.checks import Fault, mm
-from compare.scenes.keys import Azimuth, BallSizeKeys, HelixKeys, MotionKeys, Table, Turns
+from compare.scenes.keys import Azimuth, BallSizeKeys, Duration, HelixKeys, MotionKeys, Table, Turns
 from compare.scenes.kinds.common import (
     AxialLoad,
     Body,
@@ -26,7 +26,7 @@ from compare.scenes.kinds.common import (
     head_of,
     material_faults,
 )
-from compare.scenes.quantity import Quantity, Rate, key
+from compare.scenes.quantity import Quantity, key
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.motion import Coupling
 from lowfi.friction.screw.pair import Pair
@@ -36,7 +36,6 @@ Share = Annotated[float, Quantity("number", -1, 1, 1)]
 Pattern = Annotated[list[Share], Field(min_length=4, max_length=4)]
 Part = Annotated[float, Quantity("number", 0, 1, 0.5)]
 Cycles = Annotated[float, Quantity("number", 0, 1000, 2)]
-Duration = Annotated[float, Rate("time", "0 s", "1e6 s", "2 s", above=True)]
 Direction = Literal["axial", "radial"]
 #: Most balls times steps of a run: its results are kept whole.
 MOST = 5_000_000

@@ -7,12 +7,13 @@ from functools import lru_cache
 import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
-from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove
+from lowfi.friction.screw.groove import ON_SCREW, Grooved
 from lowfi.friction.screw.kernel.arrays import Groove
+from lowfi.friction.screw.path import HelicalMotion
 
 
 @lru_cache(maxsize=64)
-def groove_arrays(groove: ScrewGroove) -> Groove:
+def groove_arrays(groove: Grooved) -> Groove:
     """The grooves as the kernels take them, motions scaled to surface speeds per nominal speed (see ``units``)."""
     unit, speed, pair, h = units(groove), nominal_speed(groove), groove.pair, groove.constants
     scale = speed / unit
@@ -33,11 +34,11 @@ def plain_array(values: Array) -> Array:
     return np.ascontiguousarray(values, dtype=float)
 
 
-def units(groove: ScrewGroove) -> Array:
+def units(groove: HelicalMotion) -> Array:
     """Levers (4,) [m] from omega_B, omega_x, omega_y, omega_z to speeds."""
     return np.array([groove.radius, groove.ball_radius, groove.ball_radius, groove.ball_radius])
 
 
-def nominal_speed(groove: ScrewGroove) -> float:
+def nominal_speed(groove: HelicalMotion) -> float:
     """Speed of the nut along the path relative to the screw [m/s]; one at rest."""
     return float(abs(groove.speed) * groove.radius) or 1.0

@@ -7,16 +7,17 @@ Newton on motions and forces together, with a falling regularising speed of fric
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.arrays import groove_arrays, nominal_speed, plain_array, units
-from lowfi.friction.screw.groove import ScrewGroove
+from lowfi.friction.screw.groove import Grooved, ScrewGroove
 from lowfi.friction.screw.kernel.arrays import Balls
 from lowfi.friction.screw.kernel.balance import Parts
-from lowfi.friction.screw.motion import helical_power
+from lowfi.friction.screw.motion import contact_wrench, helical_power, screw_contacts
 from lowfi.jit import SCREW, kernels
 
 #: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
@@ -37,7 +38,18 @@ NEGLIGIBLE = 1e-7
 
 
 @dataclass(frozen=True)
-class Chain:
+class Rubs:
+    """Contacts of N balls as friction sees them: shape (N, 4, 3), semi-axes a >= b [m] and mu F [N]; maps (N, 4, 3, 4) and
+    drives (N, 4, 3) of vx, vz [m/s], spin [rad/s] in the ball's motion [rad/s], in axes x along a, z along b.
+    """
+
+    shape: Array
+    maps: Array
+    drives: Array
+
+
+@dataclass(frozen=True)
+class AnyChain(ABC):
     """N balls in order of azimuth: contact forces and normals (N, 4), (N, 4, 3), and how neighbours may approach.
 
     slack (N,): largest rate [rad/s] at which ball k may gain on ball k + 1, inf where they cannot touch; the last entry
@@ -45,16 +57,59 @@ class Chain:
     pushed, and turn freely between their neighbours as spacers do: without friction there.
     """
 
-    groove: ScrewGroove
+    groove: Grooved
     force: Array
     normals: Array
     slack: Array
+
+    @property
+    @abstractmethod
+    def rubs(self) -> Rubs:
+        """The contacts with their semi-axes and maps."""
+
+    @property
+    @abstractmethod
+    def mu_balls(self) -> float:
+        """Coefficient of friction from ball to ball."""
+
+    def wrench(self, pull: Array) -> Array:
+        """Friction on the balls (N, 4, 6) in x3, y3, z3 of forces along x, z and moments about y (N, 4, 3)."""
+        return contact_wrench(self.normals, pull[..., :2], pull[..., 2])
+
+    @abstractmethod
+    def input_power(self, wrench: Array) -> float:
+        """Power [W] that screw and nut put in against friction (N, 4, 6) on the balls."""
+
+
+@dataclass(frozen=True)
+class Chain(AnyChain):
+    """Balls of one size in the same grooves; see ``AnyChain``."""
+
+    groove: ScrewGroove
+
+    @property
+    def rubs(self) -> Rubs:
+        """The contacts with their semi-axes and maps."""
+        at = screw_contacts(self.groove, self.force)
+        maps, drives = self.groove.maps(self.normals)
+        shape = np.stack([at.a, at.b, at.strength], axis=1).reshape(-1, 4, 3)
+        return Rubs(shape, maps, np.broadcast_to(drives, (*maps.shape[:2], 3)))
+
+    @property
+    def mu_balls(self) -> float:
+        """Coefficient of friction from ball to ball."""
+        return self.groove.mu if self.groove.mu_balls is None else self.groove.mu_balls
+
+    def input_power(self, wrench: Array) -> float:
+        """Power [W] that screw and nut put in against friction (N, 4, 6) on the balls."""
+        return helical_power(self.groove, self.normals, wrench)
 
 
 @dataclass(frozen=True)
 class ChainMotion:
     """Motions q (N, 4) [rad/s]; ball_force (N,) [N] of ball k on k + 1; friction on the balls (N, 4, 6) [N, N m].
 
+    seen (N, 4, 3): vx, vz [m/s], spin [rad/s] at the contacts; pull (N, 4, 3): friction along and about the same [N, N m];
     ball_push (N, 3): all forces from neighbours on each ball in x3, y3, z3 [N]; groove_loss (N, 4), ball_loss (N,) by
     sliding and closing_loss (N,) by gaps that close under force [W]; input_power [W]; left: largest force out of
     balance [N]; violation: largest rate beyond the slack [rad/s]; from_start: whether the given start led here.
@@ -63,6 +118,8 @@ class ChainMotion:
     q: Array
     ball_force: Array
     wrench: Array
+    seen: Array
+    pull: Array
     ball_push: Array
     groove_loss: Array
     ball_loss: Array
@@ -93,19 +150,23 @@ class Search:
     the bound is that of mu = 1, so that the motion is the limit for a mu that vanishes.
     """
 
-    def __init__(self, chain: Chain, fast: bool = True) -> None:
+    def __init__(self, chain: AnyChain, fast: bool = True) -> None:
         """Scale everything; balls without loads neither drive nor rub."""
-        g = chain.groove
+        g, rubs = chain.groove, chain.rubs
         total = chain.force.sum(axis=1)
         loaded = total > NEGLIGIBLE * float(total.max())
         self.chain, self.count, self.loaded = chain, chain.force.shape[0], loaded
         self.kernels = kernels(SCREW, compiled=fast)
         self.units, self.speed, self.groove = units(g), nominal_speed(g), groove_arrays(g)
-        mu = g.mu or 1.0
-        self.bound = max(mu * float(total.max()), 1e-30)
+        shape = rubs.shape
+        self.rubbing = bool(np.any(shape[..., 2] > 0.0))
+        if not self.rubbing:
+            shape = np.concatenate([shape[..., :2], chain.force[..., None]], axis=-1)
+        self.bound = max(float(shape[..., 2].sum(axis=1).max()), 1e-30)
         self.allowed = np.isfinite(chain.slack)
         slack = np.where(self.allowed, chain.slack, 0.0) * g.pair.closing / self.speed
-        self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), g.mu if g.mu_balls is None else g.mu_balls, 0.0)
+        self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), chain.mu_balls, 0.0)
+        one = np.ones(self.count)
         self.balls: Balls = (
             plain_array(np.where(loaded[:, None], chain.force, 0.0)),
             plain_array(chain.normals[..., [0, 2]]),
@@ -113,14 +174,17 @@ class Search:
             slack,
             self.allowed.astype(float),
             self.mu,
-            mu / self.bound,
+            (g.mu or 1.0) / self.bound,
+            plain_array(shape * np.stack([one, one, loaded / self.bound], axis=1)[:, None]),
+            plain_array(rubs.maps / self.units),
+            plain_array(rubs.drives / self.speed),
         )
         self.parts = parts_of(self.count)
 
     def alone(self) -> Array:
         """Scaled motions (N, 4) of the balls without neighbours."""
         x = np.tile(self.groove[4], (self.count, 1))
-        self.kernels.alone(self.groove, self.balls, x)
+        self.kernels.alone(self.balls, x)
         return x
 
     def solve(self, x: Array, f: Array, eps: float, goal: float, limit: int) -> tuple[Array, Array, float, int]:
@@ -154,7 +218,7 @@ class Search:
         at, tries = goals[-1], 0
         while goals:
             part, eps = goals[-1]
-            self.balls = (*self.balls[:5], part * full, self.balls[6])
+            self.balls = (*self.balls[:5], part * full, *self.balls[6:])
             x_new, f_new, size, steps = self.solve(x, f, eps, COARSE if eps > SPEEDS[-1] else GOAL, STEPS)
             total += steps
             if size > MISSED and tries < DEPTH and at != goals[-1]:
@@ -165,16 +229,18 @@ class Search:
         return x, f, total
 
 
-def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None, fast: bool = True) -> ChainMotion:
+def solve_chain(
+    chain: AnyChain, start: tuple[Array, Array] | None = None, fast: bool = True, warm: bool = False
+) -> ChainMotion:
     """Motions and ball-to-ball forces; start: motions (N, 4) [rad/s] and forces (N,) [N] of a similar chain.
 
-    Newton at the last regularising speed from a start with contacts, then from the balls' motions without neighbours,
-    and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls is not determined.
-    ``fast`` takes the compiled kernels.
+    Newton at the last regularising speed from a start with contacts (``warm``: or without), then from the balls' motions
+    without neighbours, and where both fail by stages. A closed track needs a gap somewhere: one filled by its balls is not
+    determined. ``fast`` takes the compiled kernels.
     """
     s = Search(chain, fast)
     total = 0
-    if start is not None and np.any(start[1] > 0.0):
+    if start is not None and (warm or np.any(start[1] > 0.0)):
         x, f, good, total = s.direct(start[0] * s.units / s.speed, start[1] / s.bound)
         if good:
             return _result(s, x, f, total, True)
@@ -190,23 +256,32 @@ def solve_chain(chain: Chain, start: tuple[Array, Array] | None = None, fast: bo
 def _result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
     """Forces and losses at the solution, in SI."""
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
-    good, bound = s.balanced(x, f), s.bound if g.mu > 0.0 else 0.0
+    good, bound = s.balanced(x, f), s.bound if s.rubbing else 0.0
     left, pair = float(np.max(np.abs(s.parts[0]))) * bound, g.pair
     ahead = np.append(x[1:, 0], x[0, 0])
     gap = np.where(s.allowed, s.groove[7] * (ahead - x[:, 0]) + s.balls[3], 0.0)
     ball_force = bound * np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
-    wrench, loss, push, ball_loss = np.zeros((n, 4, 6)), np.zeros((n, 4)), np.zeros((n, 3)), np.zeros(n)
-    s.kernels.friction(s.groove, s.balls, x, eps, g.mu, wrench, loss)
+    motion, pull, loss, push, ball_loss = (
+        np.empty((n, 4, 3)),
+        np.empty((n, 4, 3)),
+        np.empty((n, 4)),
+        np.zeros((n, 3)),
+        np.zeros(n),
+    )
+    s.kernels.friction(s.balls, x, eps, motion, pull, loss)
+    wrench = chain.wrench(bound * pull)
     s.kernels.meeting(s.groove, s.balls, x, ball_force, eps, pair.push, pair.slide, push, ball_loss)
     return ChainMotion(
         q=x * s.speed / s.units,
         ball_force=ball_force,
         wrench=wrench,
+        seen=s.speed * motion,
+        pull=bound * pull,
         ball_push=push,
-        groove_loss=loss,
+        groove_loss=bound * s.speed * loss,
         ball_loss=ball_loss,
         closing_loss=ball_force * pair.closing * s.speed / g.radius * (x[:, 0] - ahead),
-        input_power=helical_power(g, chain.normals, wrench),
+        input_power=chain.input_power(wrench),
         left=left,
         violation=max(0.0, -float(np.min(gap))) * s.speed / pair.closing,
         steps=steps,

@@ -47,8 +47,24 @@ class Constants:
     C_b: Array
 
 
+class Grooved(HelicalMotion):
+    """Helical motions with grooves: largest coefficient mu, Hertz constants of nominal contacts, and touching balls."""
+
+    mu: float
+
+    @property
+    def constants(self) -> Constants:
+        """Hertz constants of nominal contacts."""
+        raise NotImplementedError
+
+    @cached_property
+    def pair(self) -> PairGeometry:
+        """Two nominal balls that touch."""
+        return pair_geometry(self)
+
+
 @dataclass(frozen=True)
-class ScrewGroove(HelicalMotion):
+class ScrewGroove(Grooved):
     """Four-point ball screw: lengths [m], angle [rad], Young's modulus [Pa], speeds of nut and screw [rad/s].
 
     lead: of a right-hand helix (negative: left-hand, zero: bearing); both bodies move along the helix, so that only
@@ -106,11 +122,6 @@ class ScrewGroove(HelicalMotion):
         table = np.array([[h.C, h.C_a, h.C_b] for h in two])[[0, 0, 1, 1]]
         return Constants(*table.T)
 
-    @cached_property
-    def pair(self) -> PairGeometry:
-        """Two balls that touch."""
-        return pair_geometry(self)
-
 
 @dataclass(frozen=True)
 class PairGeometry:
@@ -129,7 +140,7 @@ class PairGeometry:
     slide: Array
 
 
-def contact_spacing(screw: ScrewGroove) -> float:
+def contact_spacing(screw: HelicalMotion) -> float:
     """Difference of azimuths [rad] at which two balls touch: their centres, on the helix, are 2 R_B apart.
 
     The source's 2 arcsin(R_B / (L / 2 pi)) (Lin 3.72) is the same for zero lead only. Raises ValueError for balls so
@@ -145,13 +156,13 @@ def contact_spacing(screw: ScrewGroove) -> float:
     return float(brentq(excess, 0.0, 0.5 * np.pi, xtol=1e-15, rtol=1e-14))
 
 
-def frame(screw: ScrewGroove, azimuth: float) -> Array:
+def frame(screw: HelicalMotion, azimuth: float) -> Array:
     """Rows x3, y3, z3 in fixed axes (3, 3) for a ball at the azimuth [rad] (Lin 3.62)."""
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(screw.lead_angle), np.sin(screw.lead_angle)
     return np.array([[c, s, 0.0], [-ca * s, ca * c, sa], [sa * s, -sa * c, ca]])
 
 
-def pair_geometry(screw: ScrewGroove) -> PairGeometry:
+def pair_geometry(screw: HelicalMotion) -> PairGeometry:
     """Ball-to-ball contact on the exact helix (mends Lin 3.73-3.75, which take a circle of radius L / 2 pi)."""
     spacing = contact_spacing(screw)
     frames = [frame(screw, -0.5 * spacing), frame(screw, 0.5 * spacing)]

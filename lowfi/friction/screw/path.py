@@ -69,15 +69,18 @@ class HelicalMotion:
         beta = np.asarray(angle, dtype=float)
         return np.stack([SIGN_X * np.cos(beta), np.zeros_like(beta), SIGN_Z * np.sin(beta)], axis=-1)
 
-    def maps(self, normals: Array) -> tuple[Array, Array]:
+    def maps(self, normals: Array, ball_radius: Array | None = None) -> tuple[Array, Array]:
         """Maps (..., 4, 3, 4) and drives (..., 4, 3) of the contacts' (vx, vz, spin) for directions (..., 4, 3).
+
+        ball_radius (...,) [m] in place of that of all balls.
 
         Unknowns: omega_B (orbit), omega_x, omega_y, omega_z [rad/s], the latter relative to the turning frame.
         Contact axes: x across the groove, z along the path, y into the ball. Rederived from 3.57-3.64 (gives 3.65,
         F.4-F.6).
         """
         axes = contact_axes(normals)
-        slide = self.ball_radius * np.einsum("jik,...k->...ij", self.crosses, normals)
+        size = self.ball_radius if ball_radius is None else np.asarray(ball_radius)[..., None, None, None]
+        slide = size * np.einsum("jik,...k->...ij", self.crosses, normals)
         slide[..., 1, 0] += self.radius
         maps = np.matmul(axes, slide)
         maps[..., 2, :] = -normals @ self.turns.T

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.path import SIGN_X, SIGN_Z
 from lowfi.hertz import contact_modulus, printed_hertz
+from lowfi.statics.again import ContactLoads
 from lowfi.statics.problem import actual_hertz, drawn_hertz, nominal_curvatures, nominal_hertz, relative_curvatures
 from lowfi.statics.result import StaticResult
 from meshes.errors import Specimen, specimen
@@ -53,6 +54,19 @@ class StaticContacts:
         """Pole pressure (N, 4) [Pa]."""
         return np.asarray(1.5 * self.force / (np.pi * self.a * self.b))
 
+    def part(self, which: NDArray[np.int64] | slice) -> StaticContacts:
+        """The contacts of some of the balls."""
+        layout = BallLayout(*(getattr(self.layout, f.name)[which] for f in fields(self.layout)))
+        return StaticContacts(
+            self.ball_radius[which],
+            self.force[which],
+            self.angle[which],
+            self.a[which],
+            self.b[which],
+            self.across[which],
+            layout,
+        )
+
     @property
     def axial_force(self) -> float:
         """Force [N] along +z with which the normal contact forces push the screw."""
@@ -68,7 +82,11 @@ def contacts_of(scene: Scene, result: StaticResult, member: int = 0) -> StaticCo
     if not result.converged:
         raise ValueError(f"no loads to take friction from: {result.status}")
     layout = ball_layout(scene)
-    drawn = specimen(scene, layout, member)
+    return contacts_at(scene, result, specimen(scene, layout, member), layout)
+
+
+def contacts_at(scene: Scene, result: StaticResult | ContactLoads, drawn: Specimen, layout: BallLayout) -> StaticContacts:
+    """Contacts of a solution for the balls of ``drawn`` at the places of ``layout``."""
     force = np.maximum(result.load, 0.0)
     angle = np.where(force > 0.0, np.nan_to_num(result.contact_angle), scene.track.contact_angle)
     c_a, c_b, across = _ellipses(scene, drawn, angle)
@@ -88,13 +106,28 @@ def with_loads(at: StaticContacts, force: Array, angle: Array) -> StaticContacts
     return replace(at, force=force, angle=angle, a=at.a * grown, b=at.b * grown)
 
 
-def taken(at: StaticContacts, which: NDArray[np.int64]) -> StaticContacts:
-    """The contacts of some of the balls."""
-    full = at.layout
-    layout = BallLayout(*(getattr(full, f.name)[which] for f in fields(full)))
-    return StaticContacts(
-        at.ball_radius[which], at.force[which], at.angle[which], at.a[which], at.b[which], at.across[which], layout
+def spread(
+    at: StaticContacts | None, layout: BallLayout, which: NDArray[np.int64], ball_radius: Array, angle: float
+) -> StaticContacts:
+    """Contacts of all N balls of ``layout``, ball_radius (N,) [m], of which ``at`` holds some; no load on the others.
+
+    angle: contact angle of balls without load [rad].
+    """
+    n = ball_radius.size
+    least = 1e-30 ** (1.0 / 3.0)
+    full = StaticContacts(
+        ball_radius,
+        np.zeros((n, 4)),
+        np.full((n, 4), angle),
+        np.full((n, 4), least),
+        np.full((n, 4), least),
+        np.ones((n, 4), dtype=bool),
+        layout,
     )
+    if at is not None:
+        for name in ("force", "angle", "a", "b", "across"):
+            getattr(full, name)[which] = getattr(at, name)
+    return full
 
 
 def _ellipses(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:

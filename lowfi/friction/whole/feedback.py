@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.motion import Mixer
 from lowfi.friction.screw.path import ON_SCREW
-from lowfi.friction.whole.contacts import StaticContacts, taken, with_loads
+from lowfi.friction.whole.contacts import StaticContacts, with_loads
 from lowfi.friction.whole.losses import BallFriction, ball_friction
 from lowfi.statics.result import StaticResult
-from meshes.errors import specimen
+from meshes.errors import Specimen, specimen
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive
 
@@ -43,6 +43,11 @@ class Seats:
     axis: Array
 
 
+def feeds_back(scene: Scene, friction: Friction) -> bool:
+    """Whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
+    return friction.coupling == "ball" and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
+
+
 def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
     """Seats of balls from their contacts; reach (N, 4), centre (N, 4, 2): of the profiles without load [m].
 
@@ -60,12 +65,16 @@ def seats(at: StaticContacts, C: Array, reach: Array, centre: Array) -> Seats:
 
 def seats_of(scene: Scene, result: StaticResult, at: StaticContacts, member: int = 0) -> Seats:
     """Seats of the balls of a solved scene; member: as for ``contacts_of``."""
-    drawn = specimen(scene, at.layout, member)
+    return seats_at(at, specimen(scene, at.layout, member), result.hertz_C)
+
+
+def seats_at(at: StaticContacts, drawn: Specimen, C: Array) -> Seats:
+    """Seats of balls with errors ``drawn`` and Hertz constants C (N, 4)."""
     inward = np.zeros_like(at.angle)
     for s, row in enumerate(drawn.profile):
         inward[:, s] = np.polynomial.polynomial.polyval(at.angle[:, s], row) if row.size else 0.0
     reach = drawn.radius[None, :] - inward - drawn.ball_radius[:, None]
-    return seats(at, result.hertz_C, reach, drawn.centre)
+    return seats(at, C, reach, drawn.centre)
 
 
 def forces(place: Seats, shift: Array) -> tuple[Array, Array, Array]:
@@ -142,7 +151,8 @@ def _stiffness(place: Seats, force: Array, normal: Array, length: Array) -> Arra
 class FedBack:
     """Contacts and friction that agree, balls whose feedback did not settle (N,), and rounds.
 
-    change: largest change of a ball's friction in its last round, as a fraction of its contact forces.
+    change: largest change of a ball's friction in its last round, as a fraction of its contact forces; push (N, 3):
+    forces of friction on balls and screw that the contacts balance, see ``settle`` [N].
     """
 
     at: StaticContacts
@@ -150,13 +160,20 @@ class FedBack:
     failed: NDArray[np.bool_]
     rounds: int
     change: float
+    push: Array
 
 
 def feed_back(
-    scene: Scene, at: StaticContacts, place: Seats, friction: Friction, drive: Drive, fast: bool = False
+    scene: Scene,
+    at: StaticContacts,
+    place: Seats,
+    friction: Friction,
+    drive: Drive,
+    fast: bool = False,
+    near: Array | None = None,
 ) -> FedBack:
     """Contacts and friction in agreement, ball by ball; begun at the static state, so that of several states it is the one
-    that rolls on from there.
+    that rolls on from there; near (N, 3): forces of friction of a similar state (``FedBack.push``) to begin with instead.
 
     Failure is data: see ``FedBack.failed``.
     """
@@ -165,10 +182,13 @@ def feed_back(
     still = _left(at.force, at.normals[..., [0, 2]], along, np.zeros((count, 3)))
     guess, shift, mixers = np.zeros((count, 3)), np.zeros((count, 3)), [Mixer(2, 40) for _ in range(count)]
     now, active, rounds = at, np.flatnonzero(loaded), 0
+    if near is not None and active.size:
+        guess[active] = near[active]
+        now, shift[active], _ = _seated(at, place, active, still[active] + guess[active], shift[active], at)
     failed, last = np.zeros(count, dtype=bool), np.zeros(count)
     while active.size and rounds < ROUNDS:
         rounds += 1
-        some = taken(now, active)
+        some = now.part(active)
         found = ball_friction(scene, some, friction, drive, fast)
         wrench = found.wrench(some.normals)[..., :3]
         drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], place.axis)
@@ -178,13 +198,21 @@ def feed_back(
         for k in np.flatnonzero(more):
             guess[active[k]] = mixers[active[k]].next(guess[active[k]], answer[k])
         active = active[more]
-        part = Seats(place.away[active], place.reach[active], place.C[active], place.axis)
-        x, force, normal, left = settle(part, still[active] + guess[active], shift[active])
-        failed[active] = left > 1e-8 * np.maximum(force.sum(axis=1), at.force[active].sum(axis=1))
-        shift[active] = x
-        new_force, angle = now.force.copy(), now.angle.copy()
-        new_force[active] = force
-        angle[active] = np.arctan2(np.abs(normal[..., 1]), np.abs(normal[..., 0]))
-        now = with_loads(now, new_force, angle)
+        now, shift[active], failed[active] = _seated(now, place, active, still[active] + guess[active], shift[active], at)
     failed |= last > ACCEPTED
-    return FedBack(now, ball_friction(scene, now, friction, drive, fast), failed, rounds, float(last.max(initial=0.0)))
+    return FedBack(
+        now, ball_friction(scene, now, friction, drive, fast), failed, rounds, float(last.max(initial=0.0)), guess
+    )
+
+
+def _seated(
+    now: StaticContacts, place: Seats, which: NDArray[np.int64], given: Array, start: Array, bare: StaticContacts
+) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
+    """Contacts with the balls ``which`` where forces (k, 3) hold them, their shifts (k, 3), and which did not settle."""
+    part = Seats(place.away[which], place.reach[which], place.C[which], place.axis)
+    x, force, normal, left = settle(part, given, start)
+    failed = left > 1e-8 * np.maximum(force.sum(axis=1), bare.force[which].sum(axis=1))
+    new_force, angle = now.force.copy(), now.angle.copy()
+    new_force[which] = force
+    angle[which] = np.arctan2(np.abs(normal[..., 1]), np.abs(normal[..., 0]))
+    return with_loads(now, new_force, angle), x, failed

@@ -7,22 +7,25 @@ follow from it, torques and efficiencies, are in ``screw_torque``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.contact.ellipse import Array, Contacts
-from lowfi.friction.contact.motion import Problem, least_dissipation
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.contact.motion import STATUS
+from lowfi.friction.screw.chain import Rubs
 from lowfi.friction.screw.motion import contact_wrench
 from lowfi.friction.screw.path import HelicalMotion
 from lowfi.friction.whole.contacts import StaticContacts
+from lowfi.jit import CONTACT, kernels
 from meshes.helix import reduced_lead
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive
 
 #: What a contact loses power by: sliding of its centre across the groove, along the path, spin about the normal.
 CAUSES = ("sliding_across", "sliding_along", "spin")
+#: Force out of balance, as a part of a ball's sum of mu F, beyond which its motion has failed.
+UNBALANCED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -92,37 +95,58 @@ def ball_friction(scene: Scene, at: StaticContacts, friction: Friction, drive: D
     if drive.speed == 0.0:
         raise ValueError("friction at rest is not determined: give a speed")
     count = at.force.shape[0]
+    loaded = np.flatnonzero(at.force.sum(axis=1) > 0.0)
+    some = at.part(loaded)
+    part, top = shares(friction)
+    rubs = rubs_of(scene, some, part, drive)
+    n = loaded.size
+    q, forces, rests, outcome = np.zeros((n, 4)), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 2))
+    kernels(CONTACT, compiled=fast).least_dissipation_many(rubs.shape, rubs.maps, rubs.drives, q, forces, rests, outcome)
+    seen = rubs.drives + np.einsum("nirj,nj->nir", rubs.maps, q)
+    seen[rests > 0.0] = 0.0
+    turn_back(some, seen)
+    turn_back(some, forces)
+    orbit, rotation = np.full(count, np.nan), np.full((count, 3), np.nan)
+    motion, pull = np.full((count, 4, 3), np.nan), np.zeros((count, 4, 3))
+    rest, status = np.zeros((count, 4), dtype=bool), ["no load"] * count
+    orbit[loaded], rotation[loaded], pull[loaded] = q[:, 0], q[:, 1:], -top * forces
+    motion[loaded], rest[loaded] = seen, (rests > 0.0) & (some.force > 0.0)
+    left = outcome[:, 1] / rubs.shape[..., 2].sum(axis=1)
+    for k, code, off in zip(loaded, outcome[:, 0].astype(int), left, strict=True):
+        status[k] = STATUS[code] if off <= UNBALANCED else "failed"
+    motion[at.force == 0.0] = np.nan
+    loss = np.where(at.force[..., None] > 0.0, -pull * np.nan_to_num(motion), 0.0) + 0.0
+    return BallFriction(
+        orbit, rotation, motion, pull[..., :2], pull[..., 2], loss, rest, tuple(status), float(left.max(initial=0.0))
+    )
+
+
+def shares(friction: Friction) -> tuple[Array, float]:
+    """Coefficients at the contacts (4,) as parts of the largest, and that one; ones where all are zero.
+
+    Motions depend on ratios of coefficients alone: without friction they are the limit for equal ones that vanish.
+    """
     mu = np.array([friction.screw, friction.screw, friction.nut, friction.nut])
     top = float(mu.max())
-    part = mu / top if top > 0.0 else np.ones(4)  # motion depends on ratios of coefficients alone
-    path = cache(lambda radius: ball_path(scene, drive, radius))
-    orbit, rotation = np.full(count, np.nan), np.full((count, 3), np.nan)
-    motion, force, moment = np.zeros((count, 4, 3)), np.zeros((count, 4, 2)), np.zeros((count, 4))
-    rest, status, left = np.zeros((count, 4), dtype=bool), ["no load"] * count, 0.0
-    normals = at.normals
-    for i in np.flatnonzero(at.force.sum(axis=1) > 0.0):
-        maps, drives = path(float(at.ball_radius[i])).maps(normals[i])
-        turned = np.flatnonzero(~at.across[i])
-        for rows in (maps, drives):
-            _quarter(rows, turned)
-        contacts = Contacts(at.a[i], at.b[i], at.force[i], part)
-        found = least_dissipation(Problem(contacts, maps, drives, np.zeros(4)), None, fast)
-        seen, pull = found.motion.copy(), found.friction.force.copy()
-        for rows in (seen, pull):
-            _quarter(rows, turned, -1.0)
-        orbit[i], rotation[i] = found.q[0], found.q[1:]
-        motion[i], rest[i], status[i] = seen, found.rest & (at.force[i] > 0.0), found.status
-        force[i], moment[i] = top * pull, top * found.friction.moment
-        left = max(left, found.imbalance / float(np.sum(contacts.strength)))
-    motion[at.force == 0.0] = np.nan
-    wrench = np.concatenate([force, moment[..., None]], axis=-1)
-    loss = np.where(at.force[..., None] > 0.0, -wrench * np.nan_to_num(motion), 0.0) + 0.0
-    return BallFriction(orbit, rotation, motion, force, moment, loss, rest, tuple(status), left)
+    return (mu / top if top > 0.0 else np.ones(4)), top
 
 
-def _quarter(rows: Array, which: NDArray[np.int64], sign: float = 1.0) -> None:
-    """Turn the contact axes x, z of the contacts ``which`` by a quarter about their normals, in place; sign -1: back."""
-    rows[which, 0], rows[which, 1] = sign * rows[which, 1], -sign * rows[which, 0]
+def rubs_of(scene: Scene, at: StaticContacts, part: Array, drive: Drive) -> Rubs:
+    """What friction sees of contacts, with the coefficients part (4,); axes x along the long semi-axis."""
+    maps, drives = ball_path(scene, drive, scene.balls.radius).maps(at.normals, at.ball_radius)
+    for rows in (maps, drives):
+        rows[~at.across] = _quarter(rows[~at.across])
+    return Rubs(np.stack([at.a, at.b, part * at.force], axis=-1), np.ascontiguousarray(maps), np.ascontiguousarray(drives))
+
+
+def turn_back(at: StaticContacts, values: Array) -> None:
+    """Turn what stands in the axes of ``rubs_of`` (N, 4, 3) to x across the groove and z along it, in place."""
+    values[~at.across] = _quarter(values[~at.across], -1.0)
+
+
+def _quarter(rows: Array, sign: float = 1.0) -> Array:
+    """Components (k, 3, ...) along contact axes x, z turned by a quarter about their normals; sign -1: back."""
+    return np.stack([sign * rows[:, 1], -sign * rows[:, 0], rows[:, 2]], axis=1)
 
 
 def closing_speeds(scene: Scene, at: StaticContacts, found: BallFriction, drive: Drive) -> Array:

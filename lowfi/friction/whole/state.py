@@ -8,8 +8,9 @@ import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.whole.contacts import StaticContacts, contacts_of
-from lowfi.friction.whole.feedback import feed_back, seats_of
+from lowfi.friction.whole.feedback import feed_back, feeds_back, seats_of
 from lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds
+from lowfi.friction.whole.neighbours import Neighbours, neighbours
 from lowfi.friction.whole.torque import ScrewTorque, sum_up
 from lowfi.jit import cached
 from lowfi.statics.result import StaticResult
@@ -26,7 +27,7 @@ class FrictionState:
 
     bare: the sums at the static loads, without feedback; unsettled: indices of balls whose feedback did not settle, in one
     direction of motion or the other; change: of the friction fed back in the last round, as a fraction of contact forces;
-    coupled: whether friction feeds back.
+    coupled: whether friction feeds back; neighbours: what balls that touch do to each other, where asked.
     """
 
     at: StaticContacts
@@ -37,6 +38,7 @@ class FrictionState:
     unsettled: tuple[int, ...]
     change: float
     coupled: bool
+    neighbours: Neighbours | None = None
 
     @property
     def loaded(self) -> bool:
@@ -44,14 +46,10 @@ class FrictionState:
         return bool(np.any(self.at.force > 0.0))
 
 
-def feeds_back(scene: Scene, friction: Friction) -> bool:
-    """Whether friction moves balls in their grooves: it is asked for, there is friction, and a lead."""
-    return friction.coupling == "ball" and scene.track.lead != 0.0 and max(friction.screw, friction.nut) > 0.0
-
-
 def will_compile(scene: Scene, friction: Friction) -> bool:
     """Whether so many balls are solved that the kernels are compiled, unless machine code lies on disk (``cached``)."""
-    return scene.ball_count > (COUPLED_ABOVE if feeds_back(scene, friction) else COMPILE_ABOVE)
+    often = feeds_back(scene, friction) or friction.coupling == "balls"
+    return scene.ball_count > (COUPLED_ABOVE if often else COMPILE_ABOVE)
 
 
 def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive: Drive, member: int = 0) -> FrictionState:
@@ -62,16 +60,29 @@ def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive
     """
     at = contacts_of(scene, result, member)
     coupled = feeds_back(scene, friction)
-    fast = will_compile(scene, friction) or (coupled and cached())
+    pushed = friction.coupling == "balls"
+    fast = will_compile(scene, friction) or ((coupled or pushed) and cached())
     balls = ball_friction(scene, at, friction, drive, fast)
     torque = bare = sum_up(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()
     change = 0.0
     if coupled:
         place = seats_of(scene, result, at, member)
-        there, back = (feed_back(scene, at, place, friction, d, fast) for d in (drive, replace(drive, speed=-drive.speed)))
+        there, back = (feed_back(scene, at, place, friction, d, fast) for d in (drive, reverse(drive)))
         at, balls = there.at, there.friction
         torque = replace(sum_up(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power)
         change = max(there.change, back.change)
         unsettled = tuple(int(k) for k in np.flatnonzero(there.failed | back.failed))
-    return FrictionState(at, balls, torque, closing_speeds(scene, at, balls, drive), bare, unsettled, change, coupled)
+    touching: Neighbours | None = None
+    if pushed:
+        touching, back_again = (neighbours(scene, at, friction, d, member, fast) for d in (drive, reverse(drive)))
+        balls = touching.balls
+        found = sum_up(scene, at, balls, drive)
+        torque = replace(found, power=found.power + touching.power, reverse_power=back_again.balls.power + back_again.power)
+    closing = closing_speeds(scene, at, balls, drive)
+    return FrictionState(at, balls, torque, closing, bare, unsettled, change, coupled, touching)
+
+
+def reverse(drive: Drive) -> Drive:
+    """The motion backwards."""
+    return replace(drive, speed=-drive.speed)

@@ -15,7 +15,7 @@ from compare.errors import InputError, SceneError
 from compare.reference.runs import key_of
 from compare.scenes import catalogue, scene_file
 from lowfi.friction.whole import feedback as ball_feedback
-from meshes.parts import Friction, Motion
+from meshes.parts import Friction, Motion, Time
 from tests.helpers import small_screw
 
 MINE = """
@@ -238,6 +238,20 @@ BAD = {
     "coupling": (("nut = 0.07", 'coupling = "screw"'), 'friction.coupling: got "screw"; allowed: "none", "ball"'),
     "unit": (('"1500 rpm"', '"1500 Hz"'), "motion.speed: got .*rpm"),
     "at rest": (('"1500 rpm"', '"0 rpm"'), "motion.speed: got .*any angular speed but zero"),
+    "nothing to run over": (("[motion]", "[time]\nsteps = 20\n[motion]"), "time: got .*either angle or duration"),
+    "two ends of a run": (
+        ("[motion]", '[time]\nangle = "1 deg"\nduration = "1 s"\n[motion]'),
+        "time.angle: got both; allowed: either angle or duration",
+    ),
+    "two clearances": (("[motion]", '[circulation]\ngap = "1 mm"\nfilling = 0.5\n[motion]'), "circulation.gap: got both"),
+    "balls too many": (
+        ("[motion]", "[circulation]\nfilling = 1\n[motion]"),
+        "circulation.filling: got 1; allowed: up to 0",
+    ),
+    "a run off the screw": (
+        ("[motion]", '[time]\nangle = "90000 deg"\n[motion]'),
+        "time.angle: got .*the nut on the screw",
+    ),
     "part": (('turns = "nut"', 'turns = "shaft"'), 'motion.turns: got "shaft"; allowed: "screw", "nut"'),
 }
 
@@ -285,7 +299,7 @@ def test_member_draws_the_specimen_of_loads_and_friction():
 
 def test_friction_and_motion_leave_static_keys_alone():
     plain = catalogue.scene("bearing-9")
-    rubbing = replace(plain, friction=Friction(0.1, 0.2), motion=Motion(3.0, "nut"))
+    rubbing = replace(plain, friction=Friction(0.1, 0.2), motion=Motion(3.0, "nut"), time=Time(angle=1.0))
     assert rubbing != plain
     assert repr(rubbing) == repr(plain)
     assert "friction=" not in repr(rubbing)

@@ -200,7 +200,7 @@ def test_template_alternatives_load():
     text = template()
     lines = text.splitlines()
     shown = [i for i, line in enumerate(lines) if line.startswith("# or: ")]
-    assert len(shown) == 5
+    assert len(shown) == 7
     for i in shown:
         j = i - 1
         changed = [*lines[:j], lines[i].removeprefix("# or: "), *lines[i + 1 :]]
@@ -211,6 +211,9 @@ def test_template_alternatives_load():
             changed = ["count = 18" if x == "count = 32" else x for x in changed]
         if "displace" in lines[i]:
             changed = [x.removeprefix("# ") if x in lines[j - 3 : j] else x for x in changed]
+        if lines[j].startswith("# ") and "displace" not in lines[i]:
+            head = max(k for k in range(i) if lines[k].startswith("# ["))
+            changed[head:j] = [x.removeprefix("# ") for x in changed[head:j]]
         scene_file.loads("\n".join(changed), "other.toml")
 
 
@@ -270,7 +273,7 @@ def test_conformity_is_groove_radius_over_ball_diameter():
 
 
 def test_part_material_takes_the_rest_from_the_default():
-    text = template().replace("turns = 2", 'turns = 2\nmaterial = { youngs_modulus = "310 GPa" }')
+    text = template().replace("turns = 2\n", 'turns = 2\nmaterial = { youngs_modulus = "310 GPa" }\n')
     scene = scene_file.loads(text, "a.toml")
     assert (scene.balls.material.youngs_modulus, scene.balls.material.poissons_ratio) == (310e9, 0.28)
     assert scene.nut.material.youngs_modulus == 210e9
@@ -383,8 +386,15 @@ def to_toml(scene: Scene) -> str:
     if scene.friction is not None:
         f = scene.friction
         lines.append(f"[friction]\ncoefficient = {f.screw!r}\nnut = {f.nut!r}\nassumed = {json.dumps(f.assumed)}")
+        lines.append(f'coupling = "{f.coupling}"')
+        lines += [] if f.balls is None else [f"balls = {f.balls!r}"]
     if scene.motion is not None:
         lines.append(f'[motion]\nspeed = "{scene.motion.speed!r} rad/s"\nturns = "{scene.motion.turns}"')
+    for name, table in (("circulation", scene.circulation), ("time", scene.time)):
+        if table is not None:
+            units = {"gap": m, "angle": rad, "output": json.dumps, "duration": lambda v: f'"{v!r} s"'}
+            lines.append(f"[{name}]")
+            lines += [f"{k} = {units.get(k, repr)(v)}" for k, v in asdict(table).items() if v is not None]
     return "\n".join(lines)
 
 

@@ -1,7 +1,15 @@
 """Kernels of friction in a subset of Python that numba compiles; see ``lowfi.jit`` for the two engines."""
 
 from .dissipation import dissipation, dissipation_many
-from .minimum import descend, speeds_at
-from .motion import least_dissipation
+from .minimum import descend, evaluate, speeds_at
+from .motion import least_dissipation, least_dissipation_many
 
-__all__ = ["descend", "dissipation", "dissipation_many", "least_dissipation", "speeds_at"]
+__all__ = [
+    "descend",
+    "dissipation",
+    "dissipation_many",
+    "evaluate",
+    "least_dissipation",
+    "least_dissipation_many",
+    "speeds_at",
+]

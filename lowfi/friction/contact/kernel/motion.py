@@ -230,3 +230,17 @@ def least_dissipation(
     rest[:] = 0.0
     bounds[1] = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)[0]
     return REGULARISED, balance, count
+
+
+@kernel
+def least_dissipation_many(
+    shape: Array, maps: Array, drives: Array, q: Array, forces: Array, rest: Array, outcome: Array
+) -> None:
+    """``least_dissipation`` of N bodies without push: shape (N, m, 3), maps (N, m, 3, n), drives (N, m, 3).
+
+    Writes q (N, n), forces (N, m, 3), rest (N, m), outcome (N, 2): status and largest force out of balance [N].
+    """
+    none, bounds = np.zeros(q.shape[1]), np.empty(2)
+    for k in range(q.shape[0]):
+        found = least_dissipation(shape[k], maps[k], drives[k], none, False, q[k], forces[k], rest[k], bounds)
+        outcome[k, 0], outcome[k, 1] = found[0], found[1]

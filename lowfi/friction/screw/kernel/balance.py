@@ -8,7 +8,7 @@ from lowfi.jit import kernel
 
 from .arrays import Array, Balls, Groove
 from .band import solve
-from .contacts import ball, rubbing, semi_axes
+from .contacts import evaluate, rubbing
 
 #: (balance (N, 4), complementarity (N,), its slopes by force and gap (N, 2), the grooves' Hessian (N, 4, 4)).
 Parts = tuple[Array, Array, Array, Array]
@@ -32,19 +32,18 @@ def residual(groove: Groove, balls: Balls, x: Array, f: Array, eps: float, parts
 
     Complementarity by Fischer-Burmeister's function f + gap - sqrt(f^2 + gap^2).
     """
-    force, normal, hold, _, allowed, mu, strength = balls
+    hold, allowed, mu, shape, maps, drives = balls[2], balls[4], balls[5], balls[7], balls[8], balls[9]
     nominal, first, second, closing = groove[4], groove[5], groove[6], groove[7]
     balance, comp, slopes, hessian = parts
     n = f.shape[0]
-    a, b = np.empty_like(force), np.empty_like(force)
-    semi_axes(force, groove[2], groove[3], a, b)
-    balance[:] = 0.0
-    hessian[:] = 0.0
+    none = np.zeros(4)
     for k in range(n):
-        ball(groove, force[k], normal[k], (a[k], b[k]), strength, x[k], eps, balance[k], hessian[k])
+        evaluate(shape[k], maps[k], drives[k], none, eps, x[k], balance[k], hessian[k])
         for j in range(4):
             balance[k, j] += hold[k] * (x[k, j] - nominal[j])
             hessian[k, j, j] += hold[k]
+            for q in range(j):
+                hessian[k, q, j] = hessian[k, j, q]
     for k in range(n):
         ahead = (k + 1) % n
         u, v, size = rubbing(groove, x[k], x[ahead], eps)

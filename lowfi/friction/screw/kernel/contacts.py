@@ -1,4 +1,4 @@
-"""Friction at the grooves of balls in motion: its gradient and Hessian, forces and losses."""
+"""Contacts of balls in motion with grooves and with each other: what they see, friction and losses."""
 
 from math import sqrt
 
@@ -9,7 +9,7 @@ from lowfi.jit import CONTACT, is_compiled, kernel, kernels
 from .arrays import Array, Balls, Groove
 
 _OTHER = kernels(CONTACT, compiled=is_compiled(__name__))  # the kernels of one contact, compiled where these are
-dissipation, least_dissipation = _OTHER.dissipation, _OTHER.least_dissipation
+dissipation, evaluate, least_dissipation = _OTHER.dissipation, _OTHER.evaluate, _OTHER.least_dissipation
 
 
 @kernel
@@ -43,57 +43,26 @@ def seen(groove: Groove, i: int, rows: Array, x: Array) -> tuple[float, float, f
 
 
 @kernel
-def ball(
-    groove: Groove,
-    force: Array,
-    normal: Array,
-    axes: tuple[Array, Array],
-    strength: float,
-    x: Array,
-    eps: float,
-    gradient: Array,
-    hessian: Array,
-) -> None:
-    """Adds gradient (4,), Hessian (4, 4) of a ball's scaled dissipation; force (4,), normal (4, 2), semi-axes (4,)."""
-    rows, speed = np.empty((3, 4)), groove[8]
-    for i in range(4):
-        if force[i] == 0.0:
-            continue
-        contact_map(groove, normal[i, 0], normal[i, 1], rows)
-        vx, vz, spin = seen(groove, i, rows, x)
-        d = dissipation(axes[0][i], axes[1][i], vx, vz, spin, eps * speed)
-        scale = strength * force[i] / speed
-        for j in range(4):
-            mx, mz, ms = scale * rows[0, j], scale * rows[1, j], scale * rows[2, j]
-            gradient[j] += mx * d[1] + mz * d[2] + ms * d[3]
-            h_x, h_z = mx * d[5] + mz * d[6] + ms * d[8], mx * d[6] + mz * d[7] + ms * d[9]
-            h_s = mx * d[8] + mz * d[9] + ms * d[10]
-            for q in range(4):
-                hessian[j, q] += h_x * rows[0, q] + h_z * rows[1, q] + h_s * rows[2, q]
+def friction(balls: Balls, x: Array, eps: float, motion: Array, pull: Array, loss: Array) -> None:
+    """Writes what the contacts see (N, 4, 3), friction on the balls (N, 4, 3) and losses (N, 4) at motions (N, 4).
 
-
-@kernel
-def friction(groove: Groove, balls: Balls, x: Array, eps: float, mu: float, wrench: Array, loss: Array) -> None:
-    """Writes force and moment on the balls (N, 4, 6) in x3, y3, z3 [N, N m] and losses (N, 4) [W] at motions (N, 4).
-
-    Contact axes: x across the groove, (n_z, 0, -n_x); z along the path, y3; y into the ball, -n.
+    In the contacts' own axes: along x, z, about y. Motions as parts of ``speed``, forces in the unit of ``Balls``.
     """
-    force, normal = balls[0], balls[1]
-    rows, a, b = np.empty((3, 4)), np.empty_like(force), np.empty_like(force)
-    semi_axes(force, groove[2], groove[3], a, b)
-    wrench[:] = 0.0
-    loss[:] = 0.0
-    for k in range(force.shape[0]):
+    shape, maps, drives = balls[7], balls[8], balls[9]
+    for k in range(x.shape[0]):
         for i in range(4):
-            if force[k, i] == 0.0:
+            strength = shape[k, i, 2]
+            for r in range(3):
+                motion[k, i, r], pull[k, i, r] = drives[k, i, r], 0.0
+                for j in range(4):
+                    motion[k, i, r] += maps[k, i, r, j] * x[k, j]
+            loss[k, i] = 0.0
+            if strength == 0.0:
                 continue
-            n_x, n_z, bound = normal[k, i, 0], normal[k, i, 1], mu * force[k, i]
-            contact_map(groove, n_x, n_z, rows)
-            vx, vz, spin = seen(groove, i, rows, x[k])
-            d = dissipation(a[k, i], b[k, i], vx, vz, spin, eps * groove[8])
-            wrench[k, i, 0], wrench[k, i, 1], wrench[k, i, 2] = -bound * d[1] * n_z, -bound * d[2], bound * d[1] * n_x
-            wrench[k, i, 3], wrench[k, i, 5] = bound * d[3] * n_x, bound * d[3] * n_z
-            loss[k, i] = bound * (d[0] - eps * groove[8] * d[4])
+            vx, vz, spin = motion[k, i, 0], motion[k, i, 1], motion[k, i, 2]
+            d = dissipation(shape[k, i, 0], shape[k, i, 1], vx, vz, spin, eps)
+            pull[k, i, 0], pull[k, i, 1], pull[k, i, 2] = -strength * d[1], -strength * d[2], -strength * d[3]
+            loss[k, i] = strength * (d[0] - eps * d[4])
 
 
 @kernel
@@ -128,19 +97,9 @@ def meeting(
 
 
 @kernel
-def alone(groove: Groove, balls: Balls, x: Array) -> None:
+def alone(balls: Balls, x: Array) -> None:
     """Overwrites the motions (N, 4) of loaded balls by those of least dissipation without neighbours."""
-    force, normal, strength = balls[0], balls[1], balls[6]
-    a, b = np.empty_like(force), np.empty_like(force)
-    semi_axes(force, groove[2], groove[3], a, b)
-    shape, maps, drives = np.empty((4, 3)), np.empty((4, 3, 4)), np.empty((4, 3))
     forces, rest, bounds, none = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4)
-    for k in range(force.shape[0]):
-        if np.sum(force[k]) == 0.0:
-            continue
-        for i in range(4):
-            shape[i, 0], shape[i, 1], shape[i, 2] = a[k, i], b[k, i], strength * force[k, i]
-            contact_map(groove, normal[k, i, 0], normal[k, i, 1], maps[i])
-            for r in range(3):
-                drives[i, r] = -groove[1][i] * maps[i, r, 0]
-        least_dissipation(shape, maps, drives, none, False, x[k], forces, rest, bounds)
+    for k in range(x.shape[0]):
+        if np.sum(balls[7][k, :, 2]) > 0.0:
+            least_dissipation(balls[7][k], balls[8][k], balls[9][k], none, False, x[k], forces, rest, bounds)

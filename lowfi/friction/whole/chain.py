@@ -1,0 +1,121 @@
+"""Balls of a scene that push each other along their track: motions, ball-to-ball forces and losses at given contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, solve_chain
+from lowfi.friction.screw.groove import Constants, Grooved
+from lowfi.friction.screw.path import ON_SCREW
+from lowfi.friction.whole.contacts import StaticContacts
+from lowfi.friction.whole.losses import ball_path, rubs_of, shares, turn_back
+from lowfi.friction.whole.torque import about_axis
+from lowfi.statics.problem import nominal_hertz
+from meshes.parts import Friction, Scene
+from meshes.parts import Motion as Drive
+
+
+@dataclass(frozen=True, eq=False)
+class SceneGrooves(Grooved):
+    """The nominal grooves of a scene in motion, one for a whole run: kernels keep arrays by it. See ``HelicalMotion``."""
+
+    ball_radius: float
+    pitch_radius: float
+    contact_angle: float
+    lead: float
+    nut_speed: float
+    screw_speed: float
+    mu: float
+    hertz: Constants = field(repr=False)
+
+    @property
+    def constants(self) -> Constants:
+        """Hertz constants of nominal contacts."""
+        return self.hertz
+
+
+def grooves_of(scene: Scene, friction: Friction, drive: Drive) -> SceneGrooves:
+    """Nominal grooves of a scene whose screw or nut turns."""
+    path, h = ball_path(scene, drive, scene.balls.radius), nominal_hertz(scene)
+    return SceneGrooves(
+        path.ball_radius,
+        path.pitch_radius,
+        path.contact_angle,
+        path.lead,
+        path.nut_speed,
+        path.screw_speed,
+        max(friction.screw, friction.nut),
+        Constants(h.C, h.C_a, h.C_b),
+    )
+
+
+@dataclass(frozen=True)
+class SceneChain(AnyChain):
+    """Balls of their own sizes and coefficients; contacts: as friction sees them, coefficients as parts of the largest."""
+
+    at: StaticContacts
+    contacts: Rubs
+    between: float
+
+    @property
+    def rubs(self) -> Rubs:
+        """The contacts with their semi-axes and maps."""
+        return self.contacts
+
+    @property
+    def mu_balls(self) -> float:
+        """Coefficient of friction from ball to ball."""
+        return self.between
+
+    def wrench(self, pull: Array) -> Array:
+        """Friction on the balls (N, 4, 6) in x3, y3, z3 of forces in the contacts' own axes (N, 4, 3)."""
+        turned = pull.copy()
+        turn_back(self.at, turned)
+        return super().wrench(turned)
+
+    def input_power(self, wrench: Array) -> float:
+        """Power [W] of screw and nut, from forces and moments about the axis in space."""
+        axial, moment = about_axis(self.at, wrench)
+        helical = moment + self.groove.ratio * axial
+        return float(np.sum(helical * np.where(ON_SCREW, self.groove.screw_speed, self.groove.nut_speed)))
+
+
+def chain_motion(
+    scene: Scene,
+    at: StaticContacts,
+    slack: Array,
+    friction: Friction,
+    drive: Drive,
+    grooves: SceneGrooves,
+    start: tuple[Array, Array] | None = None,
+    fast: bool = True,
+) -> ChainMotion:
+    """Motion of the balls of one closed track, in order, ball k + 1 at the larger azimuth, and the forces between them.
+
+    slack (N,): as in ``AnyChain``; start: motions (N, 4) [rad/s] and forces (N,) [N] to begin from. The contact of two
+    balls is that of nominal ones; their sizes count in the slack. Failure is data: see ``ChainMotion.converged``.
+    """
+    part, top = shares(friction)
+    rubs = rubs_of(scene, at, part, drive)
+    between = friction.between_balls
+    chain = SceneChain(grooves, at.force, at.normals, slack, at, rubs, between)
+    if start is not None and top > 0.0:
+        start = start[0], start[1] / top
+    found = solve_chain(chain, start, fast, warm=True)
+    for rows in (found.seen, found.pull):
+        turn_back(at, rows)
+    return replace(
+        found,
+        ball_force=top * found.ball_force,
+        wrench=top * found.wrench,
+        pull=top * found.pull,
+        ball_push=top * found.ball_push,
+        groove_loss=top * found.groove_loss,
+        ball_loss=top * found.ball_loss,
+        closing_loss=top * found.closing_loss,
+        input_power=top * found.input_power,
+        left=top * found.left,
+    )

@@ -1,0 +1,123 @@
+"""Circuits of the balls as angles of the track: loaded arcs and returns of a screw, or the one closed turn of a bearing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.screw.groove import contact_spacing
+from lowfi.friction.whole.losses import ball_path
+from meshes.helix import reduced_lead
+from meshes.parts import Circulation, Motion, Scene
+
+#: Speed where the scene gives none [rad/s].
+ONE_TURN = Motion(2.0 * np.pi)
+#: Angle [rad] by which arcs may overlap, and balls reach beyond them, before it counts.
+CLOSE = 1e-9
+
+
+class CircuitError(ValueError):
+    """A circuit that cannot be: the key to blame, what is allowed, and what to do."""
+
+    def __init__(self, key: str, allowed: str, advice: str) -> None:
+        """Keep the three parts."""
+        super().__init__(f"{key}: {allowed}; {advice}")
+        self.key, self.allowed, self.advice = key, allowed, advice
+
+
+@dataclass(frozen=True)
+class Circuit:
+    """One closed track, all angles [rad] azimuths of the nut on the helix of start 1.
+
+    start: number of the start from 0; azimuth (n,): of the balls at the beginning, in order, those of the return last;
+    ball (n,): their numbers in the scene, -1 in the return; first: where the loaded arc begins; arc, ring: lengths of the
+    loaded arc and of the whole track; spacing: of touching nominal balls. A bearing has arc = ring.
+    """
+
+    start: int
+    azimuth: Array
+    ball: NDArray[np.int64]
+    first: float
+    arc: float
+    ring: float
+    spacing: float
+
+    @property
+    def clearance(self) -> float:
+        """Sum of the gaps between nominal balls [rad]."""
+        return self.ring - self.azimuth.size * self.spacing
+
+
+def circuits(scene: Scene) -> tuple[Circuit, ...]:
+    """The circuits of a scene, those of the first start first.
+
+    Without [circulation] the balls of a screw leave the loaded arc at one end and enter it at the other at once. Raises
+    CircuitError for arcs that do not hold their balls, or overlap, and for returns that do not hold theirs.
+    """
+    found = scene.circulation or Circulation()
+    own = np.sort(np.asarray(scene.balls.azimuths, dtype=float))
+    ring = scene.track.lead == 0.0
+    path = ball_path(scene, scene.motion or ONE_TURN, scene.balls.radius)
+    spacing = contact_spacing(path)
+    if own.size % found.circuits:
+        allowed = f"a number that divides the {own.size} balls of a start"
+        raise CircuitError("circuits", allowed, "circuits share the balls of their start equally")
+    groups = np.split(own, found.circuits)
+    turns = None if found.turns is None else 2.0 * np.pi * found.turns / found.circuits
+    arcs = [2.0 * np.pi if ring else _arc(group, turns, spacing) for group in groups]
+    middles = [0.5 * float(group[0] + group[-1]) for group in groups]
+    for k in range(1, len(groups)):
+        if middles[k] - middles[k - 1] < 0.5 * (arcs[k] + arcs[k - 1]) - CLOSE:
+            most = len(groups) * float(np.min(np.diff(middles))) / (2.0 * np.pi)
+            raise CircuitError("turns", f"up to {most:.6g}", "the loaded arcs of neighbouring circuits would overlap")
+    order, out = np.argsort(np.asarray(scene.balls.azimuths), kind="stable"), []
+    for start in range(scene.track.starts):
+        for k, group in enumerate(groups):
+            number = order[k * group.size : (k + 1) * group.size] + start * own.size
+            begin = float(group[0]) - 0.5 * spacing if ring else middles[k] - 0.5 * arcs[k]
+            length = arcs[k] if ring else _ring(found, group.size, arcs[k], spacing, path.radius)
+            back = begin + arcs[k] + (length - arcs[k]) * (np.arange(found.returning) + 0.5) / max(found.returning, 1)
+            azimuth = np.append(group, back)
+            ball = np.append(number, np.full(found.returning, -1))
+            out.append(Circuit(start, azimuth, ball, begin, arcs[k], length, spacing))
+    return tuple(out)
+
+
+def _arc(group: Array, given: float | None, spacing: float) -> float:
+    """Length of a loaded arc [rad]; ``given`` or as much as its balls fill, half a distance beyond the outer ones."""
+    span = float(group[-1] - group[0])
+    if given is None:
+        return span * group.size / (group.size - 1) if group.size > 1 else spacing
+    if given < span - CLOSE:
+        allowed = f"at least {span / (2.0 * np.pi):.6g} turns for each circuit"
+        raise CircuitError("turns", allowed, "the loaded arc must hold the balls that the scene places on it")
+    return given
+
+
+def _ring(found: Circulation, loaded: int, arc: float, spacing: float, radius: float) -> float:
+    """Length of the closed track [rad]; radius: length of the track per angle [m]."""
+    count = loaded + found.returning
+    if found.filling is not None:
+        length = count * spacing / found.filling
+    elif found.gap is not None:
+        length = count * (spacing + found.gap / radius)
+    else:
+        return arc * count / loaded
+    least = arc + found.returning * spacing
+    if length >= least - CLOSE:
+        return max(length, least)
+    advice = "the loaded arc and the return must hold their balls: fewer turns, more balls in the return, or more clearance"
+    if found.filling is not None:
+        raise CircuitError("filling", f"up to {count * spacing / least:.4g}", advice)
+    raise CircuitError("gap", f"at least {1e6 * radius * (least / count - spacing):.4g} um", advice)
+
+
+def travel(scene: Scene) -> Array:
+    """Places (2,) [m] of the nut along the screw at both ends of the scene's run, from where it is at the beginning."""
+    motion = scene.motion or ONE_TURN
+    span = 0.0 if scene.time is None else scene.time.span(motion)
+    turned = motion.speed * span * (-1.0 if motion.turns == "screw" else 1.0)
+    return np.array([0.0, reduced_lead(scene.track) * turned])

@@ -1,0 +1,82 @@
+"""Balls that touch at one instant: what neighbours do to motions, losses and torque at the static loads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.whole.balls import balls_of
+from lowfi.friction.whole.chain import chain_motion
+from lowfi.friction.whole.contacts import StaticContacts, spread
+from lowfi.friction.whole.losses import BallFriction
+from meshes.errors import draw
+from meshes.helix import layout_at, reduced_lead
+from meshes.parts import Friction, Scene
+from meshes.parts import Motion as Drive
+
+#: Gap [m] up to which neighbours count as touching.
+TOUCHING = 1e-6
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Friction of N balls, in the order of the scene, with neighbours that touch; SI.
+
+    force (N,): of a ball on the next one at the larger azimuth; power: lost between balls; touching: pairs; least: smallest
+    gap of all neighbours on the loaded arcs, inf without any.
+    """
+
+    balls: BallFriction
+    force: Array
+    power: float
+    touching: int
+    least: float
+
+
+def neighbours(
+    scene: Scene, at: StaticContacts, friction: Friction, drive: Drive, member: int = 0, fast: bool = False
+) -> Neighbours:
+    """Motions of all balls at loads that do not change, where those within ``TOUCHING`` of each other push.
+
+    Balls in the return touch none. Raises CircuitError for circuits that cannot be, ValueError for balls that overlap.
+    """
+    track, drawn = scene.track, draw(scene, member)
+    all_balls = balls_of(scene, friction, drive, drawn, member)
+    who = np.flatnonzero(all_balls.number >= 0)
+    order = all_balls.number[who]
+    starts = np.concatenate([np.full(t.azimuth.size, t.start) for t in all_balls.tracks])
+    space = all_balls.azimuth + 2.0 * np.pi * starts / track.starts
+    station = scene.nut.position + reduced_lead(track) * (all_balls.azimuth - track.phase)
+    full = spread(at.part(order), layout_at(track, space, station), who, all_balls.radius, track.contact_angle)
+    gap = all_balls.gaps(all_balls.azimuth) * all_balls.grooves.pair.closing
+    slack = np.where(gap <= TOUCHING, 0.0, np.inf)
+    least = np.inf
+    orbit, rotation, force = np.full(order.size, np.nan), np.full((order.size, 3), np.nan), np.zeros(order.size)
+    motion, pull, status = np.full((order.size, 4, 3), np.nan), np.zeros((order.size, 4, 3)), ["no load"] * order.size
+    power, touching, left = 0.0, 0, 0.0
+    for own in all_balls.bounds:
+        number = all_balls.number[own]
+        free = (number < 0) | (np.roll(number, -1) < 0)
+        if track.lead != 0.0:
+            free[-1] = True  # the return lies between the last ball and the first
+        limit = np.where(free, np.inf, slack[own])
+        least = min(least, float(np.min(np.where(free, np.inf, gap[own]))))
+        touching += int(np.sum(limit == 0.0))
+        moved = chain_motion(scene, full.part(own), limit, friction, drive, all_balls.grooves, None, fast)
+        kept, to = number >= 0, number[number >= 0]
+        pressed = at.force[to].sum(axis=1) > 0.0
+        orbit[to] = np.where(pressed, moved.q[kept, 0], np.nan)
+        rotation[to] = np.where(pressed[:, None], moved.q[kept, 1:], np.nan)
+        motion[to], pull[to], force[to] = moved.seen[kept], moved.pull[kept], moved.ball_force[kept]
+        power += float(moved.ball_loss.sum() + moved.closing_loss.sum())
+        left = max(left, moved.left)
+        for k in to[pressed]:
+            status[k] = "balanced" if moved.converged else "failed"
+    motion[at.force == 0.0] = np.nan
+    loss = np.where(at.force[..., None] > 0.0, -pull * np.nan_to_num(motion), 0.0) + 0.0
+    rest = np.zeros(at.force.shape, dtype=bool)
+    scale = max(max(friction.screw, friction.nut) * float(at.force.sum(axis=1).max(initial=0.0)), 1e-30)
+    found = BallFriction(orbit, rotation, motion, pull[..., :2], pull[..., 2], loss, rest, tuple(status), left / scale)
+    return Neighbours(found, force, power, touching, least)

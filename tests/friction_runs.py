@@ -1,0 +1,46 @@
+"""Shared by tests of runs in time: screws and bearings whose balls meet, enter and leave, and their settings."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from lowfi.friction.screw.groove import contact_spacing, pair_geometry
+from lowfi.friction.whole.balls import balls_of
+from lowfi.friction.whole.losses import ball_path
+from lowfi.friction.whole.run import Setting
+from lowfi.statics.again import beam_loads
+from meshes.errors import draw
+from meshes.parts import BallErrors, Circulation, Errors, FourierTerm, Friction, Motion, SideErrors
+from tests.helpers import small_screw
+
+MU, TURN = Friction(0.1, 0.1), Motion(10.0)
+SIZES = BallErrors(oversize=4e-6, listed=((2, 2e-6), (4, -2e-6), (5, 1.5e-6)))
+WAVES = Errors(
+    balls=SIZES, SL=SideErrors(pitch=(FourierTerm(2.0, 2e-6),)), NR=SideErrors(roundness=(FourierTerm(1.0, 1e-6, 2e-6),))
+)
+
+
+def setting(scene, friction=MU, motion=TURN, solve=beam_loads):
+    """A run of a scene with a rigid or beam screw, compiled kernels."""
+    scene = replace(scene, motion=motion)
+    drawn = draw(scene)
+    balls = balls_of(scene, friction, motion, drawn)
+    return Setting(scene, friction, motion, drawn, balls, lambda met, at: solve(scene, met, at, "compiled"))
+
+
+def crowded(clearance=1e-6, count=6, hand="right", **options):
+    """Balls of unlike sizes that almost touch (clearance [rad]), errors of both grooves, and two balls in the return."""
+    base = small_screw(count, 0.5, hand=hand, force=(40.0, 10.0, 700.0), screw="rigid", **options)
+    path = ball_path(base, TURN, base.balls.radius)
+    spacing = contact_spacing(path) + 10e-6 / pair_geometry(path).closing + clearance
+    places = spacing * (np.arange(count) - 0.5 * (count - 1))
+    balls = replace(base.balls, azimuths=tuple(float(p) for p in places))
+    turns = count * spacing / (2.0 * np.pi)
+    circulation = Circulation(turns=turns, returning=2, filling=0.93)
+    return replace(base, balls=balls, errors=WAVES, circulation=circulation)
+
+
+def sparse(count=9, **options):
+    """A bearing with errors whose balls stay apart: nothing begins or ends."""
+    base = small_screw(count, (count - 1) / count, lead=0.0, force=(60.0, 0.0, 400.0), screw="rigid", **options)
+    return replace(base, errors=WAVES)

@@ -1,0 +1,98 @@
+"""Circuits of the balls: lengths of arcs and returns, which balls they hold, and what is refused."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from lowfi.friction.whole.circuit import CircuitError, circuits, travel
+from meshes.parts import Balls, Circulation, Motion, Time
+from tests.helpers import small_screw
+
+
+def screw(**circulation):
+    return replace(small_screw(12, 0.75), circulation=Circulation(**circulation))
+
+
+def test_without_a_table_balls_fill_their_arc_evenly():
+    scene = small_screw(12, 1.5)
+    (one,) = circuits(scene)
+    assert one.arc == pytest.approx(3.0 * np.pi, rel=1e-12)
+    assert one.ring == one.arc
+    assert np.allclose(np.diff(one.azimuth), one.arc / 12)
+    assert one.azimuth[0] - one.first == pytest.approx(0.5 * one.arc / 12)
+    assert one.clearance == pytest.approx(one.ring - 12 * one.spacing)
+
+
+def test_filling_and_gap_say_the_same():
+    a = circuits(screw(returning=5, filling=0.8))[0]
+    assert a.azimuth.size == 17
+    assert a.ball.tolist() == [*range(12), -1, -1, -1, -1, -1]
+    assert 17 * a.spacing / a.ring == pytest.approx(0.8, rel=1e-12)
+    scene = screw(returning=5)
+    radius = float(np.hypot(scene.track.pitch_radius, scene.track.lead / (2.0 * np.pi)))
+    b = circuits(screw(returning=5, gap=a.clearance / 17 * radius))[0]
+    assert b.ring == pytest.approx(a.ring, rel=1e-12)
+    assert np.all(a.azimuth[12:] > a.first + a.arc)
+    assert np.all(a.azimuth[12:] < a.first + a.ring)
+
+
+def test_circuits_share_the_balls_of_every_start():
+    base = small_screw(12, 1.5)
+    scene = replace(base, track=replace(base.track, starts=2), circulation=Circulation(circuits=3, returning=2))
+    found = circuits(scene)
+    assert [c.start for c in found] == [0, 0, 0, 1, 1, 1]
+    assert sorted(int(b) for c in found for b in c.ball if b >= 0) == list(range(24))
+    for c, d in pairwise(found[:3]):
+        assert c.first + c.arc == pytest.approx(d.first, abs=1e-12)
+    assert sum(c.arc for c in found[:3]) == pytest.approx(3.0 * np.pi)
+
+
+def test_a_bearing_is_one_closed_turn():
+    scene = small_screw(9, 8.0 / 9.0, lead=0.0)
+    (one,) = circuits(scene)
+    assert (one.arc, one.ring) == (2.0 * np.pi, 2.0 * np.pi)
+
+
+def test_balls_in_any_order_are_put_in_order():
+    base = small_screw(4, 0.5)
+    shuffled = replace(
+        base, balls=Balls(base.balls.radius, base.balls.material, tuple(base.balls.azimuths[k] for k in (2, 0, 3, 1)))
+    )
+    assert circuits(shuffled)[0].ball.tolist() == [1, 3, 0, 2]
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"circuits": 5}, "circuits"),
+        ({"turns": 0.6}, "turns"),
+        ({"turns": 1.5, "circuits": 2}, "turns"),
+        ({"filling": 1.0}, "filling"),
+        ({"returning": 3, "gap": 0.0}, "gap"),
+    ],
+)
+def test_what_cannot_be_names_its_key(change, key):
+    with pytest.raises(CircuitError) as caught:
+        circuits(screw(**change))
+    assert caught.value.key == key
+
+
+def test_the_limits_named_are_those_that_pass():
+    with pytest.raises(CircuitError) as caught:
+        circuits(screw(filling=1.0))
+    most = float(caught.value.allowed.split()[-1])
+    assert circuits(screw(filling=most * (1.0 - 1e-3)))
+    with pytest.raises(CircuitError) as caught:
+        circuits(screw(gap=0.0))
+    least = float(caught.value.allowed.split()[2])
+    assert circuits(screw(gap=least * 1e-6 * (1.0 + 1e-3)))
+
+
+@pytest.mark.parametrize(("turns", "hand", "sign"), [("screw", "right", -1), ("nut", "right", 1), ("nut", "left", -1)])
+def test_travel_is_the_lead_per_turn(turns, hand, sign):
+    base = small_screw(12, 1.5, hand=hand)
+    scene = replace(base, motion=Motion(3.0, turns), time=Time(angle=4.0 * np.pi))
+    assert travel(scene)[1] == pytest.approx(sign * 2.0 * base.track.lead, rel=1e-12)
+    assert np.all(travel(replace(base, motion=Motion(3.0, turns))) == 0.0)

@@ -1,0 +1,268 @@
+"""A screw or bearing in time: energy, order of the balls, symmetries, limits, and states that older solvers describe."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from lowfi.friction.screw.chain import Chain, solve_chain
+from lowfi.friction.screw.load import settle
+from lowfi.friction.screw.run import lin_3_4_4, run_cell
+from lowfi.friction.whole.balls import balls_of
+from lowfi.friction.whole.chain import chain_motion, grooves_of
+from lowfi.friction.whole.contacts import StaticContacts
+from lowfi.friction.whole.run import simulate
+from lowfi.friction.whole.state import friction_state
+from lowfi.statics.again import beam_loads, elastic_loads
+from lowfi.statics.elastic import solve_elastic
+from lowfi.statics.static import solve_static
+from meshes.errors import draw, specimen
+from meshes.helix import ball_layout, layout_at
+from meshes.parts import (
+    BallErrors,
+    Balls,
+    Circulation,
+    Errors,
+    FourierTerm,
+    Friction,
+    Load,
+    Material,
+    Motion,
+    Nut,
+    Scene,
+    Screw,
+    SideErrors,
+    Track,
+)
+from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
+from tests.helpers import FLANK_ERRORS, small_screw, solved
+
+SCENES = {
+    "balls that meet": lambda: crowded(),
+    "left hand": lambda: crowded(hand="left"),
+    "bearing": lambda: sparse(),
+    "two starts, uneven flanks": lambda: two_starts(),
+}
+
+
+def two_starts():
+    base = small_screw(8, 0.9, hand="left", oversize=4e-6, force=(30.0, 10.0, -600.0))
+    errors = replace(FLANK_ERRORS, balls=base.errors.balls)
+    circulation = Circulation(circuits=2, returning=1)
+    return replace(base, track=replace(base.track, starts=2, lead=24e-3), errors=errors, circulation=circulation)
+
+
+@cache
+def run(name, friction=MU, motion=TURN, span=0.1, steps=10):
+    return simulate(setting(SCENES[name](), friction, motion), span, steps)
+
+
+@pytest.mark.parametrize("motion", [TURN, Motion(-3.0, "nut")], ids=["screw", "nut"])
+@pytest.mark.parametrize("name", SCENES)
+def test_power_in_is_dissipation_at_every_instant(name, motion):
+    h = run(name, MU, motion)
+    assert h.good
+    assert np.all(h.torque > 0.0)
+    assert np.abs(h.imbalance).max() < 1e-8
+
+
+@pytest.mark.parametrize("friction", [MU, Friction(0.1, 0.1, coupling="ball")], ids=["loads given", "balls moved"])
+def test_loads_carry_what_the_scene_applies_at_every_instant(friction):
+    h = run("balls that meet", friction)
+    assert h.axial == pytest.approx(np.full(h.steps, 700.0), rel=1e-4 if friction.coupling == "ball" else 1e-9)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_balls_keep_their_order_and_push_only_where_they_touch(name):
+    h = run(name)
+    for track, own in zip(h.balls.tracks, h.balls.bounds, strict=True):
+        gap, spacing = h.gap[:, own], h.balls.spacing[own]
+        assert gap.min() >= 0.0
+        assert gap.sum(axis=1) == pytest.approx(np.full(h.steps, track.ring - spacing.sum()), abs=1e-10)
+        force = h.ball_force[:, own]
+        assert force.min() >= 0.0
+        assert np.max(gap[force > 0.0], initial=0.0) < 1e-9
+    touches = bool((h.ball_force > 0.0).any())
+    assert touches == (name in ("balls that meet", "left hand"))
+
+
+def test_balls_leave_and_enter_and_bear_load_on_the_loaded_arc_alone():
+    scene = crowded(clearance=1e-3)
+    h = simulate(setting(scene), 0.2, 20)
+    assert h.good
+    assert np.all(h.load[~h.loaded] == 0.0)
+    assert set(h.loaded[0]) == {True, False}
+    assert np.any(h.loaded[0] != h.loaded[-1]), "within two radians of the screw balls have changed places"
+    assert h.load[h.loaded].max() > 0.0
+
+
+def test_a_tiny_run_is_the_state_at_the_instant():
+    scene = replace(sparse(), motion=TURN)
+    found = friction_state(scene, solved(scene), MU, TURN)
+    h = simulate(setting(scene), 1e-7, 2)
+    assert h.torque[0] == pytest.approx(found.torque.friction, rel=1e-6)
+    assert h.omega[0] == pytest.approx(found.balls.orbit, rel=1e-6)
+
+
+def test_friction_that_moves_balls_is_that_of_the_instant():
+    scene, friction = replace(small_screw(6, 0.6, force=(0.0, 0.0, 500.0), screw="rigid"), motion=TURN), Friction(0.1, 0.1)
+    friction = replace(friction, coupling="ball")
+    found = friction_state(scene, solved(scene), friction, TURN)
+    h = simulate(setting(scene, friction), 1e-7, 2)
+    assert h.torque[0] == pytest.approx(found.torque.friction, rel=1e-5)
+    assert h.torque[0] > 1.2 * simulate(setting(scene), 1e-7, 2).torque[0], "two-point contact"
+
+
+def mirrored(scene):
+    """The scene in a mirror that turns y; its balls in the opposite order."""
+    track = replace(scene.track, hand="left" if scene.track.hand == "right" else "right")
+    (x, y, z) = scene.loads[0].force
+    balls = replace(scene.balls, azimuths=tuple(-a for a in scene.balls.azimuths))
+    return replace(scene, track=track, balls=balls, loads=(Load(scene.loads[0].at, (x, -y, z)),))
+
+
+def test_left_hand_is_the_mirrored_right_hand():
+    scene = replace(crowded(), errors=Errors(balls=WAVES.balls), circulation=Circulation())
+    one = simulate(setting(scene), 0.1, 10)
+    other = simulate(setting(mirrored(scene), motion=Motion(-10.0)), 0.1, 10)
+    assert (one.ball_force > 0.0).any()
+    assert other.torque == pytest.approx(one.torque, rel=1e-8)
+    assert other.omega[:, ::-1] == pytest.approx(-one.omega, rel=1e-7)
+    assert other.ball_force[:, -2::-1] == pytest.approx(one.ball_force[:, :-1], rel=1e-6, abs=1e-6)
+
+
+def test_reversed_motion_reverses_speeds_and_loses_the_same():
+    there, back = (simulate(setting(sparse(), motion=Motion(speed)), 1e-7, 2) for speed in (10.0, -10.0))
+    assert back.omega[0] == pytest.approx(-there.omega[0], rel=1e-6)
+    assert back.torque == pytest.approx(there.torque, rel=1e-6)
+
+
+def test_turning_nut_is_a_turning_screw_seen_from_it():
+    """Without side loads: they stand in space, so that in the nut's frame they would turn."""
+    scene = replace(sparse(), loads=(Load(0.1, (0.0, 0.0, 400.0)),))
+    screw = simulate(setting(scene), 0.1, 8)
+    nut = simulate(setting(scene, motion=Motion(-10.0, "nut")), 0.1, 8)
+    assert nut.torque == pytest.approx(screw.torque, rel=1e-9)
+    assert nut.omega == pytest.approx(screw.omega, rel=1e-9)
+
+
+def test_without_friction_nothing_is_lost_and_balls_move_as_with_little():
+    free = run("balls that meet", Friction(0.0, 0.0))
+    little = run("balls that meet", Friction(1e-7, 1e-7))
+    assert free.good
+    assert np.all(free.torque == 0.0)
+    assert np.all(free.ball_force == 0.0)
+    assert free.omega == pytest.approx(little.omega, rel=1e-5)
+
+
+def test_torque_repeats_after_a_pitch_of_the_balls():
+    """Nine balls on a nut's groove of nine waves: all see the same, and each takes its neighbour's place."""
+    scene = small_screw(9, 1.0, lead=0.0, oversize=12e-6, force=(0.0, 0.0, 400.0), screw="rigid")
+    waves = SideErrors(roundness=(FourierTerm(9.0, 2e-6, 2e-6),))
+    scene = replace(scene, errors=replace(scene.errors, NL=waves))
+    pitch = 2.0 * np.pi / 9.0
+    h = simulate(setting(scene), 0.4, 96)
+    place, again = h.azimuth[:, 0], h.azimuth[:, 0] + pitch
+    later = again < place[-1]
+    torque = CubicSpline(place, h.torque)
+    assert later.sum() > 20
+    assert np.ptp(h.torque) > 0.01 * h.torque.mean()
+    assert torque(again[later]) == pytest.approx(h.torque[later], abs=1e-3 * np.ptp(h.torque))
+
+
+def test_sizes_belong_to_balls_and_errors_to_places():
+    """One large ball carries its load round; a wave of the nut's groove stays where it is."""
+    base = small_screw(9, 8.0 / 9.0, lead=0.0, oversize=3e-6, force=(0.0, 0.0, 50.0), screw="rigid")
+    large = replace(base, errors=Errors(balls=BallErrors(oversize=3e-6, listed=((4, 2e-6),))))
+    h = simulate(setting(large), 1.0, 8)
+    assert np.all(h.load.sum(axis=2).argmax(axis=1) == 3)
+    one = replace(WAVES, balls=base.errors.balls, SL=Errors().SL)
+    h = simulate(setting(replace(base, errors=one)), 1.2, 8)
+    for k in range(h.steps):
+        wave = np.cos(h.azimuth[k]) * 2e-6 + np.sin(h.azimuth[k]) * 1e-6
+        assert np.corrcoef(wave, h.load[k].sum(axis=1))[0, 1] < -0.5 or np.corrcoef(wave, h.load[k].sum(axis=1))[0, 1] > 0.5
+    assert len(set(h.load.sum(axis=2).argmax(axis=1))) > 1
+
+
+def contacts_of_groove(groove, force, angle, azimuth):
+    """Contacts of balls in the grooves of the source's screw, with its Hertz constants, and a scene of that screw."""
+    steel = Material(groove.young, groove.poisson)
+    track = Track(groove.pitch_radius, groove.lead, groove.contact_angle)
+    scene = Scene(
+        "source",
+        "source",
+        track,
+        Screw(0.2, 2.0 * groove.pitch_radius, groove.groove_radius, steel),
+        Nut(0.1, 0.05, 0.1, groove.groove_radius, steel),
+        Balls(groove.ball_radius, steel, tuple(azimuth)),
+    )
+    h, cube = groove.constants, np.cbrt(np.maximum(force, max(1e-9 * force.max(), 1e-30)))
+    layout = layout_at(track, azimuth, 0.1 + groove.ratio * azimuth)
+    size = np.full(azimuth.size, groove.ball_radius)
+    return scene, StaticContacts(size, force, angle, h.C_a * cube, h.C_b * cube, np.ones(force.shape, dtype=bool), layout)
+
+
+@pytest.mark.parametrize("clearance", [0.0, 1e-3])
+def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
+    """The situation of Lin 3.4.4 at one instant: 37 balls, both grooves alike, neighbours that may touch."""
+    case = lin_3_4_4()
+    g, azimuth = case.groove, case.ring * (np.arange(37) + 0.5) / 37 - np.pi * case.turns
+    loads = settle(run_cell(case, azimuth, np.ones(37, dtype=bool)))
+    slack = np.full(37, clearance)
+    slack[-1] = np.inf
+    expected = solve_chain(Chain(g, loads.force, g.normals(loads.angle), slack))
+    scene, at = contacts_of_groove(g, loads.force, loads.angle, azimuth)
+    friction, drive = Friction(g.mu, g.mu), Motion(g.nut_speed, "nut")
+    found = chain_motion(scene, at, slack, friction, drive, grooves_of(scene, friction, drive))
+    assert expected.ball_force.max() > 0.1
+    assert found.ball_force == pytest.approx(expected.ball_force, rel=1e-8, abs=1e-10 * expected.ball_force.max())
+    assert found.q == pytest.approx(expected.q, rel=1e-9, abs=1e-9)
+    assert found.loss == pytest.approx(expected.loss, rel=1e-10)
+    assert found.input_power == pytest.approx(expected.input_power, rel=1e-10)
+
+
+def test_balls_of_unlike_sizes_touch_where_their_radii_meet():
+    balls = setting(crowded()).balls
+    radius, pair = balls.radius, balls.grooves.pair
+    own = balls.bounds[0]
+    for k in range(own.start, own.stop - 1):
+        phi = balls.spacing[k]
+        chord = np.hypot(2.0 * balls.grooves.pitch_radius * np.sin(0.5 * phi), balls.grooves.ratio * phi)
+        assert chord == pytest.approx(radius[k] + radius[k + 1], abs=2e-9)
+    assert np.ptp(balls.spacing) * pair.closing > 1e-6
+
+
+def test_loads_again_are_those_of_a_single_solution():
+    scene = small_screw(6, 0.8, force=(20.0, 0.0, 400.0), oversize=2e-6)
+    layout = ball_layout(scene)
+    for again, once in ((beam_loads, solve_static), (elastic_loads, solve_elastic)):
+        found, expected = again(scene, specimen(scene, layout), layout), once(scene)
+        assert found.load == pytest.approx(expected.load, rel=1e-9, abs=1e-6)
+        assert np.allclose(found.contact_angle, expected.contact_angle, rtol=1e-9, equal_nan=True)
+
+
+def test_places_of_balls_can_be_given_to_elastic_bodies():
+    """Balls turned by a full turn about a screw of zero lead meet the same compliance."""
+    scene = sparse(6)
+    layout = ball_layout(scene)
+    turned = layout_at(scene.track, layout.azimuth + 2.0 * np.pi, layout.z)
+    first = elastic_loads(scene, specimen(scene, layout), layout)
+    again = elastic_loads(scene, specimen(scene, layout), turned)
+    assert again.load == pytest.approx(first.load, rel=1e-9, abs=1e-6)
+
+
+def test_what_is_refused():
+    scene = crowded()
+    drawn = draw(scene)
+    large = replace(drawn, ball_radius=drawn.ball_radius + 20e-6)
+    with pytest.raises(ValueError, match="overlap"):
+        balls_of(scene, MU, TURN, large)
+
+
+def test_a_run_ends_where_loads_are_not_found():
+    scene = replace(small_screw(6, 0.6, force=(0.0, 0.0, 100.0), screw="rigid"), supports=())
+    h = simulate(setting(scene), 0.01, 4)
+    assert not h.good
+    assert "contact loads" in h.status
