@@ -60,7 +60,8 @@ def balance_table() -> Table:
     more = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
     note = (
         f"The source takes its torque from the dissipation (3.21); interpolation between its maps moves that by "
-        f"{more:+.1f} % from friction's moment in case {worst['case']}. In cases I and II the sigmoid moves a contact that rests under "
+        f"{more:+.1f} % from friction's moment in case {worst['case']}. In cases I and II the sigmoid moves a contact "
+        "that rests under "
         "Coulomb friction: the sum of the losses stays, their distribution over the contacts does not."
     )
     return Table("friction-balance", "Rotary bearing: balance of power", columns, rows, note)
