@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from compare.evidence.record import Evidence, Sheet, count_of
 from compare.models.study import Study
 from lowfi.statics.result import StaticResult
 from meshes.helix import ball_layout
-from meshes.parts import Scene
+from meshes.parts import Scene, SideErrors, Support
 
 SCREWS = {"4p1": "Table 4.1", "2p1": "Table 2.1"}
+#: Clearances tried for the claim of two-point contact: change of every ball's radius [m].
+CLEARANCES = (0.0, -1e-6, -2e-6, -3e-6, -4e-6, -5e-6)
 
 
 def spread(result: StaticResult) -> float:
@@ -31,6 +35,23 @@ def cycles(scene: Scene, lost: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) 
     if power.sum() == 0.0:
         return 0, 0.0
     return int(power.argmax()) + 1, float(power.max() / power.sum())
+
+
+def readings(scene: Scene) -> list[tuple[str, Scene]]:
+    """Supports and clearances that the source does not print."""
+    rotation = (Support(0.0, (("rz", 0.0),)),)
+    lateral = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rz", 0.0))),)
+    no_right = replace(scene.errors, SR=SideErrors())
+    out = [
+        ("as shipped: left end clamped but for axial motion", scene),
+        ("left end: only rotation about the axis held", replace(scene, supports=rotation)),
+        ("left end: lateral displacement and rotation about the axis held", replace(scene, supports=lateral)),
+        ("error on SL only, as the formula is printed", replace(scene, errors=no_right)),
+    ]
+    for c in CLEARANCES[1:]:
+        errors = replace(scene.errors, balls=replace(scene.errors.balls, oversize=c))
+        out.append((f"ball radius smaller by {-1e6 * c:.0f} um", replace(scene, errors=errors)))
+    return out
 
 
 def section_4_3_2(study: Study) -> tuple[Evidence, ...]:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from compare.evidence.hertz_b1 import TABLE_CONFORMITY
+from compare.evidence.choices_2_4_1 import Choice, choices
 from compare.evidence.loads_2_4_1 import CASES, READINGS, ratio, section_2_4_1, spread_of_choices
-from compare.measure import load_error
-from compare.models.study import Study, with_groove
+from compare.models.study import Study
 from compare.sections.case3 import readings_table
 from compare.sections.curves import loads
 from compare.sections.finding_table import printed_table
@@ -21,52 +19,21 @@ from meshes.parts import SIDES, Scene
 from reports.records import Cell, Column, Figure, LoadedScrew, Panel, Section, Series, Table, Text
 
 
-def choices(study: Study) -> list[dict[str, Cell]]:
-    """Case 1 under every choice that the source leaves open, and under its faults."""
-    base = study.solve("lin-case1")
-    own = study.scene("lin-case1")
-    small = with_groove(own, TABLE_CONFORMITY)
-    variants: Sequence[tuple[str, Scene, str]] = (
-        ("default: node at every contact, C.8 with its root, right Hertz constants", own, "lin"),
-        ("partition of the source (15 mm in the nut)", study.changed("lin-case1", partition="source"), "lin"),
-        ("C.8 read without the root", study.changed("lin-case1", section="groove squared"), "lin"),
-        ("groove ignored in the beam's section", study.changed("lin-case1", section="full"), "lin"),
-        (
-            "source's partition and C.8 without the root",
-            study.changed("lin-case1", partition="source", section="groove squared"),
-            "lin",
-        ),
-        ("Hertz constants as printed (faults of Table B.1)", study.changed("lin-case1", hertz="as printed"), "lin"),
-        ("groove radius 0.56 x diameter, right Hertz constants", small, "lin"),
-        (
-            "groove radius 0.56 x diameter, as printed (Table B.1 itself)",
-            replace(small, ingredients=replace(small.ingredients, hertz="as printed")),
-            "lin",
-        ),
-        ("Hertz constants at each contact's actual geometry", study.changed("lin-case1", hertz="actual"), "lin"),
-        ("lever arm frozen at the nominal contact point", study.changed("lin-case1", arm="nominal"), "lin"),
-        ("force enters the beam at the ball's station", study.changed("lin-case1", arm="ball"), "lin"),
-        ("source's own equations (lever arm and station follow the contact angle)", own, "source"),
-        ("axial bars only, rigid nut (Mei)", own, "mei"),
-        ("axial bars only, nut an elastic bar (Mei)", own, "mei-nut"),
-    )
-    rows: list[dict[str, Cell]] = []
-    for label, scene, model in variants:
-        r = study.solve(scene, model)
-        e = load_error(r.load, base.load)
-        rows.append(
-            {
-                "choice": label,
-                "max": float(r.load.max()),
-                "min": float(r.load[:, 0].min()),
-                "ratio": ratio(r.load[:, 0]),
-                "error": e.max_percent,
-                "rms": e.rms_percent,
-                "uz": 1e6 * float(r.centreline[0, 2]),
-                "status": r.status,
-            }
-        )
-    return rows
+def choice_rows(found: Sequence[Choice]) -> list[dict[str, Cell]]:
+    """Rows of the table of choices."""
+    return [
+        {
+            "choice": c.label,
+            "max": float(c.result.load.max()),
+            "min": float(c.result.load[:, 0].min()),
+            "ratio": ratio(c.result.load[:, 0]),
+            "error": c.change.max_percent,
+            "rms": c.change.rms_percent,
+            "uz": 1e6 * float(c.result.centreline[0, 2]),
+            "status": c.result.status,
+        }
+        for c in found
+    ]
 
 
 CHOICE_COLUMNS = (
@@ -261,7 +228,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     step("cases 1, 2, 3 on four models")
     found = study.once(section_2_4_1)
     step("what the open choices change")
-    rows = choices(study)
+    rows = choice_rows(study.once(choices))
     offset = study.solve("lin-case3-offset")
     return Section(
         "cases",

@@ -3,38 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
-from itertools import product
-from math import degrees, radians
+from math import degrees
 
 import numpy as np
 
+from compare.evidence.assumptions_3 import balance_rows, sensitivity_rows
 from compare.evidence.registry import evidence
-from compare.evidence.rotary_linear import (
-    AXIAL,
-    CASES,
-    K_F,
-    LINEAR,
-    LOADS,
-    PRINTED_LAW,
-    ROTARY,
-    VERTICAL,
-    WORST,
-    as_printed,
-    pair,
-    right,
-)
+from compare.evidence.rotary_linear import AXIAL, CASES, K_F, LINEAR, PRINTED_LAW, ROTARY, VERTICAL, as_printed, right
+from compare.extremes.printed_cases import pair_rows, root_rows
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.printed_data import entry
 from compare.sections.curves import numbers
 from compare.sections.finding_table import printed_table
-from lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, inner_torque, source_law, sweep
+from lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
 from lowfi.friction.contact.ellipse import Array
-from lowfi.friction.contact.motion import balance_by_root, least_dissipation
-from lowfi.friction.linear.chain import Chain, prepare, solve
-from lowfi.friction.linear.pair import PairMaps, maps, pair_state
-from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+from lowfi.friction.linear.pair import PairMaps, maps
+from reports.records import Column, Figure, Panel, Section, Series, Table, Text
 
 # --- tables
 
@@ -59,27 +44,7 @@ def table_of(study: Study, name: str) -> Table:
 
 def balance_table() -> Table:
     """Cases I to III: torque, power in and out, contacts at rest, by three sets of assumptions."""
-    rows: list[dict[str, Cell]] = []
-    for case in CASES:
-        for label, s in (
-            ("right", right(case)),
-            ("least dissipation at the loads as printed", right(case, "as printed")),
-            ("as printed", as_printed(case)),
-        ):
-            torque = inner_torque(ROTARY, s.load, s.motion)
-            rows.append(
-                {
-                    "case": case,
-                    "model": label,
-                    "force": float(s.load.force.sum()),
-                    "torque": 1e3 * torque,
-                    "input": torque * ROTARY.speed,
-                    "loss": s.motion.loss,
-                    "balance": float(error_percent(torque * ROTARY.speed, s.motion.loss)),
-                    "rest": int(s.motion.rest.sum()),
-                    "status": s.motion.status,
-                }
-            )
+    rows = balance_rows()
     columns = (
         Column("case", "case", "", "s"),
         Column("model", "model", "", "s"),
@@ -94,8 +59,9 @@ def balance_table() -> Table:
     worst = max(rows, key=lambda row: abs(float(row["balance"] or 0.0)))
     more = float(error_percent(float(worst["loss"] or 0.0), float(worst["input"] or 0.0)))
     note = (
-        f"The source takes its torque from the dissipation (3.21); interpolation between its maps makes that {more:+.1f} % "
-        f"of friction's moment in case {worst['case']}. In cases I and II the sigmoid moves a contact that rests under "
+        f"The source takes its torque from the dissipation (3.21); interpolation between its maps moves that by "
+        f"{more:+.1f} % from friction's moment in case {worst['case']}. In cases I and II the sigmoid moves a contact "
+        "that rests under "
         "Coulomb friction: the sum of the losses stays, their distribution over the contacts does not."
     )
     return Table("friction-balance", "Rotary bearing: balance of power", columns, rows, note)
@@ -103,24 +69,8 @@ def balance_table() -> Table:
 
 def sensitivity_table() -> Table:
     """The linear pair under each assumption on loads and on friction between the balls."""
-    rows: list[dict[str, Cell]] = []
     printed = entry("lin-3.5", "a_force_numerical")
-    target = printed.value or 0.0
-    for loads, mu in product(LOADS, (0.1, 0.0)):
-        r, worst = pair(loads=loads, mu_balls=mu), pair(WORST, loads, mu_balls=mu)
-        rows.append(
-            {
-                "loads": loads,
-                "mu": mu,
-                "eps1": 100.0 * float(r.free.deviation[0]),
-                "eps2": 100.0 * float(r.free.deviation[1]),
-                "force": r.force,
-                "error": float(error_percent(r.force, target)),
-                "ratio": 100.0 * worst.rubbing_ratio,
-                "increase": float(error_percent(worst.touching.loss, worst.free.loss)),
-                "status": r.touching.status,
-            }
-        )
+    rows, target = sensitivity_rows(), printed.value or 0.0
     columns = (
         Column("loads", "loads", "", "s"),
         Column("mu", "friction between balls", "", "g2"),
@@ -147,51 +97,6 @@ def sensitivity_table() -> Table:
 # --- stability
 
 
-def pair_extremes() -> list[tuple[str, list[Chain]]]:
-    """Groups of extreme linear pairs, each a chain ready to solve."""
-
-    def make(theta: float, rho: float, vertical: float, mu: float) -> Chain:
-        bearing = replace(LINEAR, mu=mu, mu_balls=mu)
-        return prepare(bearing, *pair_state(bearing, radians(theta), rho, vertical, loads="elastic"))
-
-    return [
-        (
-            "rho to ±0.999, theta to ±5 deg",
-            [make(t, r, 100.0, 0.1) for t, r in product((-5.0, -0.1, 2.0, 5.0), (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999))],
-        ),
-        (
-            "friction coefficient 0.001 to 0.5",
-            [make(2.0, r, 100.0, mu) for r, mu in product((-0.6, -0.999), (1e-3, 0.01, 0.1, 0.3, 0.5))],
-        ),
-        ("loads 1e-3 to 1e5 N", [make(2.0, r, f, 0.1) for r, f in product((-0.6, -0.999), (1e-3, 0.1, 10.0, 1e3, 1e5))]),
-    ]
-
-
-def pair_stability() -> list[dict[str, Cell]]:
-    """Extreme pairs from the nominal start and from two random ones: solved, energy balance, spread of the answers."""
-    rng, rows = np.random.default_rng(3), list[dict[str, Cell]]()
-    for group, chains in pair_extremes():
-        solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
-        for c in chains:
-            starts = [None, *(c.problem[6] * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
-            found = [solve(c, start) for start in starts]
-            solved += sum(r.status == "converged" for r in found)
-            energy = max(energy, *(abs(r.power / r.loss - 1.0) for r in found))
-            spread = max(spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.scale for r in found))
-            residual = max(residual, *(max(r.residual, r.lag) for r in found))
-        rows.append(
-            {
-                "group": group,
-                "cases": len(chains),
-                "solved": f"{solved} of {3 * len(chains)}",
-                "residual": residual,
-                "energy": energy,
-                "spread": spread,
-            }
-        )
-    return rows
-
-
 def stability_table() -> Table:
     """Summary of the linear pair's extremes."""
     columns = (
@@ -203,28 +108,7 @@ def stability_table() -> Table:
         Column("spread", "spread of the force over the starts", "", "g2"),
     )
     note = "Elastic loads; residual and spread over the largest friction bound of a ball."
-    return Table("friction-stability", "Linear pair: extreme cases", columns, pair_stability(), note)
-
-
-#: Random starts of root finding, near and far.
-ROOT_STARTS = 8
-
-
-def root_rows() -> list[dict[str, Cell]]:
-    """The source's root finding on cases I to III and least dissipation, from the same random starts."""
-    rng, rows = np.random.default_rng(5), []
-    first = {case: right(case, "as printed") for case in CASES}
-    for case, sharpness in product(CASES, (100.0, 1e3, 1e4)):
-        s, law = first[case], source_law(ROTARY, sharpness, None)
-        row: dict[str, Cell] = {"case": case, "sharpness": sharpness}
-        for key, off in (("near", 0.01), ("far", 0.5)):
-            begin = [s.motion.q * rng.uniform(1.0 - off, 1.0 + off, 3) for _ in range(ROOT_STARTS)]
-            theirs = sum(balance_by_root(s.problem, law, q, fast=True).status == "exact" for q in begin)
-            row[key] = f"{theirs} of {ROOT_STARTS}"
-        least = [least_dissipation(s.problem, q, fast=True) for q in begin]
-        good = sum(m.status == "exact" and abs(m.loss / s.motion.loss - 1.0) < 1e-8 for m in least)
-        rows.append(row | {"ours": f"{good} of {ROOT_STARTS}"})
-    return rows
+    return Table("friction-stability", "Linear pair: extreme cases", columns, pair_rows(), note)
 
 
 def root_table() -> Table:

@@ -3,36 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from compare.measure import error_percent, load_error
+from compare.models.choices import VARIED, choices_of
 from compare.models.comparison import REFERENCED
 from compare.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one
 from compare.models.study import Study
-from lowfi.compliance.bodies import REFINED, Backend
-from lowfi.statics.elastic import solve_elastic
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
-
-#: Choices of the refined model that its derivation leaves open, varied one at a time.
-CHOICES: dict[str, Backend] = {
-    "patch of the kernels half as wide again": replace(REFINED, width=1.5),
-    "patch of the kernels two thirds as wide": replace(REFINED, width=1.0 / 1.5),
-    "bore of the smooth nut by volume": replace(REFINED, bore="volume"),
-    "bore of the smooth nut at its lands": replace(REFINED, bore="land"),
-    "half as many harmonics again": replace(REFINED, harmonics=1.5),
-    "two thirds of the harmonics": replace(REFINED, harmonics=1.0 / 1.5),
-    "elements of the kernels half as large": replace(REFINED, mesh=2.0),
-    "elements of the kernels half as large again": replace(REFINED, mesh=1.0 / 1.5),
-    "flanks as plain half spaces": replace(REFINED, flank=False),
-    "balls as half spaces": replace(REFINED, ball="half space"),
-    "screw a beam beyond its contacts": replace(REFINED, screw="beam"),
-    "section of the screw by Lin C.8": replace(REFINED, section="scene"),
-}
-#: Scenes on which they are varied.
-VARIED = ("lin-case1", "lin-case3", "unseen-thin-nut")
 
 
 def ladder_table(rungs: Sequence[Rung]) -> Table:
@@ -97,25 +74,17 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
     """Choices of the refined model varied one at a time: what they change, and the error with them."""
     rows: list[dict[str, Cell]] = []
     for name in VARIED:
-        scene, found = study.scene(name), study.reference(name)
-        if found is None:
-            continue
         step(f"choices of the refined model varied on {name}")
-        base = solve_elastic(scene, engine="interpreted").load
-        mean = float(base[base > 0.0].mean())
-        for label, backend in {"as it is": REFINED, **CHOICES}.items():
-            load = solve_elastic(scene, backend=backend, engine="interpreted").load
-            change = np.asarray(error_percent(load, base, mean))
-            e = load_error(load, found.load)
-            rows.append(
-                {
-                    "scene": name,
-                    "choice": label,
-                    "change": float(np.abs(change).max()),
-                    "max": e.max_percent,
-                    "rms": e.rms_percent,
-                }
-            )
+        rows += [
+            {
+                "scene": c.scene,
+                "choice": c.label,
+                "change": c.change,
+                "max": c.error.max_percent,
+                "rms": c.error.rms_percent,
+            }
+            for c in choices_of(study, name)
+        ]
     columns = (
         Column("scene", "scene", "", "s"),
         Column("choice", "choice", "", "s"),

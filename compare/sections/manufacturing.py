@@ -7,34 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from compare.evidence.errors_4_3_2 import SCREWS, section_4_3_2, spread, unloaded
+from compare.evidence.errors_4_3_2 import SCREWS, readings, section_4_3_2, spread, unloaded
 from compare.models.study import Study
 from compare.printed.printed_data import entry
 from compare.sections.curves import loads
 from compare.sections.finding_table import printed_table
 from meshes.helix import lead_angle
-from meshes.parts import Errors, Scene, SideErrors, Support
+from meshes.parts import Errors, Scene
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
-
-#: Clearances tried for the claim of two-point contact: change of every ball's radius [m].
-CLEARANCES = (0.0, -1e-6, -2e-6, -3e-6, -4e-6, -5e-6)
-
-
-def readings(scene: Scene) -> list[tuple[str, Scene]]:
-    """Supports and clearances that the source does not print."""
-    rotation = (Support(0.0, (("rz", 0.0),)),)
-    lateral = (Support(0.0, (("ux", 0.0), ("uy", 0.0), ("rz", 0.0))),)
-    no_right = replace(scene.errors, SR=SideErrors())
-    out = [
-        ("as shipped: left end clamped but for axial motion", scene),
-        ("left end: only rotation about the axis held", replace(scene, supports=rotation)),
-        ("left end: lateral displacement and rotation about the axis held", replace(scene, supports=lateral)),
-        ("error on SL only, as the formula is printed", replace(scene, errors=no_right)),
-    ]
-    for c in CLEARANCES[1:]:
-        errors = replace(scene.errors, balls=replace(scene.errors.balls, oversize=c))
-        out.append((f"ball radius smaller by {-1e6 * c:.0f} um", replace(scene, errors=errors)))
-    return out
 
 
 def equivalent_errors(scene: Scene) -> Panel:
