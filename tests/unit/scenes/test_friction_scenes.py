@@ -208,7 +208,7 @@ def test_large_contacts_are_warned_of():
 
 COULOMB = 'law = "coulomb"'
 CASES = {  # name: (scene, changes, key, value as found, a part of range or advice)
-    "no kind": ("lin-rotary-1", [('kind = "bearing ball"', "")], "friction.law", '"coulomb"', "unknown key"),
+    "no kind": ("lin-rotary-1", [('kind = "bearing ball"', "")], "kind", "nothing", "[load] belongs"),
     "unknown kind": (
         "lin-rotary-1",
         [('kind = "bearing ball"', 'kind = "baring ball"')],
@@ -276,7 +276,7 @@ CASES = {  # name: (scene, changes, key, value as found, a part of range or advi
     "unknown law": ("lin-rotary-1", [(COULOMB, 'law = "stribeck"')], "friction.law", '"stribeck"', '"sigmoid"'),
     "law of a linear bearing": (
         "lin-pair-a",
-        [("between_balls = 0.1", 'law = "sigmoid"')],
+        [("balls = 0.1", 'law = "sigmoid"')],
         "friction.law",
         '"sigmoid"',
         "unknown key",
