@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from compare.scenes.kinds.common import KindScene
 
 MAX_BYTES = 16_000_000
+#: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
+FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
 
 
 def load(path: str | Path) -> Scene:
@@ -72,6 +74,12 @@ def read(text: str, origin: str) -> Scene | KindScene:
     """The scene of any kind in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
     raw = read_toml(text, origin)
     kind = raw.get("kind")
+    nut = raw.get("nut")
+    bodies = isinstance(nut, dict) and "length" in nut  # a whole scene with a key misspelt
+    if kind is None and FOREIGN & raw.keys() and not bodies:
+        name = sorted(FOREIGN & raw.keys())[0]
+        advice = f"[{name}] belongs to a kind that only friction solves: name it, as rollbench new FILE --kind KIND does"
+        raise SceneError(origin, "kind", "nothing", ", ".join(map(show, FRICTION_ONLY)), advice)
     if kind is None or kind in WHOLE:
         return _read_whole(raw, origin)
     if kind not in FRICTION_ONLY:

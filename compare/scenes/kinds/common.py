@@ -10,6 +10,7 @@ from compare.scenes.checks import Fault, groove_choice_faults, mm
 from compare.scenes.keys import (
     MATERIAL,
     BallSizeKeys,
+    Coefficient,
     CoulombKeys,
     GrooveKeys,
     HeadKeys,
@@ -24,7 +25,6 @@ from lowfi.friction.bearing.rotary import Mode
 Pressing = Annotated[float, Quantity("force", "0 N", "1 MN", "100 N", above=True)]
 AxialLoad = Annotated[float, Quantity("force", "-1 MN", "1 MN", "50 N")]
 Gap = Annotated[float, Quantity("length", "0 mm", "1 m", "0.5 mm")]
-Rubbing = Annotated[float, Quantity("number", 0, 2, 0.1)]
 Theta = Annotated[float, Quantity("angle", "-15 deg", "15 deg", "2 deg")]
 
 
@@ -50,7 +50,7 @@ class HertzKeys(Table):
 class RubbingKeys(CoulombKeys):
     """Coulomb friction of grooves and balls."""
 
-    between_balls: Rubbing | None = key("friction coefficient of ball on ball; as the grooves if left out", None)
+    balls: Coefficient | None = key("coefficient from ball to ball, where it is not that of the grooves", None)
 
 
 class KindKeys(HeadKeys):

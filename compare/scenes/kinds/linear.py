@@ -200,7 +200,7 @@ def record(keys: KindKeys, name: str) -> LinearScene:
         keys.track.contact_angle,
         keys.motion.carriage,
         f.coefficient,
-        f.coefficient if f.between_balls is None else f.between_balls,
+        f.coefficient if f.balls is None else f.balls,
         *elastic(keys.material),
     )
     angles, side, gap = _balls(keys)

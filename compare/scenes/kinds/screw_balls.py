@@ -227,7 +227,7 @@ def _screw_groove(keys: ScrewPairKeys | ScrewRunKeys) -> ScrewGroove:
         f.coefficient,
         nut,
         screw,
-        f.between_balls,
+        f.balls,
         keys.ingredients.mode,
     )
 

@@ -137,6 +137,14 @@ def test_units_signs_and_either_way_to_give_the_groove():
     assert backwards["pairs"][0]["force_N"] == pytest.approx(4.065, abs=5e-4)
 
 
+def test_oversize_is_the_opposite_of_a_clearance_and_adds_load():
+    base = catalogue.any_scene("lin-rotary-3")
+    text = changed("lin-rotary-3", ("[load]", '[errors.balls]\noversize = "1 um"\n\n[load]'))
+    tight = scene_file.read(text, "lin-rotary-3.toml")
+    assert (base.bearing.clearance, tight.bearing.clearance) == (0.0, -1e-6)
+    assert solve_kind(tight).data["load_sum_N"] > 1.05 * solve_kind(base).data["load_sum_N"]
+
+
 def test_laws_approach_coulomb():
     exact = solve_kind(catalogue.any_scene("lin-rotary-2")).data["torque"]["friction_torque_Nmm"]
     coulomb = 'law = "coulomb"'
@@ -200,7 +208,7 @@ def test_large_contacts_are_warned_of():
 
 COULOMB = 'law = "coulomb"'
 CASES = {  # name: (scene, changes, key, value as found, a part of range or advice)
-    "no kind": ("lin-rotary-1", [('kind = "bearing ball"', "")], "friction.law", '"coulomb"', "unknown key"),
+    "no kind": ("lin-rotary-1", [('kind = "bearing ball"', "")], "kind", "nothing", "[load] belongs"),
     "unknown kind": (
         "lin-rotary-1",
         [('kind = "bearing ball"', 'kind = "baring ball"')],
@@ -268,7 +276,7 @@ CASES = {  # name: (scene, changes, key, value as found, a part of range or advi
     "unknown law": ("lin-rotary-1", [(COULOMB, 'law = "stribeck"')], "friction.law", '"stribeck"', '"sigmoid"'),
     "law of a linear bearing": (
         "lin-pair-a",
-        [("between_balls = 0.1", 'law = "sigmoid"')],
+        [("balls = 0.1", 'law = "sigmoid"')],
         "friction.law",
         '"sigmoid"',
         "unknown key",

@@ -14,9 +14,10 @@ from compare.evidence.source_cases import double_row, four_point, inferred, lin_
 from compare.scenes import catalogue, scene_file
 from compare.scenes.kinds.bearing_pair import BearingPairScene
 from compare.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, free_motion, torque_curve
+from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BearingCase, Row, free_motion, solve_bearing, torque_curve
+from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
-from lowfi.friction.screw.run import simulate, summarise
+from lowfi.friction.screw.run import Run, simulate, summarise
 
 THETA = {"a": 2.0, "b": 3.0}
 PAIRS = [f"lin-screw-pair-{case}{end}" for case in THETA for end in ("", "-inferred")]
@@ -61,6 +62,34 @@ def test_shipped_scenes_are_there_and_say_what_is_assumed():
     assert set(NAMES) <= set(catalogue.scene_names())
     for name in NAMES:
         assert len(catalogue.any_scene(name).assumed) >= 5
+
+
+def test_shipped_cases_are_these_numbers():
+    steel = (0.25 * np.pi, 210e9, 0.28, 0.1)
+    screw = ScrewGroove(2.778e-3, 0.56 * 5.556e-3, 16.5e-3, 20e-3, *steel, 2.0 * np.pi)
+    ring = ScrewGroove(6.25e-3, 6.75e-3, 35e-3, 0.0, *steel, 0.0, 20.0 * np.pi)
+    small = replace(ring, ball_radius=4e-3, groove_radius=4.32e-3)
+    for theta in THETA.values():
+        pair = Pair(screw, (0.0, np.radians(theta)), force=(50.0,), coupling="ball")
+        close(plain(np.radians(theta)), pair)
+        close(inferred(np.radians(theta)), replace(pair, oversize=1.7e-6, coupling="none"))
+    close(lin_3_4_4(), Run(screw, 37, 2.0, (1500.0,), "z", 2.0, 200, 1.7e-6, np.radians(3.0)))
+    close(four_point(), BearingCase(ring, 9, (Row(0.0, ALL),), 3000.0, tilt=True))
+    close(double_row(), BearingCase(small, 9, (Row(-6e-3, OTHER), Row(6e-3, DIAGONAL)), 3000.0, tilt=True))
+
+
+def test_which_part_turns():
+    nut = loaded("lin-screw-pair-a").pair.groove
+    screw = loaded("lin-screw-pair-a", ('turns = "nut"', 'turns = "screw"'), ('"1 rps"', '"-1 rps"')).pair.groove
+    assert (nut.nut_speed, nut.screw_speed) == (screw.speed, 0.0) == (2.0 * np.pi, 0.0)
+    assert (screw.nut_speed, screw.screw_speed) == (0.0, -2.0 * np.pi)
+
+
+def test_oversize_is_the_opposite_of_a_clearance():
+    preload = loaded("lin-bearing-pairs", ('"0 um"', '"2 um"'))
+    assert (preload.four_point.clearance, preload.double_row.clearance) == (-2e-6, 0.0)
+    tight, free = (solve_bearing(case, 0.1).load.force.sum() for case in (preload.four_point, four_point()))
+    assert tight > 1.01 * free
 
 
 @pytest.mark.parametrize("case", list(THETA))

@@ -184,6 +184,14 @@ def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
     assert scene_file.kind_of(catalogue.any_scene(str(path))) == "linear pair"
 
 
+def test_tables_that_tell_a_missing_kind_are_no_whole_scene_s():
+    assert not scene_file.FOREIGN & SceneKeys.model_fields.keys()
+    for kind in FRICTION_ONLY:
+        assert scene_file.FOREIGN & KINDS[kind].keys.model_fields.keys(), kind
+    with pytest.raises(SceneError, match="load: got .*did you mean loads"):
+        scene_file.loads(template().replace("[[loads]]", "[[load]]"), "a.toml")
+
+
 def test_one_schema_for_all_kinds():
     schema = json.loads(json.dumps(json_schema(), allow_nan=False))
     assert schema["$schema"].startswith("https://json-schema.org/")
