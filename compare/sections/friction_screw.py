@@ -217,7 +217,8 @@ def run_table() -> Table:
     """Sensitivity of the whole run to what 3.4.4 does not print."""
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
-        summary_row("as the case study", f"{n}, 1.7 µm, 200 steps", run(a)) for n, a in zip(names, AMPLITUDES, strict=True)
+        summary_row("as the case study", f"{n}, 1.7 µm, {run(a).run.steps} steps", run(a))
+        for n, a in zip(names, AMPLITUDES, strict=True)
     ]
     rows.append(source_run_row(lin_3_4_4()))
     rows += [summary_row(name, value, simulate(lin_3_4_4(**(SHORT | new)))) for name, value, new in run_changes()]

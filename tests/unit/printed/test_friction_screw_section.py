@@ -115,7 +115,7 @@ def test_whole_runs(made):
     for r in rows:
         done, total = r["steps"].split(" of ")
         assert done == total, r["value"]
-    assert [rows[k]["largest"] for k in (0, 1)] == pytest.approx([18.83, 76.74], abs=0.05)
+    assert [rows[k]["largest"] for k in (0, 1)] == pytest.approx([20.17, 79.96], abs=0.05)
     assert all(r["at"] is None for r in rows if r["largest"] == 0.0)
 
 
@@ -162,7 +162,7 @@ def test_torque_parts_add_up(made):
         groove, ball, total = (np.array(s.y) for s in panel.series)
         np.testing.assert_allclose(groove + ball, total, rtol=1e-12)
         assert ball.max() > 0.0
-        assert panel.series[0].x[-1] == pytest.approx(1.99)
+        assert 1.99 <= panel.series[0].x[-1] < 2.0
 
 
 def test_ours_has_no_failure_and_unique_answers(records):
