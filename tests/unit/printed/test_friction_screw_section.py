@@ -103,7 +103,7 @@ def test_readings_and_their_labels(made):
     rows = tables(made)["friction-readings"].rows
     kinds = Counter(r["kind"] for r in rows)
     assert kinds["plain"] == kinds["inferred"] == 1
-    assert len(rows) == 14
+    assert len(rows) == 17
     assert all(r["status"] == "converged" for r in rows)
     own = {r["kind"]: r for r in rows}
     assert own["plain"]["load_a"] < 0.6 * own["inferred"]["load_a"]
@@ -200,7 +200,7 @@ def test_a_failure_would_be_counted(records):
 
 def test_bench_rows_are_positive():
     rows = list(friction_bench.jobs(1))
-    assert len({r.name for r in rows}) == len(rows) == 14
+    assert len({r.name for r in rows}) == len(rows) == 17
     for r in rows:
         assert r.seconds > 0.0
         assert r.target > 0.0
