@@ -96,7 +96,7 @@ def test_without_groove_friction_nothing_is_lost():
 
 def test_flat_grooves_have_their_long_axis_along_the_path_for_chains_too():
     scene = touching(apart=3e-6)
-    flat = 3.0 * scene.balls.radius
+    flat = 40.0 * scene.balls.radius
     scene = replace(scene, screw=replace(scene.screw, groove_radius=flat), nut=replace(scene.nut, groove_radius=flat))
     result = solved(scene)
     alone, found = (friction_state(scene, result, f, TURN) for f in (replace(PUSH, coupling="none"), PUSH))
