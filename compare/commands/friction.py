@@ -246,6 +246,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
             "static_residual": number(result.solver.residual),
             "friction_imbalance": number(state.balls.left),
             "feedback_change": number(state.change),
+            "second_states": None if state.second is None else [k + 1 for k in state.second],
         },
         "assumed": assumed,
         "left_out": left_out(friction),

@@ -11,6 +11,7 @@ import numpy as np
 from compare.commands.answer import Column, size_warnings
 from compare.commands.solve_output import number
 from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.whole.feedback import JAMMED
 from lowfi.friction.whole.heathcote import WIDE
 from lowfi.friction.whole.losses import CAUSES
 from lowfi.friction.whole.state import FrictionState
@@ -20,8 +21,6 @@ from meshes.parts import SIDES, Friction, Motion, Scene
 
 #: Pole pressure [Pa] from which ball contacts yield lastingly: the static load rating of ISO 76.
 YIELD = 4.2e9
-#: Coefficient of friction from which a second, jammed state was seen.
-JAMMED = 0.3
 
 #: What no friction result of a whole screw or bearing holds.
 LEFT_OUT = (
@@ -32,7 +31,7 @@ LEFT_OUT = (
     "cage or spacers, return tube or deflectors, wipers and seals",
     "gyroscopic moments and centrifugal forces of the balls",
     "ripple: the work of loads that change as balls roll over errors, and enter and leave the loaded track",
-    "a second, jammed state of a ball, which exists at high coefficients of friction (seen in two-point contact from 0.3)",
+    "torques of a second, jammed state of a ball, which may exist at high coefficients of friction (seen from 0.3 on)",
 )
 #: What coupling leaves out besides, by its word.
 BESIDES = {
@@ -48,6 +47,17 @@ BESIDES = {
 def left_out(friction: Friction) -> list[str]:
     """What the result for a scene's instant does not hold."""
     return [*LEFT_OUT, *BESIDES[friction.coupling]]
+
+
+def jam_words(state: FrictionState) -> str:
+    """What is known of second, jammed states of balls at a high coefficient of friction."""
+    start = "at this coefficient of friction a ball may have a second, jammed state"
+    if state.second is None:
+        return f"{start}: this is the one that rolls"
+    if not state.second:
+        return f"{start}; none was found from four displaced starts of every ball"
+    numbers = ", ".join(str(k + 1) for k in state.second[:8])
+    return f"{len(state.second)} balls have a second, jammed state: {numbers}; this is the one that rolls on"
 
 
 def slip_warnings(part: float) -> list[str]:
@@ -222,7 +232,7 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
         most = 1e-9 * at.pressure[loaded].max()
         notes.append(f"a contact pressure of {most:.3g} GPa: beyond 4.2 GPa steel yields (ISO 76)")
     if max(friction.screw, friction.nut) >= JAMMED:
-        notes.append("at this coefficient of friction a ball may have a second, jammed state: this is the one that rolls")
+        notes.append(jam_words(state))
     two = (loaded.sum(axis=1) == 2) & (state.balls.power > 0.0)
     if two.any() and state.torque.ratio != 0.0 and not state.coupled:
         notes.append(

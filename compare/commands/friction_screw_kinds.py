@@ -20,17 +20,23 @@ from compare.commands.answer import (
     load_row,
     size_warnings,
 )
+from compare.commands.friction_run import error_data
 from compare.commands.solve_output import number
 from compare.scenes.kinds.common import KindScene
 from compare.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.pair import PairResult, solve_pair
-from lowfi.friction.screw.run import RunResult, groups, simulate, summarise
+from lowfi.friction.screw.run import RunResult, checked, groups, summarise
+from lowfi.friction.screw.steps import StepError
 from meshes.parts import SIDES
 
 #: Overlap of neighbours [rad] that is round-off.
 TOUCHING = 1e-9
+
+
+#: Error of the steps of a run, as a fraction of its mean torque, beyond which it is warned of.
+STEP_GOAL = 0.01
 
 
 def sliding(groove: ScrewGroove, force: Array) -> float:
@@ -194,11 +200,20 @@ def run_series(r: RunResult) -> dict[str, list[Any]]:
     return out | {"converged": [bool(v) for v in r.converged]}
 
 
+def step_warnings(error: StepError | None) -> list[str]:
+    """What to say of a run whose steps are too long, or whose error is not known."""
+    if error is None:
+        return ["the error of the steps is not known: take an even number of steps"]
+    if error.small(STEP_GOAL):
+        return []
+    return [f"the error of the steps is some {100.0 * error.torque:.2g} % of the mean torque: take more steps"]
+
+
 def solve_run(scene: KindScene) -> Answer:
     """Contacts, torques and energy of a whole screw in time."""
     assert isinstance(scene, ScrewRunScene)
     run = scene.run
-    r = simulate(run)
+    r, error = checked(run)
     failed, speed = int(np.sum(~r.converged)), abs(run.groove.speed)
     status = "converged" if failed == 0 else f"{failed} of {run.steps} steps did not converge"
     loss = r.torque * speed
@@ -222,7 +237,8 @@ def solve_run(scene: KindScene) -> Answer:
         "series": run_series(r),
         "solver": {"failed_steps": failed, "feedback_change_N": number(r.change.max()) if run.coupling != "none" else 0.0},
         "assumed": list(scene.assumed),
-        "warnings": screw_warnings(run.groove, r.load),
+        "step_error": None if error is None else error_data(error, STEP_GOAL),
+        "warnings": [*screw_warnings(run.groove, r.load), *step_warnings(error)],
     }
     lines = [
         f"{run.count} balls, {run.steps} steps over {run.duration:.6g} s, nut turns by "

@@ -14,6 +14,7 @@ from compare.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, SIDE, T
 from compare.evidence.source_cases import inferred, lin_3_4_4, plain
 from compare.extremes.friction_chains import chain_state
 from compare.printed.printed_data import entry
+from compare.scenes.catalogue import scene as scene_of
 from lowfi.as_source.chain import SHARPNESS, SourceMotion
 from lowfi.as_source.linear import linear_pair_by_root, solve_linear_by_root
 from lowfi.as_source.run import simulate_by_root
@@ -28,14 +29,28 @@ from lowfi.friction.screw.motion import ROUNDS, ball_motion, ball_motion_by_root
 from lowfi.friction.screw.motion import source_law as screw_law
 from lowfi.friction.screw.pair import Pair, solve_pair
 from lowfi.friction.screw.run import simulate
+from lowfi.friction.whole.balls import balls_of
+from lowfi.friction.whole.contacts import contacts_of
+from lowfi.friction.whole.losses import ball_friction
+from lowfi.friction.whole.run import Setting
+from lowfi.friction.whole.run import simulate as simulate_scene
 from lowfi.jit import CONTACT, kernels
+from lowfi.statics.again import AGAIN, ContactLoads
+from lowfi.statics.static import solve_static
+from meshes.errors import Specimen, draw
+from meshes.helix import BallLayout
+from meshes.parts import Friction, Scene
+from meshes.parts import Motion as Drive
 
 #: Contacts in one call that a single one is timed with.
 MANY = 2000
-#: Targets [s]: contact call, ball at given loads, linear pair, screw pair, whole run.
-CONTACT_CALL, BALL, LINEAR_PAIR, SCREW_PAIR, WHOLE = 1e-6, 0.15e-3, 1e-3, 20e-3, 3.0
+#: Targets [s]: contact call, ball at given loads, linear pair, screw pair, whole run, all balls of a scene.
+CONTACT_CALL, BALL, LINEAR_PAIR, SCREW_PAIR, WHOLE, ALL_BALLS = 1e-6, 0.15e-3, 1e-3, 20e-3, 3.0, 5e-3
+#: Scene whose friction is timed, and steps of its run.
+WHOLE_SCENE, RUN_STEPS = "lin-case1", 200
 NO_SOURCE = "the source's method is not implemented here for comparison"
-#: Balls of the timed chains of a linear bearing; steps of the whole run that the source's method is timed over.
+#: Balls of the timed chains of a linear bearing; steps of a whole run that are timed, for the source's method and for
+#: scenes.
 CHAINS, SOURCE_STEPS = (5, 20), 20
 #: Difference of ball-to-ball force, relative, up to which the source's method counts as having found the same answer.
 SAME = 1e-6
@@ -197,7 +212,32 @@ def run_jobs(repeats: int) -> Iterator[Row]:
     yield Row("whole screw, coupled", seconds, WHOLE, None, note + "root finding is here for given loads only")
 
 
+def whole_jobs(repeats: int) -> Iterator[Row]:
+    """Friction of a shipped scene: its balls' motions after their loads, and a run in time with loads solved anew."""
+    scene, friction, drive = scene_of(WHOLE_SCENE), Friction(0.1, 0.1), Drive(2.0 * np.pi)
+    at = contacts_of(scene, solve_static(scene, engine="compiled"))
+    seconds = timed(lambda: ball_friction(scene, at, friction, drive, fast=True), 4 * repeats)
+    note = f"{scene.ball_count} balls, after their loads; {NO_SOURCE}"
+    yield Row(f"motions of all balls of {scene.name}", seconds, ALL_BALLS, None, note)
+    drawn = draw(scene)
+    balls = balls_of(scene, friction, drive, drawn)
+    for model, loads in AGAIN.items():
+        setting = Setting(scene, friction, drive, drawn, balls, partial(_compiled, loads, scene))
+        simulate_scene(setting, 0.01, 2)
+        seconds = (
+            timed(partial(simulate_scene, setting, SOURCE_STEPS / RUN_STEPS, SOURCE_STEPS), 1) * RUN_STEPS / SOURCE_STEPS
+        )
+        note = f"{RUN_STEPS} steps of {scene.ball_count} balls, loads solved in every one by the model {model}; time of "
+        note += f"{SOURCE_STEPS} steps times {RUN_STEPS / SOURCE_STEPS:g}; {NO_SOURCE}"
+        yield Row(f"{scene.name} over a turn, {model}", seconds, WHOLE, None, note)
+
+
+def _compiled(loads: Callable[..., ContactLoads], scene: Scene, met: Specimen, layout: BallLayout) -> ContactLoads:
+    """Contact loads by compiled kernels."""
+    return loads(scene, met, layout, "compiled")
+
+
 def jobs(repeats: int = 5) -> Iterator[Row]:
     """All jobs, compiled kernels, medians of ``repeats`` or a multiple of it."""
-    for group in (contact_jobs, ball_jobs, linear_jobs, pair_jobs, run_jobs):
+    for group in (contact_jobs, ball_jobs, linear_jobs, pair_jobs, run_jobs, whole_jobs):
         yield from group(repeats)

@@ -19,6 +19,9 @@ from lowfi.friction.screw.pair import oversize_map
 from lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
 from reports.records import Figure, Panel, Series
 
+#: Steps whose contacts are drawn.
+DOTS = 66
+
 
 def torque_panel(title: str, r: RunResult) -> Panel:
     """Torque of a run against time, split (Figure 3.25)."""
@@ -38,7 +41,7 @@ def theta_panel(case: Run) -> Panel:
 def contact_panels(r: RunResult) -> tuple[Panel, Panel]:
     """Places of touching neighbours and their groups over time (Figure 3.24)."""
     along = np.degrees(np.mod(r.azimuth - r.nut_angle[:, None] + np.pi * r.run.turns, r.run.ring))
-    some = r.contact & (np.arange(r.nut_angle.size) % 3 == 0)[:, None]
+    some = r.contact & (np.arange(r.nut_angle.size) % max(1, r.nut_angle.size // DOTS) == 0)[:, None]
     step, ball = np.nonzero(some)
     time = r.nut_angle / r.run.groove.speed
     dots = Series("touching", numbers(time[step]), numbers(along[step, ball]), "markers")

@@ -17,6 +17,7 @@ from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.load import Cell, screw_rows
 from lowfi.friction.screw.motion import Coupling
 from lowfi.friction.screw.pair import BOTH
+from lowfi.friction.screw.steps import StepError, solve_steps, step_error
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,11 @@ class RunResult:
         return np.asarray(self.groove_torque + self.ball_torque + self.closing_torque)
 
     @property
+    def good(self) -> bool:
+        """Whether every step converged."""
+        return bool(self.converged.all())
+
+    @property
     def contact(self) -> NDArray[np.bool_]:
         """Which neighbours touch, (T, N): the dots of Figure 3.24."""
         return np.asarray(self.ball_force > 0.0)
@@ -179,6 +185,20 @@ def simulate(run: Run) -> RunResult:
         )
         azimuth = azimuth + dt * omega
     return RunResult(run, **{key: np.array(rows) for key, rows in log.rows.items()})
+
+
+def resolved(run: Run, goal: float) -> tuple[RunResult, StepError | None]:
+    """The run with its steps doubled until their error is at most ``goal`` of the mean torque, and that error."""
+    return solve_steps(lambda steps: simulate(replace(run, steps=steps)), None, run.steps, goal)
+
+
+def checked(run: Run) -> tuple[RunResult, StepError | None]:
+    """The run at its own steps with their error, from runs of half and a quarter of them; None for an odd number."""
+    coarse = [simulate(replace(run, steps=run.steps // k)) for k in (4, 2) if run.steps % k == 0]
+    found = simulate(run)
+    if not coarse or not all(r.good for r in (*coarse, found)):
+        return found, None
+    return found, step_error([r.torque for r in (*coarse, found)])
 
 
 @dataclass(frozen=True)

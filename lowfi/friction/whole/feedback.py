@@ -25,6 +25,10 @@ from meshes.parts import Motion as Drive
 #: Change of the friction fed back in a round, as a fraction of a ball's contact forces: aimed at, and accepted after most
 #: rounds.
 AGREED, ACCEPTED, ROUNDS = 1e-7, 1e-4, 200
+#: Displaced starts in the search for other states, and difference of states, as fractions of a ball's largest force.
+DISPLACED, ANOTHER = 3.0, 1e-3
+#: Coefficient of friction from which a second, jammed state of a ball was seen.
+JAMMED = 0.3
 #: Force out of balance as a fraction of a ball's contact forces; Newton steps; longest step as a fraction of the reach.
 GOAL, STEPS, FAR = 1e-13, 60, 0.3
 
@@ -203,6 +207,25 @@ def feed_back(
     return FedBack(
         now, ball_friction(scene, now, friction, drive, fast), failed, rounds, float(last.max(initial=0.0)), guess
     )
+
+
+def second_states(
+    scene: Scene, place: Seats, at: StaticContacts, found: FedBack, friction: Friction, drive: Drive, fast: bool = False
+) -> tuple[int, ...]:
+    """Balls that settle in another state, jammed between their grooves, from one of four displaced starts.
+
+    Starts push the balls with ``DISPLACED`` times their largest contact force along x3 and z3. A search: that it finds
+    none is no proof that there is none. ``at``: contacts without friction, ``found``: the state that rolls on from them.
+    """
+    size, other = found.at.force.max(axis=1), np.zeros(at.force.shape[0], dtype=bool)
+    for axis in range(2):
+        for sign in (-1.0, 1.0):
+            push = np.zeros((size.size, 3))
+            push[:, axis] = sign * DISPLACED * size
+            again = feed_back(scene, at, place, friction, drive, fast, push)
+            apart = np.abs(again.at.force - found.at.force).max(axis=1) > ANOTHER * np.maximum(size, 1e-300)
+            other |= apart & ~again.failed & ~found.failed & (size > 0.0)
+    return tuple(int(k) for k in np.flatnonzero(other))
 
 
 def _seated(

@@ -8,7 +8,7 @@ import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.whole.contacts import StaticContacts, contacts_of
-from lowfi.friction.whole.feedback import feed_back, feeds_back, seats_of
+from lowfi.friction.whole.feedback import JAMMED, feed_back, feeds_back, seats_of, second_states
 from lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds
 from lowfi.friction.whole.neighbours import Neighbours, neighbours
 from lowfi.friction.whole.torque import ScrewTorque, sum_up
@@ -27,7 +27,8 @@ class FrictionState:
 
     bare: the sums at the static loads, without feedback; unsettled: indices of balls whose feedback did not settle, in one
     direction of motion or the other; change: of the friction fed back in the last round, as a fraction of contact forces;
-    coupled: whether friction feeds back; neighbours: what balls that touch do to each other, where asked.
+    coupled: whether friction feeds back; neighbours: what balls that touch do to each other, where asked;
+    second: indices of balls for which a second, jammed state was found, None where none was looked for.
     """
 
     at: StaticContacts
@@ -39,6 +40,7 @@ class FrictionState:
     change: float
     coupled: bool
     neighbours: Neighbours | None = None
+    second: tuple[int, ...] | None = None
 
     @property
     def loaded(self) -> bool:
@@ -65,14 +67,17 @@ def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive
     balls = ball_friction(scene, at, friction, drive, fast)
     torque = bare = sum_up(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()
-    change = 0.0
+    second: tuple[int, ...] | None
+    change, second = 0.0, None
     if coupled:
         place = seats_of(scene, result, at, member)
         there, back = (feed_back(scene, at, place, friction, d, fast) for d in (drive, reverse(drive)))
-        at, balls = there.at, there.friction
+        still, at, balls = at, there.at, there.friction
         torque = replace(sum_up(scene, at, balls, drive, coupled=True), reverse_power=back.friction.power)
         change = max(there.change, back.change)
         unsettled = tuple(int(k) for k in np.flatnonzero(there.failed | back.failed))
+        if max(friction.screw, friction.nut) >= JAMMED:
+            second = second_states(scene, place, still, there, friction, drive, fast)
     touching: Neighbours | None = None
     if pushed:
         touching, back_again = (neighbours(scene, at, friction, d, member, fast) for d in (drive, reverse(drive)))
@@ -80,7 +85,7 @@ def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive
         found = sum_up(scene, at, balls, drive)
         torque = replace(found, power=found.power + touching.power, reverse_power=back_again.balls.power + back_again.power)
     closing = closing_speeds(scene, at, balls, drive)
-    return FrictionState(at, balls, torque, closing, bare, unsettled, change, coupled, touching)
+    return FrictionState(at, balls, torque, closing, bare, unsettled, change, coupled, touching, second)
 
 
 def reverse(drive: Drive) -> Drive:

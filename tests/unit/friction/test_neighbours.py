@@ -92,3 +92,14 @@ def test_without_groove_friction_nothing_is_lost():
     found = neighbours(scene, at, Friction(0.0, 0.0, coupling="balls"), TURN)
     assert found.power == 0.0
     assert found.balls.power == 0.0
+
+
+def test_flat_grooves_have_their_long_axis_along_the_path_for_chains_too():
+    scene = touching(apart=3e-6)
+    flat = 40.0 * scene.balls.radius
+    scene = replace(scene, screw=replace(scene.screw, groove_radius=flat), nut=replace(scene.nut, groove_radius=flat))
+    result = solved(scene)
+    alone, found = (friction_state(scene, result, f, TURN) for f in (replace(PUSH, coupling="none"), PUSH))
+    assert not alone.at.across.all()
+    assert found.balls.force == pytest.approx(alone.balls.force, abs=1e-5 * np.abs(alone.balls.force).max())
+    assert found.balls.orbit == pytest.approx(alone.balls.orbit, rel=1e-6)

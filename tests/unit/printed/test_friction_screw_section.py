@@ -104,7 +104,7 @@ def test_readings_and_their_labels(made):
     rows = tables(made)["friction-readings"].rows
     kinds = Counter(r["kind"] for r in rows)
     assert kinds["plain"] == kinds["inferred"] == 1
-    assert len(rows) == 14
+    assert len(rows) == 17
     assert all(r["status"] == "converged" for r in rows)
     own = {r["kind"]: r for r in rows}
     assert own["plain"]["load_a"] < 0.6 * own["inferred"]["load_a"]
@@ -116,7 +116,7 @@ def test_whole_runs(made):
     for r in rows:
         done, total = r["steps"].split(" of ")
         assert done == total, r["value"]
-    assert [rows[k]["largest"] for k in (0, 1)] == pytest.approx([18.83, 76.74], abs=0.05)
+    assert [rows[k]["largest"] for k in (0, 1)] == pytest.approx([20.17, 79.96], abs=0.05)
     assert all(r["at"] is None for r in rows if r["largest"] == 0.0)
 
 
@@ -163,7 +163,7 @@ def test_torque_parts_add_up(made):
         groove, ball, total = (np.array(s.y) for s in panel.series)
         np.testing.assert_allclose(groove + ball, total, rtol=1e-12)
         assert ball.max() > 0.0
-        assert panel.series[0].x[-1] == pytest.approx(1.99)
+        assert 1.99 <= panel.series[0].x[-1] < 2.0
 
 
 def test_ours_has_no_failure_and_unique_answers(records):
@@ -201,7 +201,7 @@ def test_a_failure_would_be_counted(records):
 
 def test_bench_rows_are_positive():
     rows = list(friction_bench.jobs(1))
-    assert len({r.name for r in rows}) == len(rows) == 14
+    assert len({r.name for r in rows}) == len(rows) == 17
     for r in rows:
         assert r.seconds > 0.0
         assert r.target > 0.0
