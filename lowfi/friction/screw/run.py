@@ -6,7 +6,7 @@ order and never overlap. The track is a ring: the loaded turns of the nut and a 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
