@@ -126,7 +126,7 @@ def test_source_root_beyond_the_arc_is_told_apart():
     assert row.converged
     assert row.difference_percent is not None
     assert row.difference_percent > 1.0
-    assert "differ from ours" in row.reason
+    assert "differ from the energy solver's" in row.reason
 
 
 def test_dense_source_is_not_attempted_beyond_the_limit():

@@ -267,8 +267,8 @@ def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
 
 def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path: Path, monkeypatch):
     save(tmp_path, replace(DATA, key=scene_key("two-balls")))
-    monkeypatch.setattr(crosscheck, "reference", lambda *_: ours([LIMIT, LIMIT, LIMIT]))
-    found = crosscheck.section(Study(), lambda _: None, None, tmp_path)
+    monkeypatch.setattr(Study, "reference", lambda *_: ours([LIMIT, LIMIT, LIMIT]))
+    found = crosscheck.section(Study(), lambda _: None, tmp_path)
     tables = {x.name: x for x in found.items if hasattr(x, "columns")}
     assert set(tables) == {"crosscheck-two-balls", "crosscheck-runs-two-balls"}
     assert len(tables["crosscheck-two-balls"].rows) == 6
