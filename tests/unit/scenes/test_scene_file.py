@@ -188,7 +188,7 @@ def test_tables_that_tell_a_missing_kind_are_no_whole_scene_s():
     assert not scene_file.FOREIGN & SceneKeys.model_fields.keys()
     for kind in FRICTION_ONLY:
         assert scene_file.FOREIGN & KINDS[kind].keys.model_fields.keys(), kind
-    with pytest.raises(SceneError, match="load: got .*did you mean loads"):
+    with pytest.raises(SceneError, match=r"load: got .*did you mean loads"):
         scene_file.loads(template().replace("[[loads]]", "[[load]]"), "a.toml")
 
 
