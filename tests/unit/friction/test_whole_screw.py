@@ -10,6 +10,7 @@ from compare.evidence.source_cases import four_point, table_3_6
 from lowfi.friction.bearing.pairs import solve_bearing
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.motion import ball_motion
+from lowfi.friction.whole import feedback
 from lowfi.friction.whole.contacts import StaticContacts, contacts_of
 from lowfi.friction.whole.feedback import feed_back, seats
 from lowfi.friction.whole.losses import CAUSES, ball_friction, ball_path
@@ -434,3 +435,19 @@ def test_contacts_take_the_specimen_that_was_solved():
     at = contacts_of(scene, result, 3)
     assert np.array_equal(at.ball_radius, specimen(scene, ball_layout(scene), 3).ball_radius)
     assert not np.array_equal(at.ball_radius, contacts_of(scene, result, 0).ball_radius)
+
+
+def test_second_states_are_those_that_differ_and_settle(monkeypatch):
+    scene, mu = small_screw(3, 0.7, force=(0.0, 0.0, 300.0), screw="rigid"), Friction(0.4, 0.4, coupling="ball")
+    result = solved(scene)
+    at = contacts_of(scene, result)
+    place = feedback.seats_of(scene, result, at)
+    there = feed_back(scene, at, place, mu, TURN)
+    assert feedback.second_states(scene, place, at, there, mu, TURN) == ()
+
+    def jammed(*_):
+        force = there.at.force * np.array([[1.0], [3.0], [3.0]])
+        return replace(there, at=replace(there.at, force=force), failed=np.array([False, False, True]))
+
+    monkeypatch.setattr(feedback, "feed_back", jammed)
+    assert feedback.second_states(scene, place, at, there, mu, TURN) == (1,)
