@@ -104,7 +104,7 @@ def test_readings_and_their_labels(made):
     rows = tables(made)["friction-readings"].rows
     kinds = Counter(r["kind"] for r in rows)
     assert kinds["plain"] == kinds["inferred"] == 1
-    assert len(rows) == 17
+    assert len(rows) == 14
     assert all(r["status"] == "converged" for r in rows)
     own = {r["kind"]: r for r in rows}
     assert own["plain"]["load_a"] < 0.6 * own["inferred"]["load_a"]
@@ -208,4 +208,4 @@ def test_bench_rows_are_positive():
         assert r.ratio is None or r.ratio > 0.0
         assert r.reached == (r.seconds <= r.target)
         assert len(r.note) > 10
-    assert {r.target for r in rows} == {1e-6, 0.15e-3, 1e-3, 5 * 0.15e-3, 20 * 0.15e-3, 20e-3, 3.0}
+    assert {r.target for r in rows} == {1e-6, 0.15e-3, 1e-3, 5 * 0.15e-3, 20 * 0.15e-3, 20e-3, 5e-3, 3.0}
