@@ -6,7 +6,6 @@ import numpy as np
 from scipy.special import ellipe
 
 from lowfi.friction.contact.ellipse import Array, Contacts
-from lowfi.friction.linear.analytic import K_F
 from lowfi.friction.linear.bearing import LinearBearing
 from lowfi.friction.screw.coupled import PATIENCE
 from lowfi.friction.screw.groove import ScrewGroove
@@ -33,7 +32,7 @@ def mismatch(angles: Array) -> Array:
     return np.asarray(np.sin(bl + tl) + np.sin(br - tl) - np.sin(br + tr) - np.sin(bl - tr))
 
 
-def shifts(bearing: LinearBearing, deviation: Array, loads: Array, force: float = 0.0, k_f: float = K_F) -> Array:
+def shifts(bearing: LinearBearing, deviation: Array, loads: Array, force: float = 0.0, *, k_f: float) -> Array:
     """Shifts Delta eta + Delta zeta ``(4,)`` [rad] of the points of no slip, loads of the four contacts unequal.
 
     Solves (3.37) or (3.45), mended, with (3.40), (3.47): force and moments in balance with an axial ``force`` [N]

@@ -53,7 +53,10 @@ def template(kind: str = "ball screw") -> str:
 
 def _schema(kind: str) -> dict[str, Any]:
     if kind in WHOLE:
-        return tidy_schema(SceneKeys)
+        schema = tidy_schema(SceneKeys)
+        if kind == "bearing":
+            del schema["properties"]["circulation"]  # the balls of a ring go round its one turn
+        return schema
     from compare.scenes.kinds.table import KINDS
 
     return tidy_schema(KINDS[kind].keys)

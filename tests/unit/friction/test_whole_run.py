@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from compare.evidence.source_cases import lin_3_4_4
 from lowfi.friction.screw.chain import Chain, solve_chain
 from lowfi.friction.screw.load import settle
-from lowfi.friction.screw.run import lin_3_4_4, run_cell
+from lowfi.friction.screw.run import run_cell
 from lowfi.friction.whole.balls import balls_of
 from lowfi.friction.whole.chain import chain_motion, grooves_of
 from lowfi.friction.whole.contacts import StaticContacts

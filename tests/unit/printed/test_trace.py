@@ -12,7 +12,7 @@ from compare.cli import app
 from compare.evidence.registry import BY_TABLE, COMPUTATIONS, NOT_COMPUTED, evidence, traces
 from compare.models.study import Study
 from compare.printed.printed_data import load_table, tables
-from compare.scenes import catalogue, friction_scene
+from compare.scenes import catalogue
 
 ROOT = Path(__file__).parents[3]
 TRACES = list(traces())
@@ -44,7 +44,7 @@ def test_the_test_file_asserts_every_entry_of_the_table(computation):
 
 
 def test_scenes_exist_and_every_pattern_is_needed():
-    shipped = {*catalogue.scene_names(), *friction_scene.scene_names()}
+    shipped = set(catalogue.scene_names())
     used = {(t.table, t.scenes) for t in TRACES}
     for t in TRACES:
         assert set(t.scenes) <= shipped, t
@@ -54,8 +54,10 @@ def test_scenes_exist_and_every_pattern_is_needed():
 
 
 def test_only_what_needs_no_scene_has_none():
-    """Choices, arithmetic on printed numbers, other programs and machines."""
-    without = {t.key for t in TRACES if not t.scenes and t.table not in NOT_COMPUTED}
+    """Choices, arithmetic on printed numbers, other programs and machines; and Smith's formulas, which stand for no scene."""
+    lin = [t for t in TRACES if not t.table.startswith("smith")]
+    assert not any(t.scenes for t in TRACES if t not in lin)
+    without = {t.key for t in lin if not t.scenes and t.table not in NOT_COMPUTED}
     others = {"speed_ratio", "error_numerical", "reach", "pressure", "a_over_R", "eta", "difference_a", "difference_b"}
     elsewhere = {t.key for t in TRACES if t.table in ("lin-3.5", "lin-3.7") and ("ansys" in t.key or "time" in t.key)}
     assert without == others | elsewhere
