@@ -10,18 +10,46 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compare.measure import error_percent
 from compare.reference.convergence import common_order
 from compare.writing import replace_file
 
-if TYPE_CHECKING:
-    from compare.reference.runs import Reference
+Array = NDArray[np.float64]
 
 FILE = "grid_order.json"
+
+
+class HasLoad(Protocol):
+    """A run with loads ``(n, 4)`` [N]."""
+
+    @property
+    def load(self) -> Array:
+        """Loads ``(n, 4)`` [N]."""
+        ...
+
+
+class OnLevels(HasLoad, Protocol):
+    """A reference (`compare.reference.runs.Reference`): loads of its finest level, those of every run, relative sizes."""
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        ...
+
+    @property
+    def runs(self) -> Sequence[HasLoad]:
+        """Runs, coarse to fine."""
+        ...
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """Relative cell sizes of the runs."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -36,7 +64,7 @@ class GridOrder:
     contacts: int
 
 
-def measured(found: Sequence[Reference]) -> GridOrder | None:
+def measured(found: Sequence[OnLevels]) -> GridOrder | None:
     """Order of references on the same levels, loads in per cent of each scene's mean; None where none has three levels.
 
     Of references with unlike levels those with the most common ones count.
