@@ -4,12 +4,11 @@ from math import sqrt
 
 import numpy as np
 
+from lowfi.friction.screw.records import Array, CellArrays, CellState
 from lowfi.jit import kernel
 
-from .arrays import ON_SCREW, Array, Cell
-
-#: (gradient by balls (N, 2), by the screw (m,), stiffness (N, 4, 3) as xx, xz, zz, forces (N, 4), normals (N, 4, 2)).
-State = tuple[Array, Array, Array, Array, Array]
+#: Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
+ON_SCREW = 2
 #: Longest step as a fraction of the distance of the grooves' centres from the ball.
 FAR = 0.3
 
@@ -28,7 +27,7 @@ def contact(
 
 
 @kernel
-def evaluate(cell: Cell, p: Array, u: Array, state: State) -> float:
+def evaluate(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
     """Elastic energy [J] at positions of balls (N, 2) and screw (m,) [m]; writes ``state``.
 
     sum (2/5) C^(-3/2) <approach>^(5/2); less push . p + pull . u, which ``state`` derives too, it is convex.
@@ -64,17 +63,17 @@ def evaluate(cell: Cell, p: Array, u: Array, state: State) -> float:
 
 
 @kernel
-def newton_step(cell: Cell, state: State, floor: float, dp: Array, du: Array) -> None:
+def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du: Array) -> None:
     """Writes Newton's step of balls (N, 2) and screw (m,); the balls are eliminated."""
-    section, ball, screw, stiff = cell[3], state[0], state[1], state[2]
+    section, ball, screw, stiff = cell.section, state.ball, state.screw, state.stiffness
     n, m = ball.shape[0], screw.shape[0]
     schur, solved, right = np.zeros((m, m)), np.empty((n, 2, m)), -screw
     for j in range(m):
         schur[j, j] = floor
     for k in range(n):
         least = floor
-        if np.max(state[3][k]) == 0.0:  # a ball that floats would ask for a step that makes those of others tiny
-            least = max(floor, sqrt(ball[k, 0] * ball[k, 0] + ball[k, 1] * ball[k, 1]) / (FAR * cell[7]))
+        if np.max(state.force[k]) == 0.0:  # a ball that floats would ask for a step that makes those of others tiny
+            least = max(floor, sqrt(ball[k, 0] * ball[k, 0] + ball[k, 1] * ball[k, 1]) / (FAR * cell.reach))
         xx, xz, zz, s_xx, s_xz, s_zz = least, 0.0, least, 0.0, 0.0, 0.0
         for i in range(4):
             xx, xz, zz = xx + stiff[k, i, 0], xz + stiff[k, i, 1], zz + stiff[k, i, 2]
@@ -105,9 +104,10 @@ def newton_step(cell: Cell, state: State, floor: float, dp: Array, du: Array) ->
 
 
 @kernel
-def copy(source: State, to: State) -> None:
+def copy(source: CellState, to: CellState) -> None:
     """Overwrites ``to`` by ``source``."""
-    to[0][:], to[1][:], to[2][:], to[3][:], to[4][:] = source[0], source[1], source[2], source[3], source[4]
+    to.ball[:], to.screw[:], to.stiffness[:] = source.ball, source.screw, source.stiffness
+    to.force[:], to.normal[:] = source.force, source.normal
 
 
 @kernel
@@ -122,32 +122,32 @@ def largest(balls: Array, screw: Array) -> float:
 
 
 @kernel
-def settle(cell: Cell, load: float, p: Array, u: Array, state: State, goal: float, limit: int) -> int:
+def settle(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, goal: float, limit: int) -> int:
     """Minimum of the energy from (p, u), which are overwritten as ``state`` is; returns the steps.
 
     load: sum of the sizes of the given forces [N]. Ends where nothing is out of balance by more than ``goal`` of the
     sum of all forces, or where round-off lets neither energy nor imbalance fall.
     """
-    reach = cell[7]
+    reach = cell.reach
     dp, du = np.zeros_like(p), np.zeros_like(u)
-    trial = (np.zeros_like(p), np.zeros_like(u), np.zeros_like(state[2]), np.zeros_like(state[3]), np.zeros_like(state[4]))
+    stiff, force, normal = np.zeros_like(state.stiffness), np.zeros_like(state.force), np.zeros_like(state.normal)
+    trial = CellState(np.zeros_like(p), np.zeros_like(u), stiff, force, normal)
     energy, steps = evaluate(cell, p, u, state), 0
-    worst = largest(state[0], state[1])
-    while steps < limit and worst > goal * (load + np.sum(state[3])):
+    worst = largest(state.ball, state.screw)
+    while steps < limit and worst > goal * (load + np.sum(state.force)):
         steps += 1
-        floor = 1e-12 * np.max(state[2]) + 1e-12 * max(load, 1e-9) / reach
+        floor = 1e-12 * np.max(state.stiffness) + 1e-12 * max(load, 1e-9) / reach
         newton_step(cell, state, floor, dp, du)
         length = min(1.0, FAR * reach / max(largest(dp, du), 1e-300))
-        slope = np.sum(state[0] * dp) + np.sum(state[1] * du)
-        work = np.sum(cell[5] * dp) + np.sum(cell[6] * du)
+        slope = np.sum(state.ball * dp) + np.sum(state.screw * du)
+        work = np.sum(cell.push * dp) + np.sum(cell.pull * du)
         moved = False
         for _ in range(50):
             new = evaluate(cell, p + length * dp, u + length * du, trial)
             # the work is that of the step, to keep precision for nearly unloaded balls, which would otherwise drift; where
-            # round-off still hides
-            # the fall of the energy, the forces must tell: such a ball would wander
+            # round-off still hides the fall of the energy, the forces must tell
             flat = -length * slope <= 1e-12 * energy
-            off = largest(trial[0], trial[1])
+            off = largest(trial.ball, trial.screw)
             if off < worst if flat else new - energy - length * work <= 1e-4 * length * slope:
                 moved = True
                 break
