@@ -148,7 +148,7 @@ def test_loads_are_the_least_energy() -> None:
     assert x == pytest.approx(best.x, abs=1e-3)
     p, u, h = RNG.normal(size=(2, 2)) * 1e-6, RNG.normal(size=2) * 1e-6, 1e-10
     energy_at(p, u)
-    slope = np.append(state[0].ravel(), state[1])
+    slope = np.append(state.ball.ravel(), state.screw)
     for k in range(6):
         step = np.eye(6)[k] * h
         up = energy_at(p + step[:4].reshape(2, 2), u + step[4:])
