@@ -12,11 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.contact.rings import cell_state
 from lowfi.friction.screw.arrays import plain_array
 from lowfi.friction.screw.chain import SPEEDS, Chain, Search, solve_chain
-from lowfi.friction.screw.load import Cell, load_arrays, load_state
+from lowfi.friction.screw.load import Cell, load_arrays
 from lowfi.friction.screw.records import JointSystem, Place
-from lowfi.jit import SCREW, kernels
+from lowfi.jit import CONTACT, kernels
 
 #: Residual aimed at, in units of the largest friction bound of a ball, and what lets a stage pass.
 GOAL, PASSED = 1e-13, 1e-9
@@ -67,7 +68,7 @@ def solve_joint(
         steps += path.steps
         if done:
             break
-    push, drag = path.state.ball, path.state.screw
+    push, drag = path.state.ball, path.state.inner
     return Joint(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
 
 
@@ -100,8 +101,9 @@ class _Path:
 
     def measure(self) -> None:
         """Rescale forces and the set of loaded balls by the loads at the present state."""
-        g, self.state = self.cell.groove, load_state(self.cell)
-        kernels(SCREW, compiled=self.fast).evaluate(load_arrays(self.cell), self.ball, self.screw, self.state)
+        g, arrays = self.cell.groove, load_arrays(self.cell)
+        self.state = cell_state(arrays)
+        kernels(CONTACT, compiled=self.fast).press(arrays, self.ball, self.screw, self.state)
         n = self.state.normal
         normals = np.stack([n[..., 0], np.zeros_like(n[..., 0]), n[..., 1]], axis=-1)
         self.search = Search(Chain(g, self.state.force, normals, self.slack), self.fast)

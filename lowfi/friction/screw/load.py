@@ -11,14 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.contact.records import CellArrays
+from lowfi.friction.contact.rings import settle_cell
 from lowfi.friction.screw.arrays import plain_array
 from lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame
-from lowfi.friction.screw.records import CellArrays, CellState
-from lowfi.jit import SCREW, kernels
-
-#: Round-off limit of the search and what counts as converged, as parts of the sum of forces.
-GOAL, ACCEPTED = 1e-13, 1e-8
-STEPS = 600
 
 
 @dataclass(frozen=True)
@@ -70,12 +66,6 @@ def load_arrays(cell: Cell) -> CellArrays:
     return CellArrays(start, interference, C, section, offset, push, pull, float(cell.groove.reach))
 
 
-def load_state(cell: Cell) -> CellState:
-    """Room for the state that the kernels write."""
-    n, m = cell.angle.shape[0], cell.rows.shape[2]
-    return CellState(np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2)))
-
-
 def _first_guess(cell: Cell) -> tuple[Array, Array]:
     """Screw pressed along its load by about the approach of a fair share of it, balls half way."""
     total = float(np.linalg.norm(cell.force))
@@ -95,14 +85,13 @@ def settle(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = Tr
     """
     load = float(np.linalg.norm(cell.force) + np.linalg.norm(cell.drag) + np.sum(np.abs(cell.push)))
     p, u = _first_guess(cell) if start is None else (plain_array(start[0]).copy(), plain_array(start[1]).copy())
-    state = load_state(cell)
-    steps = int(kernels(SCREW, compiled=fast).settle(load_arrays(cell), load, p, u, state, GOAL, STEPS))
-    force, n = state.force, np.abs(state.normal)
-    left = float(max(np.max(np.abs(state.ball), initial=0.0), np.max(np.abs(state.screw), initial=0.0)))
-    good = left <= ACCEPTED * (load + float(np.sum(force)))
-    if not good and start is not None:  # from a distant start a nearly unloaded ball may creep along a flat energy
+    found = settle_cell(load_arrays(cell), load, p, u, fast)
+    # from a distant start a nearly unloaded ball may creep along a flat energy
+    if not found.converged and start is not None:
         return settle(cell, None, fast)
-    return ScrewLoad(force, np.arctan2(n[..., 1], n[..., 0]), p, u, left, steps, good)
+    n = np.abs(found.normal)
+    angle = np.arctan2(n[..., 1], n[..., 0])
+    return ScrewLoad(found.force, angle, found.ball, found.inner, found.left, found.steps, found.converged)
 
 
 def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:

@@ -4,12 +4,9 @@ N balls, m free motions of the screw. Contacts 0 and 1 of a ball are on the scre
 y3 along the path, z3 along the binormal of a groove's section.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from numpy.typing import NDArray
-
-#: Array of floats (masks are passed the same way).
-Array = NDArray[Any]
+from lowfi.friction.contact.records import Array, CellArrays
 
 
 class GrooveArrays(NamedTuple):
@@ -59,42 +56,6 @@ class BallArrays(NamedTuple):
     #: maps @ x + drives: what a contact sees (vx, vz, spin) as fractions of ``speed``; (N, 4, 3, 4) and (N, 4, 3).
     maps: Array
     drives: Array
-
-
-class CellArrays(NamedTuple):
-    """Balls pressed between the grooves of a screw that moves by u (m,) and a nut that stands."""
-
-    #: From the grooves' centres to the ball (N, 4, 2) along x3, z3 [m].
-    start: Array
-    #: Interference (N, 4) [m] along the groove angle.
-    interference: Array
-    #: Hertz constants (4,) [m/N^(2/3)].
-    C: Array
-    #: Displacement of the screw (N, 2, m) along x3, z3 by u.
-    section: Array
-    #: Further displacement of the screw (N, 2) [m].
-    offset: Array
-    #: Given forces on the balls (N, 2) [N].
-    push: Array
-    #: Force and drag (m,) on the screw along its motions [N].
-    pull: Array
-    #: Distance of a groove's centre from the ball [m].
-    reach: float
-
-
-class CellState(NamedTuple):
-    """What the energy of a cell gives at positions of balls and screw."""
-
-    #: Gradient by the balls (N, 2) [N].
-    ball: Array
-    #: Gradient by the screw (m,) [N].
-    screw: Array
-    #: Stiffness of the contacts (N, 4, 3) as xx, xz, zz [N/m].
-    stiffness: Array
-    #: Contact forces (N, 4) [N].
-    force: Array
-    #: Normals (N, 4, 2) along x3, z3.
-    normal: Array
 
 
 class BalanceParts(NamedTuple):

@@ -2,10 +2,9 @@
 
 from math import copysign, sqrt
 
-from lowfi.friction.contact.records import DissipationTerms
+from lowfi.friction.contact.records import Array, DissipationTerms
 from lowfi.jit import kernel
 
-from .arrays import Array
 from .confocal import coordinate, far, near
 
 

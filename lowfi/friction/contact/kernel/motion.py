@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from lowfi.friction.contact.records import Array
 from lowfi.jit import kernel
 
-from .arrays import Array
 from .dissipation import dissipation
 from .minimum import column_units, descend, drive_speed, evaluate, residual, rolling_start, speeds_at
 

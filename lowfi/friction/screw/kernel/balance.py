@@ -4,7 +4,8 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.friction.screw.records import Array, BalanceParts, BallArrays, GrooveArrays
+from lowfi.friction.contact.records import Array
+from lowfi.friction.screw.records import BalanceParts, BallArrays, GrooveArrays
 from lowfi.jit import kernel
 
 from .band import solve

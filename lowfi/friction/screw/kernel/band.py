@@ -1,6 +1,6 @@
 """Banded linear systems by elimination with row exchange."""
 
-from lowfi.friction.screw.records import Array
+from lowfi.friction.contact.records import Array
 from lowfi.jit import kernel
 
 

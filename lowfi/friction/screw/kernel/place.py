@@ -4,12 +4,14 @@ from math import sqrt
 
 import numpy as np
 
-from lowfi.friction.screw.records import Array, GrooveArrays, JointSystem
+from lowfi.friction.contact.records import Array
+from lowfi.friction.screw.records import GrooveArrays, JointSystem
 from lowfi.jit import kernel
 
-from .contacts import contact_map, dissipation, seen
-from .load import ON_SCREW, contact
+from .contacts import contact_map, dissipation, hertz_contact, seen
 
+#: Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
+ON_SCREW = 2
 #: Rows of a ball's own part: position, motion, force on the screw; columns: position, motion, place of the screw.
 OWN_ROWS, OWN_COLUMNS = 9, 8
 
@@ -115,7 +117,7 @@ def own(
     for i in range(4):
         on = i < ON_SCREW
         m_x, m_z = (p[0] - shift[0], p[1] - shift[1]) if on else (p[0], p[1])
-        f, n_x, n_z, d, size = contact(start[k, i, 0], start[k, i, 1], m_x, m_z, interference[k, i], C[i], reach)
+        f, n_x, n_z, d, size = hertz_contact(start[k, i, 0], start[k, i, 1], m_x, m_z, interference[k, i], C[i], reach)
         if f == 0.0:
             continue
         contact_map(groove, n_x, n_z, rows)
