@@ -2,7 +2,8 @@
 
 A kernel package (a folder named ``kernel``) is written in the subset of Python that numba compiles. ``kernels(package,
 compiled=False)`` is the package itself; ``compiled=True`` loads the same files a second time under another name, where the
-decorator ``kernel`` compiles. Machine code is kept in the user's cache folder, under a digest of the sources of all
+decorator ``kernel`` compiles. Named tuples that kernels take or return stand in ``records.py`` beside that folder: both
+copies must mean the same classes. Machine code is kept in the user's cache folder, under a digest of the sources of all
 kernels, so that none outlives the sources it was made from: numba alone looks at the file of a function only.
 """
 
@@ -106,10 +107,11 @@ def code_folder() -> Path | None:
 
 @cache
 def digest() -> str:
-    """Digest of the sources of all kernel packages and of this module."""
+    """Digest of the sources of all kernel packages, of the records they take, and of this module."""
     digest = hashlib.sha256(Path(__file__).read_bytes())
     for package in PACKAGES:
-        for source in sorted(_folder(package).glob("*.py")):
+        folder = _folder(package)
+        for source in (*sorted(folder.glob("*.py")), *folder.parent.glob("records.py")):
             digest.update(source.read_bytes())
     return digest.hexdigest()[:20]
 

@@ -34,6 +34,7 @@ from lowfi.compliance.bodies import REFINED, forget
 from lowfi.statics.elastic import run as run_elastic
 from lowfi.statics.elastic_system import Rebuild
 from lowfi.statics.problem import Problem, build
+from lowfi.statics.records import Outcome
 from lowfi.statics.selection import choose_sides
 from lowfi.statics.static import TOLERANCE as OWN_TOLERANCE
 from lowfi.statics.static import Prepared, pick_engine, prepare, run, solve_static
@@ -129,12 +130,12 @@ class Ours:
         self.reset()
         self.cold()
         self.begin = [a.copy() for a in self.prepared.state]
-        self.prepared.beam[3][...] *= WARM_LOAD
+        self.prepared.beam.load[...] *= WARM_LOAD
 
-    def _check(self, outcome: tuple[int, int, int, float, float]) -> None:
-        self.iterations = outcome[1]
-        if not (outcome[0] <= 1 and outcome[3] <= 1e-10):
-            raise RuntimeError(f"bench: our solver stopped with residual {outcome[3]:.1e}")
+    def _check(self, outcome: Outcome) -> None:
+        self.iterations = outcome.iterations
+        if not (outcome.status <= 1 and outcome.residual <= 1e-10):
+            raise RuntimeError(f"bench: our solver stopped with residual {outcome.residual:.1e}")
 
 
 class Source:
@@ -271,15 +272,15 @@ class Refined:
         use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
         kernels = pick_engine("compiled", scene.ball_count)
         self.elastic = Rebuild(scene, drawn, layout, use, None, REFINED, None, kernels, everything, 1)()
-        self.unknowns = self.elastic.state[0].size + self.elastic.state[1].size
+        self.unknowns = self.elastic.state.phi.size + self.elastic.state.a.size
         self.iterations = 0
 
     def cold(self) -> None:
         """Linear start, then Newton on the contact forces."""
         outcome = run_elastic(self.elastic)
-        self.iterations = outcome[1]
-        if not (outcome[0] <= 1 and outcome[3] <= 1e-10):
-            raise RuntimeError(f"bench: the refined model stopped with residual {outcome[3]:.1e}")
+        self.iterations = outcome.iterations
+        if not (outcome.status <= 1 and outcome.residual <= 1e-10):
+            raise RuntimeError(f"bench: the refined model stopped with residual {outcome.residual:.1e}")
 
 
 def _refined_jobs(repeats: int) -> Iterator[Job]:
@@ -308,7 +309,7 @@ def _refined(repeats: int) -> Iterator[Job]:
         fast = timed(ours.cold, 5 * repeats)
         seconds.append(fast)
         note = "two flanks a ball"
-        modes = ours.elastic.bodies[5].shape[1]
+        modes = ours.elastic.bodies.soft_first.shape[1]
         note += f", {modes} soft modes exactly, the rest by iteration" if modes else ", bodies factored whole"
         done = counts[: len(seconds)]
         if len(done) >= min(len(counts), 4):

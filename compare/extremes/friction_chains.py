@@ -73,7 +73,7 @@ def chain_group(
         c = case.chain()
         first = solve(c).ball_force
         for k in range(starts + 1):
-            r = solve(c, None if k == 0 else c.problem[6] * rng.uniform(-3.0, 3.0, (c.count, 3)))
+            r = solve(c, None if k == 0 else c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)))
             apart = float(np.max(np.abs(r.ball_force - first))) / (c.scale or 1.0)
             tally.add(r.status == "converged", r.power, r.loss, apart)
         if c.count > most:

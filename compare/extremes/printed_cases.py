@@ -45,7 +45,7 @@ def pair_rows() -> list[dict[str, Cell]]:
     for group, chains in pair_extremes():
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
         for c in chains:
-            starts = [None, *(c.problem[6] * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
+            starts = [None, *(c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
             found = [solve(c, start) for start in starts]
             solved += sum(r.status == "converged" for r in found)
             energy = max(energy, *(abs(r.power / r.loss - 1.0) for r in found))

@@ -215,11 +215,10 @@ class _RadiiEnsemble:
 
     @staticmethod
     def _copy_start(prepared: Prepared) -> tuple[Array, Array]:
-        return prepared.state[0].copy(), prepared.state[1].copy()
+        return prepared.state.q.copy(), prepared.state.d.copy()
 
     def _solve_part(self, prepared: Prepared, begin: tuple[Array, Array], near: _Nearness, part: NDArray[np.int64]) -> None:
         beam, state, options, history = prepared.beam, prepared.state, prepared.options, prepared.history
-        node, B, _, _, _, profile, tiny = prepared.contacts
         solve = prepared.engine.solve
         q, d, p, contact = state
         radii, closures, geometry = self._contacts(prepared, part)
@@ -227,11 +226,11 @@ class _RadiiEnsemble:
         good = np.zeros(part.size, dtype=bool)
         for k, m in enumerate(part):
             q[:], d[:] = begin
-            own = (node, B, geometry[k], closures[k], radii[k], profile, tiny)
-            status, _, _, residual, _, _ = solve(beam, own, state, options, history)
-            good[k] = status <= 1 and residual <= ACCEPTED
+            own = prepared.contacts._replace(geometry=geometry[k], closure=closures[k], r_ball=radii[k])
+            outcome = solve(beam, own, state, options, history)
+            good[k] = outcome.status <= 1 and outcome.residual <= ACCEPTED
             motions[k], centres[k] = q, p
-            self.loads[m], self.residuals[m] = contact[..., 0], residual
+            self.loads[m], self.residuals[m] = contact[..., 0], outcome.residual
         good &= ~near.touched(motions.reshape(part.size, -1), centres, geometry, self.loads[part])
         self.solved[part] = good
 

@@ -14,10 +14,10 @@ from lowfi.statics import elastic as elastic_solver
 from lowfi.statics.elastic_system import Rebuild
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import Array, build
+from lowfi.statics.records import Outcome
 from lowfi.statics.static import (
     ACCEPTED,
     Engine,
-    Outcome,
     contact_angles,
     follow_profile,
     pick_engine,
@@ -58,7 +58,7 @@ def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine
     outcome = solve_with_hertz(prepared)
     if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
         outcome = follow_profile(prepared, outcome, layout, everything=False, refine=1)
-    status = verdict(outcome, round_off_bound(prepared, outcome[4]))
+    status = verdict(outcome, round_off_bound(prepared, outcome.scale))
     return _loads(prepared.force, prepared.normal, prepared.problem.C, status)
 
 
@@ -79,7 +79,7 @@ def elastic_loads(
         outcome: Outcome = elastic_solver.solve_with_hertz(system)
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
             system, outcome = elastic_solver.follow_profile(system, outcome, rebuild)
-        status = verdict(outcome, max(elastic_solver.round_off(system, outcome[4]), ACCEPTED))
+        status = verdict(outcome, max(elastic_solver.round_off(system, outcome.scale), ACCEPTED))
         _, contact, _ = elastic_solver.contacts_of(system)
     return _loads(contact[..., 0], contact[..., 1:3], system.problem.C, status)
 

@@ -19,11 +19,12 @@ from lowfi.compliance.imported import Condensed
 from lowfi.statics.elastic_system import Array, Elastic, Rebuild
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import actual_hertz
+from lowfi.statics.records import Outcome
 from lowfi.statics.result import SolverReport, StaticResult
 from lowfi.statics.selection import choose_sides, describe_left_out
 from lowfi.statics.shaft import flank_loads, node_motions
 from lowfi.statics.solved import SolvedState
-from lowfi.statics.static import ACCEPTED, NO_LOADS, Engine, Outcome, contact_angles, pick_engine, pin, verdict
+from lowfi.statics.static import ACCEPTED, NO_LOADS, Engine, contact_angles, pick_engine, pin, verdict
 from lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
@@ -34,27 +35,25 @@ MARGIN = 0.2e-6
 
 
 def run(elastic: Elastic, *, start: bool = True) -> Outcome:
-    """Solve from the linear start, or from the state as it is: status, iterations, evaluations, residual, scale."""
+    """Solve from the linear start, or from the state as it is."""
     bodies, contacts, state, options = elastic.bodies, elastic.contacts, elastic.state, elastic.options
     if start:
         elastic.engine.start_forces(bodies, state, elastic.springs, options)
-    status, it, evaluations, residual, _, scale = elastic.engine.solve_forces(
-        bodies, contacts, state, options, elastic.arms, elastic.history
-    )
-    elastic.scale = scale
-    return status, it, evaluations, residual, scale
+    outcome: Outcome = elastic.engine.solve_forces(bodies, contacts, state, options, elastic.arms, elastic.history)
+    elastic.scale = outcome.scale
+    return outcome
 
 
 def contacts_of(elastic: Elastic) -> tuple[Array, Array, Array]:
     """Centres ``(N, 2)`` [m], contacts ``(N, 4, 5)`` of all flanks, and flank motions ``(N, 4, 2)`` [m] at the state."""
     problem = elastic.problem
-    N = elastic.state[2].shape[0]
+    N = elastic.state.inner.shape[0]
     moved = flank_shifts(elastic)
     pair = elastic.pair
     if pair is None:
-        return elastic.state[2][:, :2].copy(), elastic.state[3].copy(), moved
+        return elastic.state.inner[:, :2].copy(), elastic.state.contact.copy(), moved
     a, b = pair
-    own = elastic.state[3][:, 0]
+    own = elastic.state.contact[:, 0]
     contact = np.zeros((N, 4, 5))
     contact[:, a] = own
     contact[:, b] = own
@@ -70,7 +69,7 @@ def contacts_of(elastic: Elastic) -> tuple[Array, Array, Array]:
             problem.closure[i],
             problem.drawn.ball_radius[i],
             problem.drawn.profile,
-            elastic.options[3],
+            elastic.options.tiny,
             single,
         )
     return p, contact, moved
@@ -78,7 +77,7 @@ def contacts_of(elastic: Elastic) -> tuple[Array, Array, Array]:
 
 def flank_forces(elastic: Elastic) -> Array:
     """Forces ``(N, 4, 2)`` [N] of the balls on all flanks."""
-    pair, contact = elastic.pair, elastic.state[3]
+    pair, contact = elastic.pair, elastic.state.contact
     pushes = contact[..., 0, None] * contact[..., 1:3]
     if pair is None:
         return np.asarray(pushes)
@@ -89,13 +88,13 @@ def flank_forces(elastic: Elastic) -> Array:
 
 def flank_shifts(elastic: Elastic) -> Array:
     """Motions ``(N, 4, 2)`` [m] of all built flanks at the state."""
-    N = elastic.state[2].shape[0]
+    N = elastic.state.inner.shape[0]
     screw, nut, v0, R = elastic.flanks.own
     forces, out = flank_forces(elastic), np.zeros((N, 4, 2))
     for G, sides in ((screw, (0, 1)), (nut, (2, 3))):
         used = [s for s in sides if elastic.problem.use[s]]
         out[:, used] = (G @ forces[:, used].ravel()).reshape(N, len(used), 2)
-    out[:, :2] += v0 + R @ elastic.state[1]
+    out[:, :2] += v0 + R @ elastic.state.a
     return out
 
 
@@ -104,7 +103,7 @@ def round_off(elastic: Elastic, scale: float) -> float:
     if scale == 0.0:
         return 0.0
     problem = elastic.problem
-    stiff = float((1.5 * np.cbrt(elastic.state[3][..., 0]) / problem.C.min()).max(initial=0.0))
+    stiff = float((1.5 * np.cbrt(elastic.state.contact[..., 0]) / problem.C.min()).max(initial=0.0))
     lengths = float(np.abs(flank_shifts(elastic)).max()) + float(np.abs(elastic.flanks.v0).max(initial=0.0))
     lengths += problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0
     return float(8.0 * np.finfo(float).eps * lengths * stiff / scale)
@@ -135,9 +134,9 @@ def solve_with_hertz(elastic: Elastic) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
     outcome = run(elastic)
     problem = elastic.problem
-    if problem.scene.ingredients.hertz != "actual" or outcome[0] not in (0, 1):
+    if problem.scene.ingredients.hertz != "actual" or outcome.status not in (0, 1):
         return outcome
-    iterations, evaluations = outcome[1], outcome[2]
+    iterations, evaluations = outcome.iterations, outcome.evaluations
     for _ in range(12):
         _, contact, _ = contacts_of(elastic)
         gamma = np.where(contact[..., 0] > 0.0, contact_angles(contact[..., 1:3]), problem.scene.track.contact_angle)
@@ -145,20 +144,20 @@ def solve_with_hertz(elastic: Elastic) -> Outcome:
         change = float(np.abs(updated / problem.C - 1.0).max())
         problem.C[:] = updated
         if elastic.pair is not None:
-            elastic.contacts[5][:, 4] = updated[:, list(elastic.pair)].sum(axis=1)
+            elastic.contacts.pair[:, 4] = updated[:, list(elastic.pair)].sum(axis=1)
         outcome = run(elastic, start=False)
-        iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
+        iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
         if change < 1e-13:
             break
-    return outcome[0], iterations, evaluations, outcome[3], outcome[4]
+    return outcome._replace(iterations=iterations, evaluations=evaluations)
 
 
 def follow_profile(elastic: Elastic, outcome: Outcome, rebuild: Rebuild) -> tuple[Elastic, Outcome]:
     """Let the flanks turn about their centre of curvature at the current contact: `lowfi.statics.static.follow_profile`."""
-    more = np.zeros((elastic.state[2].shape[0], 4, 2))
-    iterations, evaluations = outcome[1], outcome[2]
+    more = np.zeros((elastic.state.inner.shape[0], 4, 2))
+    iterations, evaluations = outcome.iterations, outcome.evaluations
     for _ in range(6):
-        if outcome[0] not in (0, 1):
+        if outcome.status not in (0, 1):
             break
         p, contact, shift = contacts_of(elastic)
         force, problem = contact[..., 0], elastic.problem
@@ -174,10 +173,10 @@ def follow_profile(elastic: Elastic, outcome: Outcome, rebuild: Rebuild) -> tupl
         for new_state, old_state in zip(elastic.state, old.state, strict=True):
             new_state[:] = old_state
         outcome = run(elastic, start=False)
-        iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
+        iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
         if change < 1e-13:
             break
-    return elastic, (outcome[0], iterations, evaluations, outcome[3], outcome[4])
+    return elastic, outcome._replace(iterations=iterations, evaluations=evaluations)
 
 
 def solve_elastic(
@@ -235,19 +234,19 @@ def _solve(
         outcome = solve_with_hertz(elastic)
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
             elastic, outcome = follow_profile(elastic, outcome, rebuild)
-        if np.all(use) or (outcome[0] == 0 and untouched(elastic)):
+        if np.all(use) or (outcome.status == 0 and untouched(elastic)):
             break
         notes = ("two of the four sides may touch in the solution without them: solved again with all four",)
         use = np.ones(4, dtype=bool)
-    bound = round_off(elastic, outcome[4])
-    if outcome[0] in NO_LOADS:
+    bound = round_off(elastic, outcome.scale)
+    if outcome.status in NO_LOADS:
         return failed_result(problem, name, verdict(outcome, bound), perf_counter() - start)
     report = SolverReport(
-        iterations=outcome[1],
-        evaluations=outcome[2],
-        residual=outcome[3],
+        iterations=outcome.iterations,
+        evaluations=outcome.evaluations,
+        residual=outcome.residual,
         seconds=perf_counter() - start,
-        unknowns=elastic.state[0].size + elastic.state[1].size,
+        unknowns=elastic.state.phi.size + elastic.state.a.size,
         elements=problem.nodes.size - 1,
         engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
         formulation="convex energy, elastic bodies condensed to the contacts",
@@ -275,7 +274,7 @@ def solved_state(elastic: Elastic) -> SolvedState:
     problem = elastic.problem
     used = [s for s in range(2) if problem.use[s]]
     pushes = flank_forces(elastic)[:, used].transpose(1, 0, 2).reshape(-1, 2)
-    motion = node_motions(elastic.shaft, pushes, elastic.state[1], used)
+    motion = node_motions(elastic.shaft, pushes, elastic.state.a, used)
     centre, contact, shifts = contacts_of(elastic)
     nodal = np.zeros((problem.nodes.size, 6))
     if problem.basis is None:

@@ -21,6 +21,7 @@ from lowfi.compliance.imported import Condensed
 from lowfi.compliance.modes import soft_modes
 from lowfi.statics.conformity import oblique_term
 from lowfi.statics.problem import Problem, build, nominal_hertz
+from lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
 from lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, reference_scale
 from meshes.errors import Specimen
@@ -69,11 +70,11 @@ class Elastic:
     shaft: Shaft
     flanks: Flanks
     engine: ModuleType
-    bodies: tuple[Array, ...]
-    contacts: tuple[Array, ...]
-    state: tuple[Array, ...]
+    bodies: Bodies
+    contacts: BallContacts
+    state: BodyState
     springs: Array
-    options: Array
+    options: BodyOptions
     arms: Array
     history: Array
     assumed: tuple[str, ...]
@@ -82,7 +83,7 @@ class Elastic:
     @property
     def pair(self) -> tuple[int, int] | None:
         """Sides of the one diagonal that the closed form serves, screw's first; None where all four flanks take part."""
-        if self.bodies[1].size:
+        if self.bodies.second.size:
             return None
         a = 0 if self.problem.use[0] else 1
         return a, 3 - a
@@ -223,11 +224,23 @@ def ready(
     modes = [np.zeros((0, 0))] * 2
     if N >= MODES_FROM:
         modes = [soft_modes(G, contact_compliance(problem)) for G in (flanks.first, flanks.second)]
-    bodies = (flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *modes)
-    contacts = (problem.geometry, problem.closure, local, problem.drawn.ball_radius, problem.drawn.profile, rows)
-    state = (np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5)))
+    bodies = Bodies(flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *modes)
+    contacts = BallContacts(
+        problem.geometry, problem.closure, local, problem.drawn.ball_radius, problem.drawn.profile, rows
+    )
+    state = BodyState(
+        np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))
+    )
     furthest = float(problem.drawn.ball_radius.max())
-    options = np.array([TOLERANCE, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, force_floor(problem), furthest])
+    options = BodyOptions(
+        tolerance=TOLERANCE,
+        most=MAX_ITERATIONS,
+        stiffness=float(stiffness),
+        tiny=1e-14 * force,
+        bound=1e3,
+        floor=force_floor(problem),
+        furthest=furthest,
+    )
     return Elastic(
         problem,
         shaft,

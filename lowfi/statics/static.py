@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from time import perf_counter
 from types import ModuleType
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from lowfi import jit
 from lowfi.statics.mechanism import Mechanism, free_motions
 from lowfi.statics.problem import SIGNS, Problem, actual_hertz, build
+from lowfi.statics.records import BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 from lowfi.statics.result import SolverReport, StaticResult
 from lowfi.statics.selection import choose_sides, describe_left_out, flank_motions, shifts_of_beam, touched_sides
 from lowfi.statics.solved import SolvedState
@@ -22,8 +23,6 @@ from meshes.helix import BallLayout, ball_layout
 from meshes.parts import Scene
 
 Array = NDArray[np.float64]
-#: Kernel status, iterations, evaluations, relative residual, force scale [N].
-Outcome = tuple[int, int, int, float, float]
 Engine = Literal["auto", "interpreted", "compiled"]
 
 #: Relative residual that the solver drives for, and the one at which it counts as converged.
@@ -37,26 +36,26 @@ COMPILE_ABOVE = 120
 
 @dataclass
 class Prepared:
-    """A problem ready for the kernels: argument tuples, the state arrays they fill, and the largest force met [N]."""
+    """A problem ready for the kernels: their arguments, the state they fill, and the largest force met [N]."""
 
     problem: Problem
     engine: ModuleType
-    beam: tuple[Any, ...]
-    contacts: tuple[Any, ...]
-    state: tuple[Any, ...]
-    options: Array
+    beam: BeamArrays
+    contacts: BeamContacts
+    state: BeamState
+    options: BeamOptions
     history: Array
     scale: float = 0.0
 
     @property
     def force(self) -> Array:
         """Contact forces, ``(N, 4)`` [N]."""
-        return np.asarray(self.state[3][..., 0])
+        return np.asarray(self.state.contact[..., 0])
 
     @property
     def normal(self) -> Array:
         """Unit normals from ball to groove in the section plane, ``(N, 4, 2)``."""
-        return np.asarray(self.state[3][..., 1:3])
+        return np.asarray(self.state.contact[..., 1:3])
 
 
 def pick_engine(engine: Engine, balls: int) -> ModuleType:
@@ -103,7 +102,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         moved[:, 0] += lengths * q[:-1, 4]
         moved[:, 1] -= lengths * q[:-1, 3]
         d = q[1:] - moved
-    contacts = (
+    contacts = BeamContacts(
         problem.node,
         problem.B,
         problem.geometry,
@@ -112,19 +111,17 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         problem.drawn.profile,
         1e-14 * force,
     )
-    state = (q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
-    options = np.array(
-        [
-            tolerance,
-            MAX_ITERATIONS,
-            stiffness,
-            problem.scene.track.pitch_radius,
-            1e3,
-            problem.half_bandwidth,
-            force_floor(problem),
-        ]
+    state = BeamState(q, d, np.zeros((count, 2)), np.zeros((count, 4, 5)))
+    options = BeamOptions(
+        tolerance=tolerance,
+        most=MAX_ITERATIONS,
+        stiffness=float(stiffness),
+        arm=float(problem.scene.track.pitch_radius),
+        bound=1e3,
+        half_band=int(problem.half_bandwidth),
+        floor=force_floor(problem),
     )
-    beam = (lengths, sections, problem.fixed, problem.load)
+    beam = BeamArrays(lengths, sections, problem.fixed, problem.load)
     return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
 
 
@@ -139,17 +136,14 @@ def _lift(problem: Problem) -> Array:
 
 
 def run(prepared: Prepared, *, start: bool = True) -> Outcome:
-    """Solve from the linear start (or from the state as it is).
-
-    Returns status, iterations, evaluations, residual, scale.
-    """
+    """Solve from the linear start (or from the state as it is)."""
     if start:
         prepared.engine.linear_start(prepared.beam, prepared.contacts, prepared.state, prepared.options)
-    status, it, evaluations, residual, _, scale = prepared.engine.solve(
+    outcome: Outcome = prepared.engine.solve(
         prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history
     )
-    prepared.scale = scale
-    return status, it, evaluations, residual, scale
+    prepared.scale = outcome.scale
+    return outcome
 
 
 def round_off_bound(prepared: Prepared, scale: float) -> float:
@@ -157,7 +151,7 @@ def round_off_bound(prepared: Prepared, scale: float) -> float:
 
     eps x (largest motion of a flank) x (largest contact stiffness) / (largest force), times 4.
     """
-    q, force = prepared.state[0], prepared.force
+    q, force = prepared.state.q, prepared.force
     problem = prepared.problem
     motion = float(np.abs(q[:, :3]).max(initial=0.0))
     stiff = float((1.5 * np.cbrt(force) / problem.C).max(initial=0.0))
@@ -202,24 +196,24 @@ def solve_static(
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
             outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
         problem = prepared.problem
-        touched = touched_sides(kernels, problem, prepared.state[0], prepared.force)
-        if (outcome[0] == 0 and not np.any(touched & ~use)) or np.all(use):
+        touched = touched_sides(kernels, problem, prepared.state.q, prepared.force)
+        if (outcome.status == 0 and not np.any(touched & ~use)) or np.all(use):
             break
         notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)
         use = np.ones(4, dtype=bool)
-    status = verdict(outcome, round_off_bound(prepared, outcome[4]))
-    if outcome[0] in NO_LOADS:
+    status = verdict(outcome, round_off_bound(prepared, outcome.scale))
+    if outcome.status in NO_LOADS:
         return failed_result(problem, "lin", status, perf_counter() - start)
     report = SolverReport(
-        iterations=outcome[1],
-        evaluations=outcome[2],
-        residual=outcome[3],
+        iterations=outcome.iterations,
+        evaluations=outcome.evaluations,
+        residual=outcome.residual,
         seconds=perf_counter() - start,
         unknowns=problem.unknowns,
         elements=problem.nodes.size - 1,
         engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
         formulation="convex energy",
-        round_off_bound=round_off_bound(prepared, outcome[4]),
+        round_off_bound=round_off_bound(prepared, outcome.scale),
         setup_seconds=ready - start,
         notes=notes,
     )
@@ -237,7 +231,7 @@ def solved_state(prepared: Prepared) -> SolvedState:
     gradient = np.zeros(motion.shape)
     if problem.basis is None:
         hessians = np.zeros((force.shape[0], 4, 4))
-        prepared.engine.evaluate(prepared.beam, prepared.contacts, prepared.state, (gradient, hessians))
+        prepared.engine.evaluate(prepared.beam, prepared.contacts, prepared.state, BeamSlopes(gradient, hessians))
     held = np.where(problem.fixed, gradient, 0.0) if problem.basis is None else gradient
     return SolvedState(problem, motion, centre, force, normal, held, shifts_of_beam(problem, motion), prepared.scale)
 
@@ -265,9 +259,9 @@ def solve_with_hertz(prepared: Prepared) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
     outcome = run(prepared)
     problem = prepared.problem
-    if problem.scene.ingredients.hertz != "actual" or outcome[0] not in (0, 1):
+    if problem.scene.ingredients.hertz != "actual" or outcome.status not in (0, 1):
         return outcome
-    iterations, evaluations = outcome[1], outcome[2]
+    iterations, evaluations = outcome.iterations, outcome.evaluations
     nominal = np.full(problem.C.shape, problem.scene.track.contact_angle)
     for _ in range(12):
         gamma = np.where(prepared.force > 0.0, contact_angles(prepared.normal), nominal)
@@ -275,10 +269,10 @@ def solve_with_hertz(prepared: Prepared) -> Outcome:
         change = float(np.abs(updated / problem.C - 1.0).max())
         problem.C[:] = updated
         outcome = run(prepared, start=False)
-        iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
+        iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
         if change < 1e-13:
             break
-    return outcome[0], iterations, evaluations, outcome[3], outcome[4]
+    return outcome._replace(iterations=iterations, evaluations=evaluations)
 
 
 def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, everything: bool, refine: int) -> Outcome:
@@ -287,15 +281,15 @@ def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, 
     Repeats the solution with moved lever arms until they settle (the shift is of the size of the profile error).
     """
     more = np.zeros((layout.z.size, 4, 2))
-    iterations, evaluations = outcome[1], outcome[2]
+    iterations, evaluations = outcome.iterations, outcome.evaluations
     for _ in range(6):
-        if outcome[0] not in (0, 1):
+        if outcome.status not in (0, 1):
             break
         problem = prepared.problem
         moved = np.zeros((layout.z.size, 4, 2))
-        moved[:, :2] = flank_motions(problem, prepared.state[0])
-        force, contact = prepared.force, prepared.state[3]
-        w = -problem.drawn.centre + prepared.state[2][:, None, :] - moved
+        moved[:, :2] = flank_motions(problem, prepared.state.q)
+        force, contact = prepared.force, prepared.state.contact
+        w = -problem.drawn.centre + prepared.state.p[:, None, :] - moved
         with np.errstate(divide="ignore", invalid="ignore"):
             radius = np.where(force > 0.0, force / contact[..., 4], 0.0)
         new = np.where(force[..., None] > 0.0, w - prepared.normal * radius[..., None], 0.0)
@@ -305,12 +299,12 @@ def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, 
         rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed)
         rebuilt.C[:] = problem.C
         prepared.problem = rebuilt
-        prepared.contacts = (prepared.contacts[0], rebuilt.B, rebuilt.geometry, *prepared.contacts[3:])
+        prepared.contacts = prepared.contacts._replace(B=rebuilt.B, geometry=rebuilt.geometry)
         outcome = run(prepared, start=False)
-        iterations, evaluations = iterations + outcome[1], evaluations + outcome[2]
+        iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
         if change < 1e-13:
             break
-    return outcome[0], iterations, evaluations, outcome[3], outcome[4]
+    return outcome._replace(iterations=iterations, evaluations=evaluations)
 
 
 def contact_angles(normal: Array) -> Array:
@@ -320,14 +314,14 @@ def contact_angles(normal: Array) -> Array:
 
 def verdict(outcome: Outcome, bound: float) -> str:
     """Status sentence of a solver outcome."""
-    code, iterations, _, residual, _ = outcome
+    code, residual = outcome.status, outcome.residual
     if residual <= max(ACCEPTED, bound) and code in (0, 1):
         return "converged"
     if code == 2:
         return "not held: the load opens every contact that could carry it, so the screw moves without limit"
     if code == 3:
         return "stopped: the stiffness matrix is not positive definite"
-    return f"not converged: relative residual {residual:.1e} after {iterations} iterations"
+    return f"not converged: relative residual {residual:.1e} after {outcome.iterations} iterations"
 
 
 def with_discretisation(

@@ -13,6 +13,7 @@ from lowfi.statics.elastic import run, solve_elastic
 from lowfi.statics.elastic_system import Rebuild, ready
 from lowfi.statics.kernel import elastic as kernel
 from lowfi.statics.mechanism import free_motions
+from lowfi.statics.records import BodyState
 from lowfi.statics.static import pin
 from meshes.errors import specimen
 from meshes.helix import ball_layout
@@ -81,22 +82,22 @@ def test_random_scenes_balance(seed, backend):
 @pytest.mark.parametrize("seed", SEEDS[::3])
 def test_any_start_leads_to_the_same_loads(seed, backend):
     elastic = assembled(random_scene(seed), LADDER[backend])
-    assert run(elastic)[3] <= 1e-10
-    forces, scale = elastic.state[3][..., 0].copy(), elastic.scale
+    assert run(elastic).residual <= 1e-10
+    forces, scale = elastic.state.contact[..., 0].copy(), elastic.scale
     rng = np.random.default_rng(seed)
     for size in (0.1, 10.0):
-        elastic.state[0][:] += size * scale * rng.normal(size=elastic.state[0].shape)
-        elastic.state[1][:] += rng.normal(0.0, 1e-5 * size, elastic.state[1].size) / elastic.arms
-        assert run(elastic, start=False)[3] <= 1e-10
-        assert np.abs(elastic.state[3][..., 0] - forces).max() < 1e-8 * scale
+        elastic.state.phi[:] += size * scale * rng.normal(size=elastic.state.phi.shape)
+        elastic.state.a[:] += rng.normal(0.0, 1e-5 * size, elastic.state.a.size) / elastic.arms
+        assert run(elastic, start=False).residual <= 1e-10
+        assert np.abs(elastic.state.contact[..., 0] - forces).max() < 1e-8 * scale
 
 
 def energy_at(elastic, phi, amplitudes):
     """Energy of bodies, loads and balls, and its slopes by forces and free motions, as the kernels have them."""
-    state = (phi.copy(), amplitudes.copy(), *(x.copy() for x in elastic.state[2:]))
+    state = BodyState(phi.copy(), amplitudes.copy(), elastic.state.inner.copy(), elastic.state.contact.copy())
     g, v, f = (np.empty_like(phi) for _ in range(3))
     kernel.place_flanks(elastic.bodies, state, g, v)
-    own, _ = elastic.engine.evaluate_balls(v, elastic.contacts, state, f, elastic.options[3])
+    own, _ = elastic.engine.evaluate_balls(v, elastic.contacts, state, f, elastic.options.tiny)
     excess, by_forces = np.ascontiguousarray(phi - f), np.empty_like(phi)
     kernel.body_motion(elastic.bodies, excess, by_forces)
     by_motions = -elastic.flanks.work - np.einsum("nac,na->c", elastic.flanks.R, f)
@@ -108,8 +109,8 @@ def energy_at(elastic, phi, amplitudes):
 def test_chords_lie_above_the_energy(seed, backend):
     """Midpoint convexity and the tangent below, along segments from small to far beyond the solution's own forces."""
     elastic = assembled(random_scene(seed), LADDER[backend])
-    assert run(elastic)[3] <= 1e-10
-    phi, amplitudes, scale = elastic.state[0].copy(), elastic.state[1].copy(), elastic.scale
+    assert run(elastic).residual <= 1e-10
+    phi, amplitudes, scale = elastic.state.phi.copy(), elastic.state.a.copy(), elastic.scale
     rng = np.random.default_rng(seed)
     lowest = energy_at(elastic, phi, amplitudes)[0]
     for size in (1e-2, 0.3, 5.0):

@@ -259,7 +259,7 @@ def test_members_of_an_ensemble_are_single_solutions():
     ]
     ready = [prepared(s, "compiled") for s in scenes]
     stacks = [
-        np.stack([getattr(r.problem, name) for r in ready]) if name else np.stack([r.contacts[4] for r in ready])
+        np.stack([getattr(r.problem, name) for r in ready]) if name else np.stack([r.contacts.r_ball for r in ready])
         for name in ("", "closure", "geometry")
     ]
     forces, statuses, residuals = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3)

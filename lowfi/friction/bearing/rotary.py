@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from lowfi.friction.bearing.module_load import Module, ModuleLoad, settle_module
+from lowfi.friction.bearing.module_load import ModuleLoad, settle_module
 from lowfi.friction.contact.ellipse import Array, Contacts, contacts
 from lowfi.friction.contact.laws import Sigmoid
 from lowfi.friction.contact.motion import Motion, Problem, balance_by_root, balance_by_sharpening, least_dissipation
@@ -108,8 +108,7 @@ def bearing_load(bearing: Bearing, force_x: float, u_y: float, mode: Mode = "rig
     """
     normals = np.stack([SIGN_X * np.sin(bearing.contact_angle), SIGN_Y * np.cos(bearing.contact_angle)], axis=1)
     reach = bearing.groove_radius - bearing.ball_radius
-    module = Module(normals, reach, bearing.clearance, groove_hertz(bearing, mode).C, INNER)
-    return settle_module(module, force_x, u_y)
+    return settle_module(normals, reach, bearing.clearance, groove_hertz(bearing, mode).C, force_x, u_y)
 
 
 def contact_maps(bearing: Bearing, angles: Array, free_z: bool = False) -> tuple[Array, Array]:

@@ -18,7 +18,7 @@ that all part without it do part.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from lowfi.friction.linear.bearing import MOVING, Array, LinearBearing, directions, semi_axes
 from lowfi.friction.linear.kernel.band import FILLED, WIDTH
 from lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
+from lowfi.friction.linear.records import ChainArrays, ChainState, Work
 from lowfi.jit import LINEAR, kernels
 
 Mask = NDArray[np.bool_]
@@ -91,14 +92,14 @@ class Chain:
     """
 
     bearing: LinearBearing
-    problem: Any
+    problem: ChainArrays
     scale: float
     sign: float
 
     @property
     def count(self) -> int:
         """Number of balls."""
-        return int(self.problem[0].shape[0])
+        return int(self.problem.contacts.shape[0])
 
 
 def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask | bool = True) -> Chain:
@@ -129,7 +130,8 @@ def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask 
     hold = HOLD * np.maximum(contacts[..., 3].sum(axis=1), HOLD)
     nominal = np.tile(np.array([0.5, 0.5 / np.cos(bearing.contact_angle), 0.0]) * sign, (count, 1))
     table = nodes(node_count(ratio)).table
-    return Chain(bearing, (contacts, shapes, table, closed, float(bearing.mu_balls), hold, nominal), scale, sign)
+    arrays = ChainArrays(contacts, shapes, table, closed, float(bearing.mu_balls), hold, nominal)
+    return Chain(bearing, arrays, scale, sign)
 
 
 def solve(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainResult:
@@ -140,19 +142,19 @@ def solve(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainR
     mu_balls 0 to 0.5, contacts without load included; ``status`` tells where forces are not in balance. Where a ball
     has motions without resistance (less than three contacts), forces are unique and these motions only roughly so.
     """
-    count, nominal = chain.count, chain.problem[6]
+    count, nominal = chain.count, chain.problem.nominal
     push = np.zeros(count - 1)
     drift = np.zeros((count, 3)) if start is None else np.asarray(start, dtype=float) - nominal
-    state = np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), drift
+    state = ChainState(np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), drift)
     if chain.scale == 0.0 or chain.sign == 0.0:
         return _result(chain, state, push, (0, 0.0), fast)
     n = 4 * count
-    work = np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n)
+    work = Work(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
     done = kernels(LINEAR, compiled=fast).solve(chain.problem, state, push, work, CREEP, TOLERANCE, STEPS)
     return _result(chain, state, push, done, fast)
 
 
-def _result(chain: Chain, state: Any, push: Array, done: tuple[int, float], fast: bool) -> ChainResult:
+def _result(chain: Chain, state: ChainState, push: Array, done: tuple[int, float], fast: bool) -> ChainResult:
     contacts, shapes, table, _, mu_balls, _, nominal = chain.problem
     slips, pair, drift = state
     speed = abs(chain.bearing.speed)

@@ -9,9 +9,13 @@ from typing import Literal
 
 import numpy as np
 
+from lowfi.friction.contact.records import CellArrays
+from lowfi.friction.contact.rings import settle_cell
 from lowfi.friction.linear.bearing import SENSE, Array, LinearBearing, directions
 
 Loads = Literal["diagonal", "balanced", "elastic"]
+#: Contacts with those of the carriage first, and back again.
+TOP_FIRST = [2, 3, 0, 1]
 
 
 def diagonal_loads(vertical: float, side_ratio: Array, contact_angle: float = 0.25 * np.pi) -> Array:
@@ -45,48 +49,29 @@ def elastic_loads(bearing: LinearBearing, angles: Array, vertical: float, side_r
     """Contact loads [N] and angles under load [rad], both ``(N, 4)``: Hertz contacts, no clearance, no friction.
 
     angles: those of the unloaded ball, which touches all four grooves. The least of the energy
-    sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the motions of ball and carriage.
+    sum 2/5 C^(-3/2) <approach>^(5/2) - N_x u_x + N_y u_y over the motions of ball and carriage. Raises ArithmeticError
+    where the search finds no balance.
     """
     pairs = [_elastic(bearing, a, vertical, float(r)) for a, r in zip(angles, side_ratio, strict=True)]
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])
 
 
 def _elastic(bearing: LinearBearing, angles: Array, vertical: float, rho: float) -> tuple[Array, Array]:
-    n, slack = directions(angles), bearing.ball_radius * (2.0 * bearing.conformity - 1.0)
-    stiffness = float(bearing.hertz().C) ** -1.5
-    motion = np.hstack([np.tile(np.eye(2), (4, 1, 1)), np.zeros((4, 2, 2))])
-    motion[2:, 2:] = -np.eye(2)  # of ball (2) and carriage (2), relative to the groove, as (4, 4, 2)
-    force = vertical * np.array([0.0, 0.0, rho, -1.0])
-
-    def evaluate(q: Array) -> tuple[float, Array, Array, Array, Array]:
-        move = np.einsum("kij,i->kj", motion, q)
-        d = slack * n + move
-        size = np.linalg.norm(d, axis=1)
-        # size less slack, built as a change so that its round-off is that of the motion
-        change = ((2.0 * slack * n + move) * move).sum(axis=1) / (size + slack)
-        m, approach = d / size[:, None], np.maximum(change, 0.0)
-        load, slope = stiffness * approach**1.5, 1.5 * stiffness * np.sqrt(approach)
-        h = (slope - load / size)[:, None, None] * m[:, :, None] * m[:, None, :]
-        h += (load / size)[:, None, None] * np.eye(2)
-        gradient = np.einsum("kij,kj,k->i", motion, m, load) - force
-        hessian = np.einsum("kia,kab,kjb->ij", motion, h, motion)
-        return 0.4 * stiffness * float((approach**2.5).sum()) - float(force @ q), gradient, hessian, load, m
-
-    depth = (vertical / stiffness) ** (2.0 / 3.0)
-    q = depth * np.array([rho, -1.0, 2.0 * rho, -2.0])
-    energy, gradient, hessian, load, m = evaluate(q)
-    for _ in range(200):
-        worst = np.abs(gradient).max()
-        if worst <= 1e-12 * vertical:
-            break
-        floor = 1e-9 * np.trace(hessian) * min(1.0, worst / vertical)
-        step = -np.linalg.solve(hessian + floor * np.eye(4), gradient)
-        step *= min(1.0, 0.3 * slack / np.abs(step).max())
-        t, slope, new = 1.0, float(gradient @ step), evaluate(q + step)
-        while new[0] > energy + 1e-4 * t * slope and np.abs(new[1]).max() >= worst and t > 1e-12:
-            t *= 0.5
-            new = evaluate(q + t * step)
-        q = q + t * step
-        energy, gradient, hessian, load, m = new
-    outward = SENSE * m
-    return load, np.arctan2(outward[:, 0], outward[:, 1])
+    """Loads and angles (4,) of one ball; the carriage, on contacts 2 and 3, is the inner body of the cell."""
+    n, slack, C = directions(angles), bearing.ball_radius * (2.0 * bearing.conformity - 1.0), float(bearing.hertz().C)
+    pull, place = vertical * np.array([rho, -1.0]), np.array([rho, -1.0]) * C * vertical ** (2.0 / 3.0)
+    cell = CellArrays(
+        start=np.ascontiguousarray(slack * n[None, TOP_FIRST]),
+        interference=np.zeros((1, 4)),
+        C=np.full(4, C),
+        section=np.eye(2)[None],
+        offset=np.zeros((1, 2)),
+        push=np.zeros((1, 2)),
+        pull=pull,
+        reach=slack,
+    )
+    found = settle_cell(cell, float(np.linalg.norm(pull)), place[None].copy(), 2.0 * place)
+    if not found.converged:
+        raise ArithmeticError(f"contact loads out of balance by {found.left:.1e} N after {found.steps} steps")
+    outward = SENSE * found.normal[0, TOP_FIRST]
+    return found.force[0, TOP_FIRST], np.arctan2(outward[:, 0], outward[:, 1])

@@ -8,12 +8,12 @@ import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.groove import ON_SCREW, Grooved
-from lowfi.friction.screw.kernel.arrays import Groove
 from lowfi.friction.screw.path import HelicalMotion
+from lowfi.friction.screw.records import GrooveArrays
 
 
 @lru_cache(maxsize=64)
-def groove_arrays(groove: Grooved) -> Groove:
+def groove_arrays(groove: Grooved) -> GrooveArrays:
     """The grooves as the kernels take them, motions scaled to surface speeds per nominal speed (see ``units``)."""
     unit, speed, pair, h = units(groove), nominal_speed(groove), groove.pair, groove.constants
     scale = speed / unit
@@ -26,7 +26,8 @@ def groove_arrays(groove: Grooved) -> Groove:
     affine, ride, C_a, C_b, nominal, first, second = map(
         plain_array, (affine, ride, h.C_a, h.C_b, nominal, pair.first / unit, pair.second / unit)
     )
-    return affine, ride, C_a, C_b, nominal, first, second, float(pair.closing / groove.radius), float(speed)
+    closing = float(pair.closing / groove.radius)
+    return GrooveArrays(affine, ride, C_a, C_b, nominal, first, second, closing, float(speed))
 
 
 def plain_array(values: Array) -> Array:

@@ -15,9 +15,8 @@ import numpy as np
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.arrays import groove_arrays, nominal_speed, plain_array, units
 from lowfi.friction.screw.groove import Grooved, ScrewGroove
-from lowfi.friction.screw.kernel.arrays import Balls
-from lowfi.friction.screw.kernel.balance import Parts
 from lowfi.friction.screw.motion import contact_wrench, helical_power, screw_contacts
+from lowfi.friction.screw.records import BalanceParts, BallArrays
 from lowfi.jit import SCREW, kernels
 
 #: Regularising speeds as parts of the balls' speed, from the first (cold start) to the last.
@@ -137,9 +136,9 @@ class ChainMotion:
         return float(self.groove_loss.sum() + self.ball_loss.sum() + self.closing_loss.sum())
 
 
-def parts_of(count: int) -> Parts:
-    """Room for the residual of that many balls and its derivatives, see ``screw_kernels.balance``."""
-    return np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4))
+def parts_of(count: int) -> BalanceParts:
+    """Room for the residual of that many balls and its derivatives."""
+    return BalanceParts(np.zeros((count, 4)), np.zeros(count), np.zeros((count, 2)), np.zeros((count, 4, 4)))
 
 
 class Search:
@@ -167,23 +166,23 @@ class Search:
         slack = np.where(self.allowed, chain.slack, 0.0) * g.pair.closing / self.speed
         self.mu = np.where(loaded & np.append(loaded[1:], loaded[:1]), chain.mu_balls, 0.0)
         one = np.ones(self.count)
-        self.balls: Balls = (
-            plain_array(np.where(loaded[:, None], chain.force, 0.0)),
-            plain_array(chain.normals[..., [0, 2]]),
-            np.where(loaded, HOLD, HOLD_IDLE),
-            slack,
-            self.allowed.astype(float),
-            self.mu,
-            (g.mu or 1.0) / self.bound,
-            plain_array(shape * np.stack([one, one, loaded / self.bound], axis=1)[:, None]),
-            plain_array(rubs.maps / self.units),
-            plain_array(rubs.drives / self.speed),
+        self.balls = BallArrays(
+            force=plain_array(np.where(loaded[:, None], chain.force, 0.0)),
+            normal=plain_array(chain.normals[..., [0, 2]]),
+            hold=np.where(loaded, HOLD, HOLD_IDLE),
+            slack=slack,
+            allowed=self.allowed.astype(float),
+            mu=self.mu,
+            strength=(g.mu or 1.0) / self.bound,
+            shape=plain_array(shape * np.stack([one, one, loaded / self.bound], axis=1)[:, None]),
+            maps=plain_array(rubs.maps / self.units),
+            drives=plain_array(rubs.drives / self.speed),
         )
         self.parts = parts_of(self.count)
 
     def alone(self) -> Array:
         """Scaled motions (N, 4) of the balls without neighbours."""
-        x = np.tile(self.groove[4], (self.count, 1))
+        x = np.tile(self.groove.nominal, (self.count, 1))
         self.kernels.alone(self.balls, x)
         return x
 
@@ -218,7 +217,7 @@ class Search:
         at, tries = goals[-1], 0
         while goals:
             part, eps = goals[-1]
-            self.balls = (*self.balls[:5], part * full, *self.balls[6:])
+            self.balls = self.balls._replace(mu=part * full)
             x_new, f_new, size, steps = self.solve(x, f, eps, COARSE if eps > SPEEDS[-1] else GOAL, STEPS)
             total += steps
             if size > MISSED and tries < DEPTH and at != goals[-1]:
@@ -257,9 +256,9 @@ def _result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False)
     """Forces and losses at the solution, in SI."""
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
     good, bound = s.balanced(x, f), s.bound if s.rubbing else 0.0
-    left, pair = float(np.max(np.abs(s.parts[0]))) * bound, g.pair
+    left, pair = float(np.max(np.abs(s.parts.balance))) * bound, g.pair
     ahead = np.append(x[1:, 0], x[0, 0])
-    gap = np.where(s.allowed, s.groove[7] * (ahead - x[:, 0]) + s.balls[3], 0.0)
+    gap = np.where(s.allowed, s.groove.closing * (ahead - x[:, 0]) + s.balls.slack, 0.0)
     ball_force = bound * np.where(s.allowed & (f > gap), np.maximum(f, 0.0), 0.0)
     motion, pull, loss, push, ball_loss = (
         np.empty((n, 4, 3)),

@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.contact.rings import cell_state
 from lowfi.friction.screw.arrays import plain_array
 from lowfi.friction.screw.chain import SPEEDS, Chain, Search, solve_chain
-from lowfi.friction.screw.kernel.joint import Place
-from lowfi.friction.screw.kernel.place import System
-from lowfi.friction.screw.load import Cell, load_arrays, load_state
-from lowfi.jit import SCREW, kernels
+from lowfi.friction.screw.load import Cell, load_arrays
+from lowfi.friction.screw.records import JointSystem, Place
+from lowfi.jit import CONTACT, kernels
 
 #: Residual aimed at, in units of the largest friction bound of a ball, and what lets a stage pass.
 GOAL, PASSED = 1e-13, 1e-9
@@ -68,23 +68,23 @@ def solve_joint(
         steps += path.steps
         if done:
             break
-    push, drag = path.state[0], path.state[1]
+    push, drag = path.state.ball, path.state.inner
     return Joint(path.ball, path.screw, path.q, path.ball_force, push, drag, done, steps)
 
 
-def system_of(cell: Cell, search: Search) -> System:
+def system_of(cell: Cell, search: Search) -> JointSystem:
     """Arguments of the joint kernels for a cell and the scaled arrays of its chain."""
-    pair, total = cell.groove.pair, float(search.balls[0].sum())
+    pair, total = cell.groove.pair, float(search.balls.force.sum())
     length = float(np.max(cell.groove.constants.C)) * max(total, 1e-30) ** (2.0 / 3.0)
-    return (
-        load_arrays(cell),
-        search.groove,
-        search.balls,
-        search.bound,
-        length,
-        plain_array(pair.push[:, [0, 2]]),
-        plain_array(pair.slide[..., [0, 2]]),
-        plain_array(cell.rows),
+    return JointSystem(
+        cell=load_arrays(cell),
+        groove=search.groove,
+        balls=search.balls,
+        unit=search.bound,
+        length=length,
+        push=plain_array(pair.push[:, [0, 2]]),
+        slide=plain_array(pair.slide[..., [0, 2]]),
+        rows=plain_array(cell.rows),
     )
 
 
@@ -101,11 +101,12 @@ class _Path:
 
     def measure(self) -> None:
         """Rescale forces and the set of loaded balls by the loads at the present state."""
-        g, self.state = self.cell.groove, load_state(self.cell)
-        kernels(SCREW, compiled=self.fast).evaluate(load_arrays(self.cell), self.ball, self.screw, self.state)
-        n = self.state[4]
+        g, arrays = self.cell.groove, load_arrays(self.cell)
+        self.state = cell_state(arrays)
+        kernels(CONTACT, compiled=self.fast).press(arrays, self.ball, self.screw, self.state)
+        n = self.state.normal
         normals = np.stack([n[..., 0], np.zeros_like(n[..., 0]), n[..., 1]], axis=-1)
-        self.search = Search(Chain(g, self.state[3], normals, self.slack), self.fast)
+        self.search = Search(Chain(g, self.state.force, normals, self.slack), self.fast)
         self.system = system_of(self.cell, self.search)
 
     def follow(self, start: tuple[float, float], end: tuple[float, float]) -> bool:
@@ -120,7 +121,7 @@ class _Path:
             guess = here
             if last is not None:
                 p, u, x, f = (a + (goal - way) / (way - last[0]) * (a - b) for a, b in zip(here, last[1], strict=True))
-                guess = p, u, x, f
+                guess = Place(p, u, x, f)
             part, eps = start[0] + goal * (end[0] - start[0]), np.exp(start[1] + goal * (end[1] - start[1]))
             used = self.stage(guess, float(part), float(eps))
             if used is None:
@@ -132,14 +133,14 @@ class _Path:
 
     def place(self) -> Place:
         """Unknowns of the kernels, but forces in N, so that places with different measures can be compared."""
-        return self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force
+        return Place(self.ball, self.screw, self.q * self.search.units / self.search.speed, self.ball_force)
 
     def stage(self, guess: Place, part: float, eps: float) -> int | None:
         """Newton at one fraction of the friction and one regularising speed; stays here and returns None where it fails."""
         s = self.search
         p, u, x, f = (plain_array(a).copy() for a in guess)
         f /= s.bound
-        left, used = s.kernels.newton_joint(self.system, (p, u, x, f), part, eps, GOAL, STEPS)
+        left, used = s.kernels.newton_joint(self.system, Place(p, u, x, f), part, eps, GOAL, STEPS)
         self.steps += int(used)
         if not left <= PASSED:
             return None

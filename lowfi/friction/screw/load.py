@@ -11,15 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from lowfi.friction.contact.ellipse import Array
+from lowfi.friction.contact.records import CellArrays
+from lowfi.friction.contact.rings import settle_cell
 from lowfi.friction.screw.arrays import plain_array
 from lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame
-from lowfi.friction.screw.kernel.arrays import Cell as Arrays
-from lowfi.friction.screw.kernel.load import State
-from lowfi.jit import SCREW, kernels
-
-#: Round-off limit of the search and what counts as converged, as parts of the sum of forces.
-GOAL, ACCEPTED = 1e-13, 1e-8
-STEPS = 600
 
 
 @dataclass(frozen=True)
@@ -61,20 +56,14 @@ class ScrewLoad:
     converged: bool
 
 
-def load_arrays(cell: Cell) -> Arrays:
+def load_arrays(cell: Cell) -> CellArrays:
     """The cell as the kernels take it."""
     start = cell.groove.reach * np.stack([SIGN_X * np.cos(cell.angle), SIGN_Z * np.sin(cell.angle)], axis=-1)
     start, interference, C, section, offset, push, pull = map(
         plain_array,
         (start, cell.interference, cell.groove.constants.C, cell.section, cell.offset, cell.push, cell.force + cell.drag),
     )
-    return start, interference, C, section, offset, push, pull, float(cell.groove.reach)
-
-
-def load_state(cell: Cell) -> State:
-    """Room for the state that the kernels write, see ``screw_kernels.load``."""
-    n, m = cell.angle.shape[0], cell.rows.shape[2]
-    return np.zeros((n, 2)), np.zeros(m), np.zeros((n, 4, 3)), np.zeros((n, 4)), np.zeros((n, 4, 2))
+    return CellArrays(start, interference, C, section, offset, push, pull, float(cell.groove.reach))
 
 
 def _first_guess(cell: Cell) -> tuple[Array, Array]:
@@ -96,14 +85,13 @@ def settle(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = Tr
     """
     load = float(np.linalg.norm(cell.force) + np.linalg.norm(cell.drag) + np.sum(np.abs(cell.push)))
     p, u = _first_guess(cell) if start is None else (plain_array(start[0]).copy(), plain_array(start[1]).copy())
-    state = load_state(cell)
-    steps = int(kernels(SCREW, compiled=fast).settle(load_arrays(cell), load, p, u, state, GOAL, STEPS))
-    force, n = state[3], np.abs(state[4])
-    left = float(max(np.max(np.abs(state[0]), initial=0.0), np.max(np.abs(state[1]), initial=0.0)))
-    good = left <= ACCEPTED * (load + float(np.sum(force)))
-    if not good and start is not None:  # from a distant start a nearly unloaded ball may creep along a flat energy
+    found = settle_cell(load_arrays(cell), load, p, u, fast)
+    # from a distant start a nearly unloaded ball may creep along a flat energy
+    if not found.converged and start is not None:
         return settle(cell, None, fast)
-    return ScrewLoad(force, np.arctan2(n[..., 1], n[..., 0]), p, u, left, steps, good)
+    n = np.abs(found.normal)
+    angle = np.arctan2(n[..., 1], n[..., 0])
+    return ScrewLoad(found.force, angle, found.ball, found.inner, found.left, found.steps, found.converged)
 
 
 def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:

@@ -10,8 +10,8 @@ contact (4, 5): force [N], unit normal m (ball to groove), F' = dF/d delta and F
 from math import sqrt
 
 from lowfi.jit import kernel
+from lowfi.statics.records import Array
 
-from .arrays import Array
 from .contact import arc, flank
 
 WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)

@@ -6,8 +6,7 @@ Compiled: the column-wise LDL^T below. Interpreted: LAPACK through scipy. A test
 import numpy as np
 
 from lowfi.jit import is_compiled, kernel
-
-from .arrays import Array
+from lowfi.statics.records import Array
 
 
 @kernel

@@ -5,8 +5,7 @@ An element from node 1 to node 2 strains by d = q_2 - T q_1, T the rigid transpo
 """
 
 from lowfi.jit import kernel
-
-from .arrays import Array
+from lowfi.statics.records import Array
 
 
 @kernel

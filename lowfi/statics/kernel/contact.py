@@ -3,8 +3,7 @@
 from math import atan2, cos, sin, sqrt
 
 from lowfi.jit import kernel
-
-from .arrays import Array
+from lowfi.statics.records import Array
 
 
 @kernel

@@ -3,14 +3,13 @@
 import numpy as np
 
 from lowfi.jit import kernel
-
-from .arrays import Array, Arrays
+from lowfi.statics.records import Array, Bodies
 
 
 @kernel
-def body_motion(bodies: Arrays, phi: Array, out: Array) -> None:
+def body_motion(bodies: Bodies, phi: Array, out: Array) -> None:
     """out (N, d) = G phi: first and second body act on the first and second half of the flanks (one body: on all)."""
-    first, second = bodies[0], bodies[1]
+    first, second = bodies.first, bodies.second
     n, d = phi.shape
     if second.shape[0] == 0:
         out.ravel()[:] = np.dot(first, phi.ravel())
@@ -21,9 +20,9 @@ def body_motion(bodies: Arrays, phi: Array, out: Array) -> None:
 
 
 @kernel
-def couple(bodies: Arrays, S: Array, counts: Array, starts: Array, M: Array) -> None:
+def couple(bodies: Bodies, S: Array, counts: Array, starts: Array, M: Array) -> None:
     """Lower triangle of M (q, q) = I + S G S^T."""
-    first, second = bodies[0], bodies[1]
+    first, second = bodies.first, bodies.second
     balls, _, d = S.shape
     if d == 2:
         couple_pairs(first, S, counts, starts, M)

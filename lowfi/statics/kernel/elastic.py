@@ -10,8 +10,19 @@ the modes of the bodies that are softer than a contact exactly and iterate on th
 import numpy as np
 
 from lowfi.jit import kernel
+from lowfi.statics.records import (
+    Array,
+    BallContacts,
+    BallRows,
+    Bodies,
+    BodyOptions,
+    BodyState,
+    Factors,
+    ForceStep,
+    Outcome,
+    SearchStart,
+)
 
-from .arrays import Array, Arrays, Contacts
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
 from .modes import gradients, soft_factor
@@ -23,11 +34,11 @@ FORCING = 0.1
 
 @kernel
 def solve_rows(
-    bodies: Arrays,
+    bodies: Bodies,
     S: Array,
     counts: Array,
     starts: Array,
-    factors: Arrays,
+    factors: Factors,
     fresh: bool,
     target: Array,
     hold: float,
@@ -37,14 +48,14 @@ def solve_rows(
 ) -> bool:
     """Solve (I + S G S^T) u - S R a = u (given), (S R)^T u + hold a = target; False where the matrix is not positive.
 
-    factors = (M, W, C): where the bodies' modes are given, W and C serve conjugate gradients (to ``wanted``), else M holds
-    the whole factor. fresh: factor anew.
+    Where the bodies' modes are given, W and C of the factors serve conjugate gradients (to ``wanted``), else the whole
+    factor does. fresh: factor anew.
     """
     M, W, C = factors
-    total = u.shape[0]
-    R, modes = bodies[2], (bodies[5], bodies[6])
+    total, R = u.shape[0], bodies.R
     given = u
-    if modes[0].shape[0]:
+    if bodies.soft_first.shape[0]:
+        modes = (bodies.soft_first, bodies.soft_second)
         part = W[:total]
         if fresh and not soft_factor(modes, S, counts, starts, part, C):
             return False
@@ -63,29 +74,28 @@ def solve_rows(
 
 @kernel
 def newton_forces(
-    bodies: Arrays,
-    contacts: Contacts,
-    state: Arrays,
+    bodies: Bodies,
+    contacts: BallContacts,
+    state: BodyState,
     f: Array,
     hold: float,
     wanted: float,
     fresh: bool,
-    cache: Arrays,
-    out: Arrays,
+    rows: BallRows,
+    factors: Factors,
+    out: ForceStep,
 ) -> bool:
-    """Step of forces and free motions: out = (dphi (N, d), dv (N, d), da (k,)); False where the matrix is not positive.
+    """Step of forces and free motions, written to ``out``; False where the matrix is not positive.
 
-    bodies = (G first, G second, R (N, d, k), v0 (N, d), work (k,), U first, U second), the last two empty or the modes of
-    `modes.soft_rows`; hold [N/m]: stiffness that keeps free motions from running away where no contact holds them;
-    wanted: relative residual of the linear equations; fresh: factor anew, else by ``cache`` = (M, W, C, S, counts, starts).
+    hold [N/m]: stiffness that keeps free motions from running away where no contact holds them; wanted: relative residual
+    of the linear equations; fresh: find rows and factors anew, else those given serve.
     """
-    R, work = bodies[2], bodies[4]
-    phi = state[0]
+    R, phi = bodies.R, state.phi
     dphi, dv, da = out
-    M, W, C, S, counts, starts = cache
+    S, counts, starts = rows
     k = R.shape[2]
     if fresh:
-        ball_rows(contacts, state[3], S, counts)
+        ball_rows(contacts, state.contact, S, counts)
         first = 0
         for i in range(S.shape[0]):
             starts[i] = first
@@ -97,12 +107,12 @@ def newton_forces(
     body_motion(bodies, dphi, dv)
     u = np.empty(total)
     apply_rows(S, counts, starts, dv, u)
-    target = work.copy()
+    target = bodies.work.copy()
     for c in range(k):
         for i in range(f.shape[0]):
             for a in range(f.shape[1]):
                 target[c] += R[i, a, c] * f[i, a]
-    if not solve_rows(bodies, S, counts, starts, (M, W, C), fresh, target, hold, wanted, u, da):
+    if not solve_rows(bodies, S, counts, starts, factors, fresh, target, hold, wanted, u, da):
         return False
     forces_of_rows(S, counts, starts, u, dphi)
     body_motion(bodies, dphi, dv)
@@ -114,9 +124,9 @@ def newton_forces(
 
 
 @kernel
-def mismatch(bodies: Arrays, phi: Array, f: Array, arms: Array, scale: float) -> float:
+def mismatch(bodies: Bodies, phi: Array, f: Array, arms: Array, scale: float) -> float:
     """Largest difference of assumed and true flank forces, and unbalanced load on a free motion, over ``scale`` [N]."""
-    R, work = bodies[2], bodies[4]
+    R, work = bodies.R, bodies.work
     worst = 0.0
     for i in range(f.shape[0]):
         for a in range(f.shape[1]):
@@ -131,7 +141,7 @@ def mismatch(bodies: Arrays, phi: Array, f: Array, arms: Array, scale: float) ->
 
 
 @kernel
-def slope_of(bodies: Arrays, f: Array, g: Array, step: Arrays) -> float:
+def slope_of(bodies: Bodies, f: Array, g: Array, step: ForceStep) -> float:
     """Directional derivative of the energy at forces f of the balls and body motions g = G phi."""
     dphi, dv, da = step
     total = 0.0
@@ -139,56 +149,57 @@ def slope_of(bodies: Arrays, f: Array, g: Array, step: Arrays) -> float:
         for a in range(f.shape[1]):
             total += dphi[i, a] * g[i, a] - f[i, a] * dv[i, a]
     for c in range(da.shape[0]):
-        total -= bodies[4][c] * da[c]
+        total -= bodies.work[c] * da[c]
     return total
 
 
 @kernel
-def shift_state(bodies: Arrays, state: Arrays, begin: Arrays, step: Arrays, t: float, g: Array, v: Array) -> None:
-    """State, body motions g and flank motions v at ``begin`` = (phi, a, g, v) plus t times the step."""
+def shift_state(
+    bodies: Bodies, state: BodyState, begin: SearchStart, step: ForceStep, t: float, g: Array, v: Array
+) -> None:
+    """State, body motions g and flank motions v at ``begin`` plus t times the step."""
     dphi, dv, da = step
-    R = bodies[2]
-    phi, amplitude = state[0], state[1]
+    R, phi, amplitude = bodies.R, state.phi, state.a
     for c in range(da.shape[0]):
-        amplitude[c] = begin[1][c] + t * da[c]
+        amplitude[c] = begin.a[c] + t * da[c]
     for i in range(dv.shape[0]):
         for a in range(dv.shape[1]):
-            phi[i, a] = begin[0][i, a] + t * dphi[i, a]
-            v[i, a] = begin[3][i, a] + t * dv[i, a]
+            phi[i, a] = begin.phi[i, a] + t * dphi[i, a]
+            v[i, a] = begin.v[i, a] + t * dv[i, a]
             own = dv[i, a]
             for c in range(da.shape[0]):
                 own -= R[i, a, c] * da[c]
-            g[i, a] = begin[2][i, a] + t * own
+            g[i, a] = begin.g[i, a] + t * own
 
 
 @kernel
-def stored(bodies: Arrays, state: Arrays, g: Array) -> float:
+def stored(bodies: Bodies, state: BodyState, g: Array) -> float:
     """Energy of the bodies less the work of the loads on the free motions."""
-    phi, amplitude = state[0], state[1]
+    phi, amplitude = state.phi, state.a
     total = 0.0
     for i in range(phi.shape[0]):
         for a in range(phi.shape[1]):
             total += 0.5 * phi[i, a] * g[i, a]
     for c in range(amplitude.shape[0]):
-        total -= bodies[4][c] * amplitude[c]
+        total -= bodies.work[c] * amplitude[c]
     return total
 
 
 @kernel
 def search_forces(
-    bodies: Arrays,
-    contacts: Contacts,
-    state: Arrays,
+    bodies: Bodies,
+    contacts: BallContacts,
+    state: BodyState,
     f: Array,
     g: Array,
     v: Array,
-    step: Arrays,
+    step: ForceStep,
     energy: float,
     slope: float,
     tiny: float,
 ) -> tuple[float, float, int]:
     """Step length along a step, as ``newton.line_search``; state, f, g and v are left at the accepted point."""
-    begin = (state[0].copy(), state[1].copy(), g.copy(), v.copy())
+    begin = SearchStart(state.phi.copy(), state.a.copy(), g.copy(), v.copy())
     low, high, t = 0.0, 0.0, 1.0
     new, scale = energy, 0.0
     evaluations = 0
@@ -214,46 +225,38 @@ def search_forces(
 
 
 @kernel
-def place_flanks(bodies: Arrays, state: Arrays, g: Array, v: Array) -> None:
+def place_flanks(bodies: Bodies, state: BodyState, g: Array, v: Array) -> None:
     """Fill g = G phi and v = v0 + g + R a from the state."""
-    R, v0 = bodies[2], bodies[3]
-    body_motion(bodies, state[0], g)
+    R, v0 = bodies.R, bodies.v0
+    body_motion(bodies, state.phi, g)
     for i in range(v.shape[0]):
         for a in range(v.shape[1]):
             v[i, a] = v0[i, a] + g[i, a]
             for c in range(R.shape[2]):
-                v[i, a] += R[i, a, c] * state[1][c]
+                v[i, a] += R[i, a, c] * state.a[c]
+
+
+@kernel
+def room_for_factors(bodies: Bodies, rows: int) -> Factors:
+    """Room for the factors of that many rows: the whole one, or those of the soft modes where they are given."""
+    soft = bodies.soft_first.shape[1] + bodies.soft_second.shape[1]
+    whole = rows**2 if bodies.soft_first.shape[0] == 0 else 0
+    return Factors(np.empty(whole), np.empty((rows, soft)), np.empty((soft, soft)))
 
 
 @kernel
 def solve_forces(
-    bodies: Arrays, contacts: Contacts, state: Arrays, options: Array, arms: Array, history: Array
-) -> tuple[int, int, int, float, float, float]:
-    """Minimise the energy from the given forces; returns status, iterations, evaluations, residual, energy, scale.
-
-    state = (phi (N, d) [N], a (k,), inner (N, 3), contact (N, 4 or 1, 5)); options (7,): tolerance, largest number of
-    iterations, reference stiffness [N/m], force [N] below which a contact carries none, largest free motion [m] before the
-    screw counts as not held, least force [N] that residuals are measured by, furthest start [m] of a flank. arms (k,): see
-    `lowfi.statics.shaft`.
-    """
-    tolerance, most, stiffness, tiny, bound, floor = (
-        options[0],
-        int(options[1]),
-        options[2],
-        options[3],
-        options[4],
-        options[5],
-    )
-    phi, amplitude = state[0], state[1]
+    bodies: Bodies, contacts: BallContacts, state: BodyState, options: BodyOptions, arms: Array, history: Array
+) -> Outcome:
+    """Minimise the energy from the given forces; arms (k,): see `lowfi.statics.shaft`; history: residual per step."""
+    tolerance, most, stiffness, tiny, bound, floor, _ = options
+    phi, amplitude = state.phi, state.a
     balls, d = phi.shape
     f, g, v = np.empty((balls, d)), np.empty((balls, d)), np.empty((balls, d))
-    step = (np.empty((balls, d)), np.empty((balls, d)), np.zeros(amplitude.shape[0]))
+    step = ForceStep(np.empty((balls, d)), np.empty((balls, d)), np.zeros(amplitude.shape[0]))
     width = 2 if d == 2 else 6
     counts, starts = np.zeros(balls, dtype=np.int64), np.zeros(balls, dtype=np.int64)
-    soft = bodies[5].shape[1] + bodies[6].shape[1]
-    whole = (width * balls) ** 2 if bodies[5].shape[0] == 0 else 0
-    factors = np.empty(whole), np.empty((width * balls, soft)), np.empty((soft, soft))
-    cache = (*factors, np.zeros((balls, width, d)), counts, starts)
+    rows, factors = BallRows(np.zeros((balls, width, d)), counts, starts), room_for_factors(bodies, width * balls)
     place_flanks(bodies, state, g, v)
     own, scale = evaluate_balls(v, contacts, state, f, tiny)
     energy = own + stored(bodies, state, g)
@@ -265,13 +268,14 @@ def solve_forces(
     evaluations, stalled, factor, best = 1, 0, 1e-3, residual
     status, it, fresh = ITERATIONS, 0, True
     if residual <= tolerance:
-        return CONVERGED, 0, 1, residual, energy, scale
+        status = CONVERGED
+        return Outcome(status, it, evaluations, residual, energy, scale)
     for it in range(1, most + 1):
         solved = False
         for _ in range(12):
             hold = factor * stiffness * min(1.0, residual)
             wanted = max(FORCING * min(0.1, residual), 0.01 * tolerance / residual)
-            solved = newton_forces(bodies, contacts, state, f, hold, wanted, fresh, cache, step)
+            solved = newton_forces(bodies, contacts, state, f, hold, wanted, fresh, rows, factors, step)
             if solved:
                 break
             factor *= 100.0
@@ -280,7 +284,7 @@ def solve_forces(
             status = SINGULAR
             break
         if residual < 1e-7:
-            begin = (phi.copy(), amplitude.copy(), g.copy(), v.copy())
+            begin = SearchStart(phi.copy(), amplitude.copy(), g.copy(), v.copy())
             shift_state(bodies, state, begin, step, 1.0, g, v)
             own, scale = evaluate_balls(v, contacts, state, f, tiny)
             energy = own + stored(bodies, state, g)
@@ -309,35 +313,33 @@ def solve_forces(
         fresh = residual > 1e-7 or stalled > 0
     place_flanks(bodies, state, g, v)
     evaluate_balls(v, contacts, state, f, tiny)
-    return status, it, evaluations, residual, energy, scale
+    return Outcome(status, it, evaluations, residual, energy, scale)
 
 
 @kernel
-def start_forces(bodies: Arrays, state: Arrays, springs: Array, options: Array) -> bool:
+def start_forces(bodies: Bodies, state: BodyState, springs: Array, options: BodyOptions) -> bool:
     """Start of the iteration: the bodies on one linear spring between opposite flanks in place of two contacts.
 
     springs (N, w, d): rows sqrt(stiffness) x direction, zero where there is none. Overwrites phi and a. No flank goes
-    further than options[6], as in ``newton.linear_start``.
+    further than ``options.furthest``, as in ``newton.linear_start``.
     """
-    phi, amplitude = state[0], state[1]
+    phi, amplitude = state.phi, state.a
     balls, width = springs.shape[0], springs.shape[1]
-    v0, work = bodies[3], bodies[4]
+    v0, work = bodies.v0, bodies.work
     counts, starts = np.full(balls, width, dtype=np.int64), np.zeros(balls, dtype=np.int64)
     for i in range(balls):
         starts[i] = width * i
-    soft = bodies[5].shape[1] + bodies[6].shape[1]
-    whole = (width * balls) ** 2 if bodies[5].shape[0] == 0 else 0
-    factors = (np.empty(whole), np.empty((width * balls, soft)), np.empty((soft, soft)))
+    factors = room_for_factors(bodies, width * balls)
     u = np.empty(width * balls)
     apply_rows(springs, counts, starts, v0, u)
-    if not solve_rows(bodies, springs, counts, starts, factors, True, work, 1e-9 * options[2], 0.01, u, amplitude):
+    if not solve_rows(bodies, springs, counts, starts, factors, True, work, 1e-9 * options.stiffness, 0.01, u, amplitude):
         return False
     phi[:, :] = 0.0
     forces_of_rows(springs, counts, starts, u, phi)
     g, v = np.empty(phi.shape), np.empty(phi.shape)
     place_flanks(bodies, state, g, v)
     reach = np.abs(v - v0).max()
-    if reach > options[6]:
-        phi *= options[6] / reach
-        amplitude *= options[6] / reach
+    if reach > options.furthest:
+        phi *= options.furthest / reach
+        amplitude *= options.furthest / reach
     return True

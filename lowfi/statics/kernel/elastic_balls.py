@@ -10,8 +10,8 @@ from math import sqrt
 import numpy as np
 
 from lowfi.jit import kernel
+from lowfi.statics.records import Array, BallContacts, BodyState
 
-from .arrays import Array, Arrays, Contacts
 from .ball import FORCE, HERTZ, KN, KT, MX, MZ, USE, meet, start_centre
 
 LINEAR, BODY, HIGHER = range(3)
@@ -275,12 +275,14 @@ def reflect(direction: Array, x: Array, first: int, last: int, size: float) -> N
 
 
 @kernel
-def full_balls(v: Array, contacts: Contacts, inner: Array, contact: Array, f: Array, tiny: float) -> tuple[float, float]:
+def full_balls(
+    v: Array, contacts: BallContacts, inner: Array, contact: Array, f: Array, tiny: float
+) -> tuple[float, float]:
     """Forces f (N, 8) of all balls on their flanks at motions v (N, 8); returns energy and the largest contact force.
 
-    contacts = (geometry, closure, local, r_ball, profile, pair); fills inner (N, 3) and contact (N, 4, 5).
+    Fills inner (N, 3) and contact (N, 4, 5).
     """
-    geometry, closure, local, r_ball, profile = contacts[0], contacts[1], contacts[2], contacts[3], contacts[4]
+    geometry, closure, local, r_ball, profile, _ = contacts
     energy, scale = 0.0, 0.0
     work = np.empty((5, 3))
     for i in range(v.shape[0]):
@@ -296,14 +298,14 @@ def full_balls(v: Array, contacts: Contacts, inner: Array, contact: Array, f: Ar
 
 
 @kernel
-def pair_balls(v: Array, contacts: Contacts, contact: Array, f: Array, tiny: float) -> tuple[float, float]:
+def pair_balls(v: Array, contacts: BallContacts, contact: Array, f: Array, tiny: float) -> tuple[float, float]:
     """As ``full_balls`` for balls between two opposite arcs a and b, v (N, 2) the motion of a less that of b.
 
     The ball's centre lies on the line of the arcs' centres D + v, and the interference is its nominal value plus
     |D + v| - |D|; the two contacts are one law in series. pair (N, 7): D, |D|, nominal interference, C, e and h of
     both contacts together; contact (N, 5) as one contact on flank a.
     """
-    pair = contacts[5]
+    pair = contacts.pair
     energy, scale = 0.0, 0.0
     for i in range(v.shape[0]):
         dx, dz, size0 = pair[i, 0], pair[i, 1], pair[i, 2]
@@ -327,21 +329,21 @@ def pair_balls(v: Array, contacts: Contacts, contact: Array, f: Array, tiny: flo
 
 
 @kernel
-def evaluate_balls(v: Array, contacts: Contacts, state: Arrays, f: Array, tiny: float) -> tuple[float, float]:
-    """Forces of all balls at motions v, by ``pair_balls`` or ``full_balls``; state = (phi, a, inner, contact)."""
+def evaluate_balls(v: Array, contacts: BallContacts, state: BodyState, f: Array, tiny: float) -> tuple[float, float]:
+    """Forces of all balls at motions v, by ``pair_balls`` or ``full_balls``."""
     if v.shape[1] == 2:
-        return pair_balls(v, contacts, state[3][:, 0], f, tiny)
-    return full_balls(v, contacts, state[2], state[3], f, tiny)
+        return pair_balls(v, contacts, state.contact[:, 0], f, tiny)
+    return full_balls(v, contacts, state.inner, state.contact, f, tiny)
 
 
 @kernel
-def ball_rows(contacts: Contacts, contact: Array, S: Array, counts: Array) -> int:
+def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -> int:
     """Rows S (N, 6 or 2, d) of all balls and their numbers; returns the total."""
     total = 0
     d = S.shape[2]
     for i in range(S.shape[0]):
         if d == 8:
-            counts[i] = flank_rows(contact[i], contacts[2][i], S[i])
+            counts[i] = flank_rows(contact[i], contacts.local[i], S[i])
         elif contact[i, 0, FORCE] > 0.0:
             mx, mz = contact[i, 0, MX], contact[i, 0, MZ]
             kn, kt = sqrt(contact[i, 0, KN]), sqrt(contact[i, 0, KT])

@@ -7,8 +7,8 @@ that P = I + (S U)(S U)^T is nearly the matrix itself and each step gains more t
 import numpy as np
 
 from lowfi.jit import kernel
+from lowfi.statics.records import Array, Bodies
 
-from .arrays import Array, Arrays
 from .coupling import apply_rows, body_motion, cholesky_lower, forces_of_rows, triangular
 
 #: Most steps before the matrix is factored whole instead: then a contact is far stiffer than the modes were chosen for.
@@ -16,7 +16,7 @@ LIMIT = 60
 
 
 @kernel
-def soft_rows(modes: Arrays, S: Array, counts: Array, starts: Array, W: Array) -> None:
+def soft_rows(modes: tuple[Array, Array], S: Array, counts: Array, starts: Array, W: Array) -> None:
     """W (q, r) = S U: modes = (U first, U second), of the first and second half of the flanks (one body: of all)."""
     first, second = modes
     balls, _, d = S.shape
@@ -45,7 +45,7 @@ def soften(W: Array, C: Array, b: Array) -> None:
 
 
 @kernel
-def soft_factor(modes: Arrays, S: Array, counts: Array, starts: Array, W: Array, C: Array) -> bool:
+def soft_factor(modes: tuple[Array, Array], S: Array, counts: Array, starts: Array, W: Array, C: Array) -> bool:
     """Fill W = S U and the factor C (r, r); False where it is not positive (numbers out of range)."""
     soft_rows(modes, S, counts, starts, W)
     C[:, :] = np.dot(W.T, W)
@@ -84,7 +84,15 @@ def near(W: Array, C: Array, B: Array, Z: Array, schur: Array, target: Array, u:
 
 @kernel
 def coupled(
-    bodies: Arrays, S: Array, counts: Array, starts: Array, B: Array, u: Array, a: Array, work: Arrays, out: Array
+    bodies: Bodies,
+    S: Array,
+    counts: Array,
+    starts: Array,
+    B: Array,
+    u: Array,
+    a: Array,
+    work: tuple[Array, Array],
+    out: Array,
 ) -> None:
     """out (q,) = (I + S G S^T) u - B^T a; work: two arrays (N, d)."""
     force, motion = work
@@ -101,11 +109,11 @@ def coupled(
 
 @kernel
 def gradients(
-    bodies: Arrays,
+    bodies: Bodies,
     S: Array,
     counts: Array,
     starts: Array,
-    soft: Arrays,
+    soft: tuple[Array, Array],
     target: Array,
     hold: float,
     wanted: float,
@@ -118,7 +126,7 @@ def gradients(
     wanted: residual over that of u = 0, in the norm of P^-1. Returns the number of steps, -1 where that is not reached.
     """
     W, C = soft
-    R = bodies[2]
+    R = bodies.R
     q, k = u.shape[0], R.shape[2]
     B, Z, schur = np.empty((k, q)), np.empty((k, q)), np.zeros((k, k))
     for c in range(k):

@@ -9,8 +9,8 @@ from math import sqrt
 import numpy as np
 
 from lowfi.jit import kernel
+from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 
-from .arrays import Array, Arrays, Contacts
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, reduced_hessian, settle
 from .banded import solve_banded
 from .beam import add_element, element_force, positions
@@ -19,12 +19,10 @@ CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
 
 
 @kernel
-def evaluate(beam: Arrays, contacts: Contacts, state: Arrays, out: Arrays) -> tuple[float, float]:
-    """Energy and gradient at the state; fills out = (gradient (n, 6), hessians (N, 4, 4)); returns energy and scale.
+def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: BeamSlopes) -> tuple[float, float]:
+    """Energy and gradient at the state; fills out; returns energy and scale.
 
-    beam = (lengths, sections, fixed, load); contacts = (node, B, geometry, closure, r_ball, profile, tiny), see
-    ``ball``; state = (q, d, p, contact). The scale [N] is the largest force met: applied, in an element, or of
-    a contact.
+    The scale [N] is the largest force met: applied, in an element, or of a contact.
     """
     lengths, sections, _, load = beam
     node, B, geometry, closure, r_ball, profile, tiny = contacts
@@ -77,10 +75,10 @@ def evaluate(beam: Arrays, contacts: Contacts, state: Arrays, out: Arrays) -> tu
 
 
 @kernel
-def assemble(band: Array, beam: Arrays, contacts: Contacts, hessians: Array, shift: float, arm: float) -> None:
+def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float) -> None:
     """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
     lengths, sections, fixed, _ = beam
-    node, B = contacts[0], contacts[1]
+    node, B = contacts.node, contacts.B
     band[:, :] = 0.0
     for e in range(lengths.shape[0]):
         add_element(band, e, lengths[e], sections[e])
@@ -154,23 +152,29 @@ def slope_along(gradient: Array, step: Array, fixed: Array) -> float:
 
 @kernel
 def line_search(
-    beam: Arrays, contacts: Contacts, state: Arrays, out: Arrays, step: Array, energy: float, slope: float, limit: float
+    beam: BeamArrays,
+    contacts: BeamContacts,
+    state: BeamState,
+    out: BeamSlopes,
+    step: Array,
+    energy: float,
+    slope: float,
+    limit: float,
 ) -> tuple[float, float, int]:
     """Step length along ``step``: shrunk on overshoot, stretched while the slope does not change (open gaps).
 
     Returns the energy, scale, and the number of evaluations; the state is left at the accepted point.
     """
-    q, d = state[0], state[1]
-    fixed = beam[2]
+    q, d, fixed = state.q, state.d, beam.fixed
     q0, d0 = q[0].copy(), d.copy()
     low, high, t = 0.0, 0.0, 1.0
     new, scale = energy, 0.0
     evaluations = 0
     while evaluations < 60:
-        advance(q, d, beam[0], q0, d0, step, t)
+        advance(q, d, beam.lengths, q0, d0, step, t)
         new, scale = evaluate(beam, contacts, state, out)
         evaluations += 1
-        ahead = slope_along(out[0], step, fixed)
+        ahead = slope_along(out.gradient, step, fixed)
         if ahead > 0.0:
             if ahead <= 0.5 * abs(slope) and new <= energy:
                 break
@@ -187,49 +191,44 @@ def line_search(
 
 
 @kernel
-def solve(
-    beam: Arrays, contacts: Contacts, state: Arrays, options: Array, history: Array
-) -> tuple[int, int, int, float, float, float]:
-    """Minimise the energy from the given state; returns status, iterations, evaluations, residual, energy, scale.
+def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array) -> Outcome:
+    """Minimise the energy from the given state; history (most + 1,): residual per step.
 
-    options (7,): tolerance, largest number of iterations, reference stiffness [N/m], arm [m], largest motion [m] before
-    the screw counts as not held, half bandwidth, and the least force [N] that residuals are measured by. history (max
-    iterations + 1,): residual per step.
     The regularisation is proportional to the residual, so it vanishes at the solution and convergence stays fast.
     """
-    tolerance, most, stiffness, arm, bound = options[0], int(options[1]), options[2], options[3], options[4]
-    q, d = state[0], state[1]
-    lengths, fixed, node = beam[0], beam[2], contacts[0]
+    tolerance, stiffness, arm = options.tolerance, options.stiffness, options.arm
+    q, d, lengths, fixed = state.q, state.d, beam.lengths, beam.fixed
     n = q.shape[0]
     # a screw bent by moments alone, or pushed off its last contact, has no force left to compare with
-    floor = options[6]
+    floor = options.floor
     f = np.empty(6)
     for e in range(lengths.shape[0]):
-        element_force(d[e], lengths[e], beam[1][e], f)
+        element_force(d[e], lengths[e], beam.sections[e], f)
         for k in range(3, 6):
             floor = max(floor, abs(f[k]) / arm)
-    out = (np.empty((n, 6)), np.zeros((node.shape[0], 4, 4)))
-    band = np.empty((6 * n, int(options[5]) + 1))
+    out = BeamSlopes(np.empty((n, 6)), np.zeros((contacts.node.shape[0], 4, 4)))
+    band = np.empty((6 * n, options.half_band + 1))
     energy, scale = evaluate(beam, contacts, state, out)
     if floor == 0.0:
         floor = 1e-3 * scale  # only displacements are given, and they may meet no resistance in the end
     scale = max(scale, floor)
-    residual = residual_of(out[0], fixed, scale, arm)
+    residual = residual_of(out.gradient, fixed, scale, arm)
     history[0] = residual
     evaluations, stalled, factor = 1, 0, 1e-3
     status, it = ITERATIONS, 0
     best = residual
     if residual <= tolerance:
-        return CONVERGED, 0, 1, residual, energy, scale
-    for it in range(1, most + 1):
+        status = CONVERGED
+        return Outcome(status, it, evaluations, residual, energy, scale)
+    for it in range(1, options.most + 1):
         step = np.empty((n, 6))
         solved = False
         for _ in range(12):
             shift = factor * stiffness * min(1.0, residual)
-            assemble(band, beam, contacts, out[1], shift, arm)
+            assemble(band, beam, contacts, out.hessians, shift, arm)
             for i in range(n):
                 for k in range(6):
-                    step[i, k] = 0.0 if fixed[i, k] else -out[0][i, k]
+                    step[i, k] = 0.0 if fixed[i, k] else -out.gradient[i, k]
             solved = solve_banded(band, step.ravel())
             if solved:
                 break
@@ -237,7 +236,7 @@ def solve(
         if not solved:
             status = SINGULAR
             break
-        slope = slope_along(out[0], step, fixed)
+        slope = slope_along(out.gradient, step, fixed)
         if residual < 1e-7:
             q0, d0 = q[0].copy(), d.copy()
             advance(q, d, lengths, q0, d0, step, 1.0)
@@ -247,7 +246,7 @@ def solve(
             energy, scale, used = line_search(beam, contacts, state, out, step, energy, slope, 1e12)
             evaluations += used
         scale = max(scale, floor)
-        residual = residual_of(out[0], fixed, scale, arm)
+        residual = residual_of(out.gradient, fixed, scale, arm)
         history[it] = residual
         factor = max(1e-3, factor * 0.1)
         if residual <= tolerance:
@@ -256,22 +255,22 @@ def solve(
         moved = 0.0
         for i in range(n):
             moved = max(moved, sqrt(q[i, 0] ** 2 + q[i, 1] ** 2 + q[i, 2] ** 2))
-        if moved > bound:
+        if moved > options.bound:
             status = NOT_HELD
             break
         stalled = stalled + 1 if residual >= 0.5 * best else 0
         best = min(best, residual)
         if stalled >= 2 and residual <= 1e-9:
             break
-    return status, it, evaluations, residual, energy, scale
+    return Outcome(status, it, evaluations, residual, energy, scale)
 
 
 @kernel
 def ensemble(
-    beam: Arrays,
-    contacts: Contacts,
-    state: Arrays,
-    options: Array,
+    beam: BeamArrays,
+    contacts: BeamContacts,
+    state: BeamState,
+    options: BeamOptions,
     radii: Array,
     closures: Array,
     geometries: Array,
@@ -285,24 +284,24 @@ def ensemble(
     statuses (M,), residuals (M,) are filled. Returns the total number of iterations.
     """
     node, B, _, _, _, profile, tiny = contacts
-    q, d, contact = state[0], state[1], state[3]
+    q, d, contact = state.q, state.d, state.contact
     q0, d0 = q.copy(), d.copy()
-    history = np.empty(int(options[1]) + 1)
+    history = np.empty(options.most + 1)
     total = 0
     for member in range(radii.shape[0]):
         q[:], d[:] = q0, d0
-        own = (node, B, geometries[member], closures[member], radii[member], profile, tiny)
-        status, it, _, residual, _, _ = solve(beam, own, state, options, history)
-        statuses[member], residuals[member] = status, residual
+        own = BeamContacts(node, B, geometries[member], closures[member], radii[member], profile, tiny)
+        found = solve(beam, own, state, options, history)
+        statuses[member], residuals[member] = found.status, found.residual
         for i in range(contact.shape[0]):
             for s in range(4):
                 forces[member, i, s] = contact[i, s, FORCE]
-        total += it
+        total += found.iterations
     return total
 
 
 @kernel
-def linear_start(beam: Arrays, contacts: Contacts, state: Arrays, options: Array) -> bool:
+def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions) -> bool:
     """Start of the iteration: equilibrium of the screw on linear springs (reference stiffness) in place of contacts.
 
     Overwrites the motions and element deformations of ``state``; False (state untouched) where they cannot be found. No
@@ -310,10 +309,10 @@ def linear_start(beam: Arrays, contacts: Contacts, state: Arrays, options: Array
     first, as those of a contact angle near zero under an axial load.
     """
     lengths, sections, fixed, load = beam
-    geometry, limit = contacts[2], contacts[4].max()
-    q, d = state[0], state[1]
-    stiffness, arm = options[2], options[3]
-    n, count = q.shape[0], contacts[0].shape[0]
+    geometry, limit = contacts.geometry, contacts.r_ball.max()
+    q, d = state.q, state.d
+    stiffness, arm = options.stiffness, options.arm
+    n, count = q.shape[0], contacts.node.shape[0]
     hessians = np.zeros((count, 4, 4))
     for i in range(count):
         for s in range(2):
@@ -324,7 +323,7 @@ def linear_start(beam: Arrays, contacts: Contacts, state: Arrays, options: Array
                 hessians[i, 2 * s, 2 * s + 1] = stiffness * wx * wz / (size * size)
                 hessians[i, 2 * s + 1, 2 * s] = hessians[i, 2 * s, 2 * s + 1]
                 hessians[i, 2 * s + 1, 2 * s + 1] = stiffness * wz * wz / (size * size)
-    band = np.empty((6 * n, int(options[5]) + 1))
+    band = np.empty((6 * n, options.half_band + 1))
     assemble(band, beam, contacts, hessians, 1e-9 * stiffness, arm)
     step = np.zeros((n, 6))
     f = np.empty(6)
@@ -350,9 +349,9 @@ def linear_start(beam: Arrays, contacts: Contacts, state: Arrays, options: Array
 
 
 @kernel
-def flank_reach(contacts: Contacts, motion: Array) -> float:
+def flank_reach(contacts: BeamContacts, motion: Array) -> float:
     """Largest displacement [m] of a flank by the nodal motions (6 n,)."""
-    node, B, geometry = contacts[0], contacts[1], contacts[2]
+    node, B, geometry = contacts.node, contacts.B, contacts.geometry
     largest = 0.0
     for i in range(node.shape[0]):
         for s in range(2):

@@ -9,6 +9,7 @@ from compare.evidence import source_cases
 from lowfi.friction.linear.chain import CREEP, prepare, solve
 from lowfi.friction.linear.kernel import band, coupled, energy, newton, path
 from lowfi.friction.linear.loads import balanced_loads
+from lowfi.friction.linear.records import ChainPoint, ChainState, Smoothing, Work
 
 BEARING = replace(source_cases.linear().bearing, mu_balls=0.3)
 
@@ -24,9 +25,9 @@ def random_chain(count, seed, mu_balls=0.5, bare=0.0):
 
 def random_point(chain, rng):
     count = chain.count
-    point = np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), rng.normal(size=(count, 3)), rng.normal(size=count - 1)
-    energy.rebuild(chain.problem, point[:3])
-    return point
+    slip, pair, drift = np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), rng.normal(size=(count, 3))
+    energy.rebuild(chain.problem, ChainState(slip, pair, drift))
+    return ChainPoint(slip, pair, drift, rng.normal(size=count - 1))
 
 
 def dense(banded):
@@ -64,8 +65,8 @@ def test_force_and_rate_of_the_gap(z):
 
 def test_jacobian_of_the_coupled_equations():
     rng = np.random.default_rng(1)
-    chain, law = random_chain(4, 3), (0.03, 0.7, 1e-2, 1e-3)
-    chain.problem[3][1] = 0.0
+    chain, law = random_chain(4, 3), Smoothing(0.03, 0.7, 1e-2, 1e-3)
+    chain.problem.closed[1] = 0.0
     point = random_point(chain, rng)
     n = 4 * chain.count
     K, g, waste = np.empty((n, band.WIDTH)), np.empty(n), np.empty((n, band.WIDTH))
@@ -87,7 +88,7 @@ def test_path_begins_without_friction_between_balls_and_ends_with_all_of_it():
     for balls in (random_chain(5, 0), random_chain(4, 0)):
         n, point = 4 * balls.count, random_point(balls, np.random.default_rng(2))
         K, g = np.empty((n, band.WIDTH)), np.empty(n)
-        coupled.assemble(balls.problem, point, (0.1, 0.0, 1e-3, 1e-2), K, g)
+        coupled.assemble(balls.problem, point, Smoothing(0.1, 0.0, 1e-3, 1e-2), K, g)
         assert band.solve_banded(K, np.empty((n, band.FILLED)), g, g.copy()) == path.convex_sign(point)
 
 
@@ -95,9 +96,10 @@ def follow(chain, monkeypatch=None):
     """Forces at the path's end over the friction bound, and how often s turned on the way."""
     count = chain.count
     n, slopes, tangent = 4 * count, [], path._tangent
-    point = np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3)), np.zeros(count - 1)
-    work = np.empty((n, band.WIDTH)), np.empty((n, band.FILLED)), np.empty(n), np.empty(n), np.zeros(n)
-    energy.rebuild(chain.problem, point[:3])
+    slip, pair, drift = np.zeros((count, 4, 2)), np.zeros((count - 1, 3)), np.zeros((count, 3))
+    point = ChainPoint(slip, pair, drift, np.zeros(count - 1))
+    work = Work(np.empty((n, band.WIDTH)), np.empty((n, band.FILLED)), np.empty(n), np.empty(n), np.zeros(n))
+    energy.rebuild(chain.problem, ChainState(slip, pair, drift))
 
     def record(*args):
         sign = tangent(*args)
@@ -109,9 +111,9 @@ def follow(chain, monkeypatch=None):
     _, good = path.trace(chain.problem, point, CREEP, work, 5000)
     assert good
     coupled.reopen(point, CREEP)
-    _, left = newton.settle(chain.problem, point, (CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
+    _, left = newton.settle(chain.problem, point, Smoothing(CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
     assert left <= 1e-9
-    return np.maximum(point[3], 0.0), np.sum(np.diff(np.sign(slopes)) != 0)
+    return np.maximum(point.z, 0.0), np.sum(np.diff(np.sign(slopes)) != 0)
 
 
 def test_path_goes_round_folds_and_does_not_depend_on_its_steps(monkeypatch):

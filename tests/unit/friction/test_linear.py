@@ -8,6 +8,7 @@ from scipy.optimize import fsolve
 from scipy.special import ellipe
 
 from compare.evidence import source_cases
+from lowfi.friction.contact import rings
 from lowfi.friction.contact.ellipse import contacts, dissipation
 from lowfi.friction.linear import analytic
 from lowfi.friction.linear.bearing import deviations, directions, mated_top, semi_axes
@@ -241,6 +242,12 @@ def test_elastic_loads_of_a_stiff_bearing_are_the_balanced_ones():
     loads, turned = elastic_loads(replace(BEARING, young=2.1e17), angles, 100.0, rho)
     np.testing.assert_allclose(loads, balanced_loads(angles, 100.0, rho), rtol=1e-4)
     np.testing.assert_allclose(turned, angles, atol=1e-5)
+
+
+def test_elastic_loads_out_of_balance_are_refused(monkeypatch):
+    monkeypatch.setattr(rings, "STEPS", 0)
+    with pytest.raises(ArithmeticError, match="out of balance"):
+        elastic_loads(BEARING, np.full((1, 4), BEARING.contact_angle), 100.0, np.array([0.3]))
 
 
 def test_elastic_loads_pass_to_two_points():

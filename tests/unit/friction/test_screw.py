@@ -11,12 +11,13 @@ from compare.evidence.source_cases import inferred, plain, table_3_6
 from lowfi import jit
 from lowfi.friction.bearing.rotary import solve_ball
 from lowfi.friction.contact.ellipse import dissipation
+from lowfi.friction.contact.rings import cell_state
 from lowfi.friction.linear.bearing import LinearBearing
 from lowfi.friction.linear.pair import pair_state
 from lowfi.friction.linear.pair import solve_pair as solve_linear_pair
 from lowfi.friction.screw.chain import Chain, solve_chain
 from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
-from lowfi.friction.screw.load import load_arrays, load_state, screw_rows, settle
+from lowfi.friction.screw.load import load_arrays, screw_rows, settle
 from lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, source_law
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import SCREW_STATES as STATES
@@ -132,10 +133,11 @@ def cell_of(pair, push=None):
 def test_loads_are_the_least_energy() -> None:
     """Against a search that knows the energy only, and its gradient against differences."""
     cell = cell_of(replace(inferred(TWO), free="rz", force=(3.0, 50.0)), push=np.array([[1.0, -2.0], [0.5, 3.0]]))
-    scale, arrays, state = 1e-6, load_arrays(cell), load_state(cell)
+    scale, arrays = 1e-6, load_arrays(cell)
+    state = cell_state(arrays)
 
     def energy_at(p, u):
-        return jit.kernels(jit.SCREW, compiled=True).evaluate(arrays, p, u, state) - np.sum(cell.push * p) - cell.force @ u
+        return jit.kernels(jit.CONTACT, compiled=True).press(arrays, p, u, state) - np.sum(cell.push * p) - cell.force @ u
 
     def energy(x):
         return energy_at(scale * x[:4].reshape(2, 2), scale * x[4:]) / (50.0 * scale)
@@ -148,7 +150,7 @@ def test_loads_are_the_least_energy() -> None:
     assert x == pytest.approx(best.x, abs=1e-3)
     p, u, h = RNG.normal(size=(2, 2)) * 1e-6, RNG.normal(size=2) * 1e-6, 1e-10
     energy_at(p, u)
-    slope = np.append(state[0].ravel(), state[1])
+    slope = np.append(state.ball.ravel(), state.inner)
     for k in range(6):
         step = np.eye(6)[k] * h
         up = energy_at(p + step[:4].reshape(2, 2), u + step[4:])

@@ -13,6 +13,7 @@ from lowfi.friction.screw.joint import solve_joint, system_of
 from lowfi.friction.screw.kernel import band, contacts, joint
 from lowfi.friction.screw.load import settle
 from lowfi.friction.screw.motion import hold_screw
+from lowfi.friction.screw.records import JointMatrix, Place
 from lowfi.jit import SCREW, kernels
 
 RNG = np.random.default_rng(8)
@@ -71,7 +72,7 @@ def test_maps_of_the_kernels_are_those_of_the_groove(screw: ScrewGroove) -> None
     maps, drives = screw.maps(normals)
     arrays, rows = groove_arrays(screw), np.empty((3, 4))
     levers = np.array([screw.radius, screw.ball_radius, screw.ball_radius, screw.ball_radius])
-    x = q * levers / arrays[8]
+    x = q * levers / arrays.speed
     for i in range(4):
         contacts.contact_map(arrays, normals[i, 0], normals[i, 2], rows)
         assert contacts.seen(arrays, i, rows, x) == pytest.approx(drives[i] + maps[i] @ q, rel=1e-12, abs=1e-14)
@@ -98,10 +99,10 @@ def test_jacobian_of_the_joint_system_against_differences() -> None:
     load = settle(cell)
     s = Search(Chain(pair.groove, load.force, pair.groove.normals(load.angle), SLACK), False)
     system = system_of(cell, s)
-    length = system[4]
+    length = system.length
 
     def blank():
-        return (
+        return JointMatrix(
             np.empty(14),
             np.empty(2),
             np.empty((14, 3 * joint.HALF + 1)),
@@ -112,9 +113,9 @@ def test_jacobian_of_the_joint_system_against_differences() -> None:
 
     def residual(z, fast=False):
         own, m = z[:14].reshape(2, 7), blank()
-        at = own[:, :2] * length, z[14:] * length, own[:, 2:6].copy(), own[:, 6].copy()
+        at = Place(own[:, :2] * length, z[14:] * length, own[:, 2:6].copy(), own[:, 6].copy())
         kernels(SCREW, compiled=fast).assemble(system, at, 0.7, 1e-2, 0, m)
-        return np.append(m[0], m[1]), m
+        return np.append(m.side, m.side_screw), m
 
     x = s.alone() * (1.0 + 0.1 * RNG.normal(size=(2, 4)))
     own = np.column_stack([load.ball / length + 0.1 * RNG.normal(size=(2, 2)), x, RNG.uniform(0.1, 0.3, 2)])

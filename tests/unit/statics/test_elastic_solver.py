@@ -15,6 +15,7 @@ from lowfi.statics.elastic_system import Rebuild, ready
 from lowfi.statics.kernel import elastic_balls
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import build
+from lowfi.statics.records import BodyState
 from lowfi.statics.shaft import flank_response, node_motions, shaft_of
 from lowfi.statics.static import pin, solve_static
 from meshes.errors import specimen
@@ -65,8 +66,8 @@ def motions(elastic, phi, amplitudes):
 
 def balls(elastic, v):
     """Energy and forces of all balls at motions v, states left as they are."""
-    f, state = np.empty_like(v), tuple(x.copy() for x in elastic.state)
-    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.contacts, state, f, elastic.options[3])
+    f, state = np.empty_like(v), BodyState(*(x.copy() for x in elastic.state))
+    energy, _ = elastic.engine.evaluate_balls(np.ascontiguousarray(v), elastic.contacts, state, f, elastic.options.tiny)
     return energy, f, state
 
 
@@ -80,8 +81,8 @@ def test_solution_is_stationary_and_balanced(case, backend):
     assert result.equilibrium.force_residual < 1e-9
     assert result.equilibrium.moment_residual < 1e-9
     elastic = assembled(scene, LADDER[backend])
-    assert run(elastic)[3] <= 1e-10
-    phi, amplitudes = elastic.state[:2]
+    assert run(elastic).residual <= 1e-10
+    phi, amplitudes = elastic.state.phi, elastic.state.a
     _, f, _ = balls(elastic, motions(elastic, phi, amplitudes))
     assert np.abs(f - phi).max() < 1e-10 * elastic.scale
     unbalanced = np.einsum("nac,na->c", elastic.flanks.R, f) + elastic.flanks.work
@@ -94,7 +95,7 @@ def test_forces_are_the_gradient_of_the_energy(case):
     elastic = assembled(SCENES[case]())
     run(elastic)
     rng = np.random.default_rng(2)
-    v = motions(elastic, *elastic.state[:2]) + rng.normal(0.0, 2e-7, elastic.flanks.v0.shape)
+    v = motions(elastic, elastic.state.phi, elastic.state.a) + rng.normal(0.0, 2e-7, elastic.flanks.v0.shape)
     _, f, _ = balls(elastic, v)
     step = 2e-9
     for i, a in ((0, 0), (1, 1), (2, 2), (3, 6), (4, 7), (5, 4)):
@@ -151,7 +152,7 @@ def test_pair_form_is_the_four_flank_form(sides, backend):
     four = assembled(scene, LADDER[backend])
     assert (pair.pair, four.pair) == (sides, None)
     for one in (pair, four):
-        assert run(one)[0] == 0
+        assert run(one).status == 0
     contacts = [contacts_of(one)[1][..., 0] for one in (pair, four)]
     assert relative(*contacts) < 1e-9
     assert (contacts[0][:, sides] > 0.0).all()
@@ -258,10 +259,10 @@ def energy_hessian(elastic, i, v, step=3e-9):
 def test_flank_rows_square_to_the_hessian(case):
     elastic = assembled(SCENES[case]())
     run(elastic)
-    v = motions(elastic, *elastic.state[:2])
+    v = motions(elastic, elastic.state.phi, elastic.state.a)
     _, _, state = balls(elastic, v)
     S, counts = np.zeros((len(v), 6, 8)), np.zeros(len(v), dtype=np.int64)
-    elastic_balls.ball_rows(elastic.contacts, state[3], S, counts)
+    elastic_balls.ball_rows(elastic.contacts, state.contact, S, counts)
     worst = 0.0
     for i in range(0, len(v), max(1, len(v) // 5)):
         rows = S[i, : counts[i]]
@@ -275,9 +276,9 @@ def test_flank_rows_square_to_the_hessian(case):
 def test_pair_rows_square_to_the_hessian():
     elastic = assembled(catalogue.scene("lin-case1"), use=(True, False, False, True))
     run(elastic)
-    v = motions(elastic, *elastic.state[:2])
+    v = motions(elastic, elastic.state.phi, elastic.state.a)
     S, counts = np.zeros((len(v), 2, 2)), np.zeros(len(v), dtype=np.int64)
-    elastic_balls.ball_rows(elastic.contacts, balls(elastic, v)[2][3], S, counts)
+    elastic_balls.ball_rows(elastic.contacts, balls(elastic, v)[2].contact, S, counts)
     for i in (0, 7, 31):
         H = energy_hessian(elastic, i, v)
         assert np.abs(S[i].T @ S[i] - H).max() < 1e-6 * np.abs(H).max()

@@ -11,6 +11,7 @@ from lowfi.statics import elastic_system as model
 from lowfi.statics.elastic import solve_elastic
 from lowfi.statics.kernel import elastic as kernels
 from lowfi.statics.kernel import modes
+from lowfi.statics.records import Bodies, Factors
 from tests.helpers import relative, small_screw
 
 
@@ -42,7 +43,7 @@ def system(d, free, count=21, stiff=1.0, seed=3):
     for i in range(count):
         flat[starts[i] : starts[i] + counts[i], i] = S[i, : counts[i]]
     U = [soft_modes(x, 1.0) for x in (G, second)]
-    bodies = (G, second, R, np.zeros((count, d)), np.zeros(free), *U)
+    bodies = Bodies(G, second, R, np.zeros((count, d)), np.zeros(free), *U)
     return bodies, S, counts, starts, flat.reshape(counts.sum(), -1), whole, rng
 
 
@@ -58,9 +59,9 @@ def answer(whole, rows, R, hold, b, target):
 def iterate(found, target, hold, wanted, b):
     """Conjugate gradients on such a system."""
     bodies, S, counts, starts, rows, _, _ = found
-    r = bodies[5].shape[1] + bodies[6].shape[1]
+    r = bodies.soft_first.shape[1] + bodies.soft_second.shape[1]
     W, C = np.empty((len(rows), r)), np.empty((r, r))
-    assert modes.soft_factor(bodies[5:], S, counts, starts, W, C)
+    assert modes.soft_factor((bodies.soft_first, bodies.soft_second), S, counts, starts, W, C)
     u, a = b.copy(), np.zeros(target.size)
     steps = modes.gradients(bodies, S, counts, starts, (W, C), target, hold, wanted, u, a)
     return u, a, steps
@@ -74,7 +75,7 @@ def test_conjugate_gradients_solve_the_bordered_equations(d, free, hold):
     bodies, rows, whole, rng = found[0], found[4], found[5], found[6]
     b, target = rng.normal(size=len(rows)), rng.normal(size=free)
     u, a, steps = iterate(found, target, hold, 1e-9, b)
-    right_u, right_a = answer(whole, rows, bodies[2], hold, b, target)
+    right_u, right_a = answer(whole, rows, bodies.R, hold, b, target)
     assert 1 <= steps <= 30
     assert relative(u, right_u) < 1e-8
     assert free == 0 or relative(a, right_a) < 1e-7
@@ -109,11 +110,11 @@ def test_contacts_too_stiff_for_the_modes_are_factored_whole(d):
     bodies, S, counts, starts, rows, whole, rng = found
     b, target = rng.normal(size=len(rows)), rng.normal(size=1)
     assert iterate(found, target, 0.0, 1e-12, b)[2] == -1
-    r = bodies[5].shape[1] + bodies[6].shape[1]
-    factors = (np.empty(0), np.empty((len(rows), r)), np.empty((r, r)))
+    r = bodies.soft_first.shape[1] + bodies.soft_second.shape[1]
+    factors = Factors(np.empty(0), np.empty((len(rows), r)), np.empty((r, r)))
     u, a = b.copy(), np.zeros(1)
     assert kernels.solve_rows(bodies, S, counts, starts, factors, True, target, 0.0, 1e-12, u, a)
-    SR = rows @ bodies[2].reshape(whole.shape[0], -1)
+    SR = rows @ bodies.R.reshape(whole.shape[0], -1)
     left = u + rows @ (whole @ (rows.T @ u)) - SR @ a - b
     assert np.abs(left).max() < 1e-4 * np.abs(SR * a).max()
     assert np.abs(SR.T @ u - target).max() < 1e-6 * np.abs(target).max()

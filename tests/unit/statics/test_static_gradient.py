@@ -8,6 +8,7 @@ import pytest
 from compare.scenes import catalogue
 from lowfi.as_source.static import element_stiffness
 from lowfi.statics.kernel import newton
+from lowfi.statics.records import BeamSlopes
 from lowfi.statics.shape import shape_matrix, shear_ratio
 from meshes.partition import contact_stations
 from meshes.parts import SIDES, BallErrors
@@ -126,15 +127,15 @@ def at_random_state(scene, seed):
 def _random_state(scene, seed):
     ready = prepared(scene)
     rng = np.random.default_rng(seed)
-    q, d = ready.state[0], ready.state[1]
+    q, d = ready.state.q, ready.state.d
     arm = scene.track.pitch_radius
     q[0] = rng.normal(0.0, 3e-6, 6) / [1, 1, 1, 20 * arm, 20 * arm, arm]
     d[:] = rng.normal(0.0, 2e-7, d.shape) / [1, 1, 1, 100 * arm, 100 * arm, arm]
-    out = np.zeros((q.shape[0], 6)), np.zeros((ready.problem.C.shape[0], 4, 4))
+    out = BeamSlopes(np.zeros((q.shape[0], 6)), np.zeros((ready.problem.C.shape[0], 4, 4)))
     energy, scale = newton.evaluate(ready.beam, ready.contacts, ready.state, out)
     band = np.empty((q.size, ready.problem.half_bandwidth + 1))
-    newton.assemble(band, ready.beam, ready.contacts, out[1], 0.0, arm)
-    return ready, energy, scale, out[0], dense(band)
+    newton.assemble(band, ready.beam, ready.contacts, out.hessians, 0.0, arm)
+    return ready, energy, scale, out.gradient, dense(band)
 
 
 @pytest.mark.parametrize("seed", [0, 1])
@@ -142,7 +143,7 @@ def _random_state(scene, seed):
 def test_gradient(case, seed):
     scene = CASES[case]()
     ready, energy, scale, gradient, _ = at_random_state(scene, seed)
-    model, q, p = Model(ready), ready.state[0], ready.state[2]
+    model, q, p = Model(ready), ready.state.q, ready.state.p
     assert (ready.force > 0.0).any()
     assert energy == pytest.approx(model.energy(q, p), rel=1e-9)
     steps = model.complex_steps(model.energy, q, p)
@@ -157,7 +158,7 @@ def test_hessian(case):
     """Schur complement of the full Hessian over the balls' centres, at the free freedoms."""
     scene = CASES[case]()
     ready, _, scale, _, hessian = at_random_state(scene, 0)
-    model, q, p = Model(ready), ready.state[0], ready.state[2]
+    model, q, p = Model(ready), ready.state.q, ready.state.p
     by_hand = model.gradient(q, p)
     assert np.abs(by_hand - model.complex_steps(model.energy, q, p)).max() < 1e-10 * scale
     full = model.complex_steps(model.gradient, q, p)

@@ -3,13 +3,17 @@
 from .dissipation import dissipation, dissipation_many
 from .minimum import descend, evaluate, speeds_at
 from .motion import least_dissipation, least_dissipation_many
+from .rings import hertz_contact, press, settle
 
 __all__ = [
     "descend",
     "dissipation",
     "dissipation_many",
     "evaluate",
+    "hertz_contact",
     "least_dissipation",
     "least_dissipation_many",
+    "press",
+    "settle",
     "speeds_at",
 ]

@@ -2,17 +2,14 @@
 
 from math import copysign, sqrt
 
+from lowfi.friction.contact.records import Array, DissipationTerms
 from lowfi.jit import kernel
 
-from .arrays import Array
 from .confocal import coordinate, far, near
-
-#: Value; derivatives by vx, vz, spin, regularising speed; second derivatives xx, xz, zz, x-spin, z-spin, spin-spin.
-Dissipation = tuple[float, float, float, float, float, float, float, float, float, float, float]
 
 
 @kernel
-def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: float) -> Dissipation:
+def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: float) -> DissipationTerms:
     """D = int p sqrt(|v|^2 + speed^2) dA / F with v = (vx + spin z, vz - spin x), and its derivatives.
 
     a >= b > 0: semi-axes along x and z [m]; vx, vz, speed >= 0 [m/s]; spin [rad/s]; p: Hertz pressure of the force F.
@@ -25,14 +22,14 @@ def dissipation(a: float, b: float, vx: float, vz: float, spin: float, speed: fl
         turn = copysign(1e-40 * slide, turn)
     size = abs(turn)
     if size == 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        return DissipationTerms(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     x, y, h, b2 = vz / turn, -vx / turn, speed / size, (b / a) * (b / a)
     low = coordinate(x, y, h, b2)
     value, g_x, g_y, g_h, moment, xx, xy, yy, r_x, r_y, r_r = (
         near(x, y, h, b2, low) if low <= 1.0 else far(x, y, h, b2, low)
     )
     sign, lever = copysign(1.0, turn), a / size
-    return (
+    return DissipationTerms(
         size * value,
         -sign * g_y,
         sign * g_x,

@@ -8,9 +8,9 @@ from math import sqrt
 
 import numpy as np
 
+from lowfi.friction.contact.records import Array
 from lowfi.jit import kernel
 
-from .arrays import Array
 from .dissipation import dissipation
 
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from lowfi.friction.contact.records import Array
 from lowfi.jit import kernel
 
-from .arrays import Array
 from .dissipation import dissipation
 from .minimum import column_units, descend, drive_speed, evaluate, residual, rolling_start, speeds_at
 
@@ -18,7 +18,7 @@ def friction_of(shape: Array, motion: Array, speed: float, forces: Array) -> Non
     for i in range(shape.shape[0]):
         f = shape[i, 2]
         d = dissipation(shape[i, 0], shape[i, 1], motion[i, 0], motion[i, 1], motion[i, 2], speed)
-        forces[i, 0], forces[i, 1], forces[i, 2] = f * d[1], f * d[2], f * d[3]
+        forces[i, 0], forces[i, 1], forces[i, 2] = f * d.by_vx, f * d.by_vz, f * d.by_spin
 
 
 @kernel
@@ -32,7 +32,7 @@ def holds(shape: Array, force: Array) -> bool:
     maps = np.zeros((1, 3, 3))
     for j in range(3):
         maps[0, j, j] = 1.0
-    left = descend(shape, maps, drives, force, 1.0, q, 1e-9, 100, 1e9)[2]
+    _, _, left, _ = descend(shape, maps, drives, force, 1.0, q, 1e-9, 100, 1e9)
     return bool(left <= 1e-6 * shape[0, 2])
 
 
@@ -76,7 +76,7 @@ def free_motion(slipping: Array, maps: Array, drives: Array, push: Array, basis:
                 for r in range(3):
                     part[i, r, k] += maps[i, r, j] * basis[k, j]
     motion, _ = speeds_at(slipping, maps, drives, q)
-    count = descend(slipping, part, motion, pull, 0.0, y, 1e-13, 60, reach)[3]
+    _, _, _, count = descend(slipping, part, motion, pull, 0.0, y, 1e-13, 60, reach)
     for k in range(f):
         for j in range(n):
             q[j] += basis[k, j] * y[k]
@@ -224,11 +224,11 @@ def least_dissipation(
             if good:
                 q[:] = exact_q
                 forces[:] = exact_forces
-                bounds[1] = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)[0]
+                bounds[1], _ = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)
                 return EXACT, left, count
         part *= 0.1
     rest[:] = 0.0
-    bounds[1] = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)[0]
+    bounds[1], _ = evaluate(shape, maps, drives, push, 0.0, q, grad, hess)
     return REGULARISED, balance, count
 
 
@@ -242,5 +242,5 @@ def least_dissipation_many(
     """
     none, bounds = np.zeros(q.shape[1]), np.empty(2)
     for k in range(q.shape[0]):
-        found = least_dissipation(shape[k], maps[k], drives[k], none, False, q[k], forces[k], rest[k], bounds)
-        outcome[k, 0], outcome[k, 1] = found[0], found[1]
+        status, left, _ = least_dissipation(shape[k], maps[k], drives[k], none, False, q[k], forces[k], rest[k], bounds)
+        outcome[k, 0], outcome[k, 1] = status, left

@@ -1,4 +1,4 @@
-"""Kernels of chains of balls in a subset of Python that numba compiles; see ``lowfi.friction.linear.engine``."""
+"""Kernels of chains of balls in a subset of Python that numba compiles; see ``lowfi.jit``."""
 
 from .law import regularised
 from .motion import solve

@@ -6,19 +6,12 @@ the rate is in units of eps, what sticking contacts yield to a force, so that Ne
 """
 
 from math import sqrt
-from typing import Any
 
+from lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, ChainState, Smoothing
 from lowfi.jit import kernel
 
 from .band import HALF
-from .energy import Problem, add_contacts, move
-from .law import Array
-
-#: (slip, pair, drift, z (N-1,)), slip to drift as in ``energy.State``.
-Point = Any
-#: (eps, part, smooth, spring): creeping speed, fraction of the friction between balls, force times rate of the gap,
-#: stiffness towards nominal rolling besides the balls' own.
-Law = tuple[float, float, float, float]
+from .energy import add_contacts, move
 
 
 @kernel
@@ -50,11 +43,11 @@ def _add_rubbing(eps: float, bound: float, slope: float, k: int, pair: Array, K:
 
 
 @kernel
-def assemble(problem: Problem, point: Point, law: Law, K: Array, g: Array) -> None:
+def assemble(chain: ChainArrays, point: ChainPoint, law: Smoothing, K: Array, g: Array) -> None:
     """Forces out of balance and gaps' equations g ``(4N,)``, and their Jacobian K ``(4N, 11)``."""
     slip, pair, drift, z = point
     eps, part, smooth, spring = law
-    closed, mu, hold = problem[3], problem[4], problem[5]
+    closed, mu, hold = chain.closed, chain.mu, chain.hold
     K[:] = 0.0
     for j in range(drift.shape[0]):
         stiffness = hold[j] + spring
@@ -63,7 +56,7 @@ def assemble(problem: Problem, point: Point, law: Law, K: Array, g: Array) -> No
             K[4 * j + k, HALF] = stiffness
         g[4 * j + 3] = 0.0
         K[4 * j + 3, HALF] = -1.0
-    add_contacts(problem, (slip, pair, drift), eps, K, g)
+    add_contacts(chain, ChainState(slip, pair, drift), eps, K, g)
     for k in range(closed.shape[0]):
         i = 4 * k + 3
         if closed[k] == 0.0:
@@ -86,32 +79,29 @@ def assemble(problem: Problem, point: Point, law: Law, K: Array, g: Array) -> No
 
 
 @kernel
-def shift(problem: Problem, point: Point, step: Array, t: float) -> None:
+def shift(chain: ChainArrays, point: ChainPoint, step: Array, t: float) -> None:
     """Add t times the step of the unknowns, four a ball, to the point."""
     slip, pair, drift, z = point
-    move(problem, (slip, pair, drift), step, t)
+    move(chain, ChainState(slip, pair, drift), step, t)
     for k in range(z.shape[0]):
         z[k] += t * step[4 * k + 3]
 
 
 @kernel
-def reopen(point: Point, eps: float) -> None:
+def reopen(point: ChainPoint, eps: float) -> None:
     """Take z of open gaps from their rates, in the units of exact complementarity at ``eps``."""
-    for k in range(point[3].shape[0]):
-        if point[3][k] <= 0.0:
-            point[3][k] = min(0.0, point[1][k, 0] / eps)
+    for k in range(point.z.shape[0]):
+        if point.z[k] <= 0.0:
+            point.z[k] = min(0.0, point.pair[k, 0] / eps)
 
 
 @kernel
-def copied(point: Point) -> Point:
+def copied(point: ChainPoint) -> ChainPoint:
     """A copy of the point."""
-    return point[0].copy(), point[1].copy(), point[2].copy(), point[3].copy()
+    return ChainPoint(point.slip.copy(), point.pair.copy(), point.drift.copy(), point.z.copy())
 
 
 @kernel
-def restore(point: Point, kept: Point) -> None:
+def restore(point: ChainPoint, kept: ChainPoint) -> None:
     """Overwrite the point by ``kept``: moving back by increments would leave round-off in the slips."""
-    point[0][:] = kept[0]
-    point[1][:] = kept[1]
-    point[2][:] = kept[2]
-    point[3][:] = kept[3]
+    point.slip[:], point.pair[:], point.drift[:], point.z[:] = kept

@@ -4,25 +4,17 @@ Velocities are in units of the carriage's speed, forces in units of the largest 
 ball: axial velocity and ball radius times the two spin components across the track, x = (v, R omega_x, R omega_y).
 """
 
-from typing import Any
-
+from lowfi.friction.linear.records import Array, ChainArrays, ChainState
 from lowfi.jit import kernel
 
 from .band import HALF
-from .law import Array, regularised
-
-#: (contacts (N, C, 5), shapes (N, C, 4), nodes (2, m), closed (N-1,), mu, hold (N,), nominal (N, 3)).
-Problem = Any
-#: (slip (N, C, 2), pair (N-1, 3), drift (N, 3)): slips, differences of neighbours, deviation from the nominal motion:
-#: linear in the unknowns, moved by increments so that nothing cancels where contacts stick.
-State = Any
+from .law import regularised
 
 
 @kernel
-def add_contacts(problem: Problem, state: State, eps: float, K: Array, g: Array) -> float:
+def add_contacts(chain: ChainArrays, state: ChainState, eps: float, K: Array, g: Array) -> float:
     """Contacts' part of energy, gradient g ``(4N,)`` and banded Hessian K ``(4N, 11)``."""
-    contacts, shapes, nodes, _, _, _, _ = problem
-    slip, _, _ = state
+    contacts, shapes, nodes, slip = chain.contacts, chain.shapes, chain.nodes, state.slip
     energy = 0.0
     for j in range(contacts.shape[0]):
         for i in range(contacts.shape[1]):
@@ -45,12 +37,12 @@ def add_contacts(problem: Problem, state: State, eps: float, K: Array, g: Array)
 
 
 @kernel
-def assemble(problem: Problem, state: State, eps: float, lam: Array, rho: float, K: Array, g: Array) -> float:
+def assemble(chain: ChainArrays, state: ChainState, eps: float, lam: Array, rho: float, K: Array, g: Array) -> float:
     """Convex energy without friction between balls, its gradient g ``(4N,)`` and the banded matrix of Newton's step.
 
     The order of the velocities enters by its augmented Lagrangian, multipliers lam and penalty rho.
     """
-    drift, closed, hold = state[2], problem[3], problem[5]
+    drift, closed, hold = state.drift, chain.closed, chain.hold
     K[:] = 0.0
     g[:] = 0.0
     energy = 0.0
@@ -60,10 +52,10 @@ def assemble(problem: Problem, state: State, eps: float, lam: Array, rho: float,
             g[4 * j + k] = hold[j] * drift[j, k]
             K[4 * j + k, HALF] = hold[j]
         K[4 * j + 3, HALF] = -1.0
-    energy += add_contacts(problem, state, eps, K, g)
+    energy += add_contacts(chain, state, eps, K, g)
     for k in range(closed.shape[0]):
         i = 4 * k + 3
-        push = lam[k] + rho * state[1][k, 0]
+        push = lam[k] + rho * state.pair[k, 0]
         if closed[k] == 0.0 or push <= 0.0:
             continue
         energy += 0.5 * push * push / rho
@@ -78,9 +70,9 @@ def assemble(problem: Problem, state: State, eps: float, lam: Array, rho: float,
 
 
 @kernel
-def rebuild(problem: Problem, state: State) -> None:
-    """Slips and differences of neighbours from the deviation ``state[2]`` of the motion."""
-    contacts, nominal = problem[0], problem[6]
+def rebuild(chain: ChainArrays, state: ChainState) -> None:
+    """Slips and differences of neighbours from the drift of the motion."""
+    contacts, nominal = chain.contacts, chain.nominal
     slip, pair, drift = state
     for j in range(contacts.shape[0]):
         v, p, q = nominal[j, 0] + drift[j, 0], nominal[j, 1] + drift[j, 1], nominal[j, 2] + drift[j, 2]
@@ -95,9 +87,9 @@ def rebuild(problem: Problem, state: State) -> None:
 
 
 @kernel
-def move(problem: Problem, state: State, step: Array, t: float) -> None:
+def move(chain: ChainArrays, state: ChainState, step: Array, t: float) -> None:
     """Add t times the step ``(4N,)`` of the unknowns to everything that depends on them."""
-    contacts = problem[0]
+    contacts = chain.contacts
     slip, pair, drift = state
     for j in range(contacts.shape[0]):
         dv, dp, dq = t * step[4 * j], t * step[4 * j + 1], t * step[4 * j + 2]

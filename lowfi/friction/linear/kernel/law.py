@@ -1,13 +1,9 @@
 """Friction of one elliptical contact that slides along the track and spins."""
 
 from math import sqrt
-from typing import Any
 
-from numpy.typing import NDArray
-
+from lowfi.friction.linear.records import Array
 from lowfi.jit import kernel
-
-Array = NDArray[Any]
 
 
 @kernel

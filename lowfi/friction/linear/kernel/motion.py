@@ -2,13 +2,13 @@
 
 from math import sqrt
 
+from lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, ChainState, Smoothing, Work
 from lowfi.jit import kernel
 
 from .band import solve_banded
-from .coupled import Point, copied, reopen, restore
-from .energy import Problem, State, rebuild
-from .law import Array
-from .newton import Work, descend, leap, settle
+from .coupled import copied, reopen, restore
+from .energy import rebuild
+from .newton import descend, leap, settle
 from .path import FIRST, convex_sign, trace
 
 #: Stiffness towards nominal rolling per creeping speed, until the last: motions without resistance stay in place.
@@ -26,15 +26,15 @@ COARSE, FEW, MANY = 1e-6, 8, 60
 
 
 @kernel
-def _order(problem: Problem, state: State, lam: Array, work: Work) -> int:
+def _order(chain: ChainArrays, state: ChainState, lam: Array, work: Work) -> int:
     """Least energy under v_k <= v_(k+1) without friction between balls at eps ``FIRST``, multipliers in ``lam``."""
     total, rho = 0, 100.0 / FIRST
     for _ in range(20):
-        used, _ = descend(problem, state, FIRST, lam, rho, work, 1e-10, 200)
+        used, _ = descend(chain, state, FIRST, lam, rho, work, 1e-10, 200)
         total += used
         change = 0.0
         for k in range(lam.shape[0]):
-            push = max(0.0, lam[k] + rho * state[1][k, 0]) if problem[3][k] != 0.0 else 0.0
+            push = max(0.0, lam[k] + rho * state.pair[k, 0]) if chain.closed[k] != 0.0 else 0.0
             change = max(change, abs(push - lam[k]))
             lam[k] = push
         if change <= COARSE:
@@ -66,7 +66,7 @@ def _pressed(z: Array) -> int:
 
 
 @kernel
-def _descend_eps(problem: Problem, point: Point, work: Work, eps_end: float, limit: int) -> tuple[int, bool]:
+def _descend_eps(chain: ChainArrays, point: ChainPoint, work: Work, eps_end: float, limit: int) -> tuple[int, bool]:
     """Coupled equations at creeping speeds from ``FIRST`` to ``eps_end``, the whole friction from the beginning.
 
     Returns Newton steps and whether all went well: a determinant of the other sign tells of another branch.
@@ -74,20 +74,19 @@ def _descend_eps(problem: Problem, point: Point, work: Work, eps_end: float, lim
     total, eps = 0, FIRST
     while True:
         reopen(point, eps)
-        used, left = settle(problem, point, (eps, 1.0, 0.0, SPRING * eps), work, COARSE, limit, 0.0)
+        used, left = settle(chain, point, Smoothing(eps, 1.0, 0.0, SPRING * eps), work, COARSE, limit, 0.0)
         total += used
         if not left <= COARSE:
             return total, False
         if eps <= eps_end:
             break
         eps = max(eps_end, 0.1 * eps)
-    K, factors, _, step, other = work
-    return total, solve_banded(K, factors, step, other) == convex_sign(point)
+    return total, solve_banded(work.K, work.factors, work.step, work.other) == convex_sign(point)
 
 
 @kernel
 def solve(
-    problem: Problem, state: State, z: Array, work: Work, eps: float, tolerance: float, limit: int
+    chain: ChainArrays, state: ChainState, z: Array, work: Work, eps: float, tolerance: float, limit: int
 ) -> tuple[int, float]:
     """Motion of all balls at creeping speed ``eps`` and forces max(z, 0); Newton steps and largest residual.
 
@@ -95,30 +94,32 @@ def solve(
     Where friction between balls may bring further solutions, and where Newton's method does not follow from there at
     once while creeping speeds fall, the path by ``trace`` decides, unless the balls all part without that friction.
     """
-    point = state[0], state[1], state[2], z
-    contacts, shapes, nodes, closed, mu, hold, nominal = problem
-    rebuild(problem, state)
-    total = _order((contacts, shapes, nodes, closed, mu, hold + SPRING * FIRST, nominal), state, z, work)
+    point = ChainPoint(state.slip, state.pair, state.drift, z)
+    contacts, shapes, nodes, closed, mu, hold, nominal = chain
+    rebuild(chain, state)
+    firm = ChainArrays(contacts, shapes, nodes, closed, mu, hold + SPRING * FIRST, nominal)
+    total = _order(firm, state, z, work)
     first = copied(point)
     share = mu * sqrt(z.shape[0])
     good = mu == 0.0 or (share <= LARGE and _supported(contacts))
     if good:
-        used, good = _descend_eps(problem, point, work, eps, FEW if share > SLIGHT else MANY)
+        used, good = _descend_eps(chain, point, work, eps, FEW if share > SLIGHT else MANY)
         total += used
     if not good:
         restore(point, first)
-        used, good = _descend_eps((contacts, shapes, nodes, closed, 0.0, hold, nominal), point, work, eps, MANY)
+        without = ChainArrays(contacts, shapes, nodes, closed, 0.0, hold, nominal)
+        used, good = _descend_eps(without, point, work, eps, MANY)
         total += used
         good = good and _pressed(z) == 0
     if not good:
         restore(point, first)
-        used, _ = trace(problem, point, eps, work, limit)
+        used, _ = trace(chain, point, eps, work, limit)
         total += used
         reopen(point, eps)
-    exact = eps, 1.0, 0.0, 0.0
-    used, residual = settle(problem, point, exact, work, tolerance, 100, FIRMEST)
+    exact = Smoothing(eps, 1.0, 0.0, 0.0)
+    used, residual = settle(chain, point, exact, work, tolerance, 100, FIRMEST)
     total += used
     if residual > tolerance:
-        used, residual = leap(problem, point, exact, work, tolerance, LEAPS)
+        used, residual = leap(chain, point, exact, work, tolerance, LEAPS)
         total += used
     return total, residual

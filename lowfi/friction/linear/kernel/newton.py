@@ -1,24 +1,19 @@
 """Newton's method on the energy of a chain and on its coupled equations."""
 
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
+from lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, ChainState, Smoothing, Work
 from lowfi.jit import kernel
 
 from . import coupled, energy
 from .band import HALF, solve_banded
-from .coupled import Law, Point
-from .energy import Problem, State
-from .law import Array
 
 #: Longest step of a velocity: longer ones, back and forth in the line search, would cost digits.
 LONGEST = 2.0
 #: Least damping of velocities.
 SOFTEST = 1e-14
-#: (matrix (4N, 11), the same with room for exchanged rows (4N, 16), residual (4N,), step (4N,), second step (4N,)).
-Work = Any
 
 
 @kernel
@@ -76,11 +71,11 @@ def _direction(work: Work) -> float:
 
 @kernel
 def descend(
-    problem: Problem, state: State, eps: float, lam: Array, rho: float, work: Work, tolerance: float, limit: int
+    chain: ChainArrays, state: ChainState, eps: float, lam: Array, rho: float, work: Work, tolerance: float, limit: int
 ) -> tuple[int, float]:
     """Newton's method with line search on the convex energy; returns iterations and largest force out of balance."""
     K, _, g, step, _ = work
-    level = energy.assemble(problem, state, eps, lam, rho, K, g)
+    level = energy.assemble(chain, state, eps, lam, rho, K, g)
     for iteration in range(limit):
         residual = largest(g)
         if residual <= tolerance:
@@ -90,9 +85,9 @@ def descend(
             return iteration, residual
         t, at = 1.0, 0.0
         for _ in range(60):
-            energy.move(problem, state, step, t - at)
+            energy.move(chain, state, step, t - at)
             at = t
-            trial = energy.assemble(problem, state, eps, lam, rho, K, g)
+            trial = energy.assemble(chain, state, eps, lam, rho, K, g)
             if trial <= level + 1e-4 * t * slope + 1e-14 * abs(level):  # the last term is round-off
                 break
             t *= min(0.7, max(0.1, slope / (slope - _dot(g, step))))
@@ -102,7 +97,7 @@ def descend(
 
 @kernel
 def settle(
-    problem: Problem, point: Point, law: Law, work: Work, tolerance: float, limit: int, firmest: float
+    chain: ChainArrays, point: ChainPoint, law: Smoothing, work: Work, tolerance: float, limit: int, firmest: float
 ) -> tuple[int, float]:
     """Semismooth Newton's method on the coupled equations, steps halved until the residual falls.
 
@@ -110,7 +105,7 @@ def settle(
     Returns iterations and the largest residual; leaves ``work`` as assembled at the point.
     """
     K, factors, g, step, other = work
-    coupled.assemble(problem, point, law, K, g)
+    coupled.assemble(chain, point, law, K, g)
     size, damping = sqrt(np.dot(g, g)), 0.0
     for iteration in range(limit):
         if largest(g) <= tolerance:
@@ -122,9 +117,9 @@ def settle(
         solve_banded(K, factors, step, other)
         t, at, trial = _reach(step), 0.0, size
         for _ in range(12):
-            coupled.shift(problem, point, step, t - at)
+            coupled.shift(chain, point, step, t - at)
             at = t
-            coupled.assemble(problem, point, law, K, g)
+            coupled.assemble(chain, point, law, K, g)
             trial = sqrt(np.dot(g, g))
             if trial < (1.0 - 0.1 * t) * size:
                 break
@@ -136,8 +131,8 @@ def settle(
             else:
                 damping = min(firmest, max(SOFTEST, 100.0 * damping))
             continue
-        coupled.shift(problem, point, step, -at)
-        coupled.assemble(problem, point, law, K, g)
+        coupled.shift(chain, point, step, -at)
+        coupled.assemble(chain, point, law, K, g)
         damping = max(SOFTEST, 100.0 * damping)
         if not damping <= firmest:
             return iteration, largest(g)
@@ -145,19 +140,21 @@ def settle(
 
 
 @kernel
-def leap(problem: Problem, point: Point, law: Law, work: Work, tolerance: float, limit: int) -> tuple[int, float]:
+def leap(
+    chain: ChainArrays, point: ChainPoint, law: Smoothing, work: Work, tolerance: float, limit: int
+) -> tuple[int, float]:
     """Undamped Newton steps on the coupled equations: at kinks the residual rises before it falls.
 
     Returns iterations and the largest residual; the point is left where it was if that has not fallen.
     """
     K, factors, g, step, other = work
-    coupled.assemble(problem, point, law, K, g)
+    coupled.assemble(chain, point, law, K, g)
     start, kept = largest(g), coupled.copied(point)
     for iteration in range(limit):
         step[:] = -g
         solve_banded(K, factors, step, other)
-        coupled.shift(problem, point, step, _reach(step))
-        coupled.assemble(problem, point, law, K, g)
+        coupled.shift(chain, point, step, _reach(step))
+        coupled.assemble(chain, point, law, K, g)
         if largest(g) <= tolerance:
             return iteration + 1, largest(g)
     if not largest(g) < start:

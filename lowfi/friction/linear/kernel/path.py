@@ -9,13 +9,12 @@ from math import exp, log, sqrt
 
 import numpy as np
 
+from lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, Smoothing, Work
 from lowfi.jit import kernel
 
 from .band import solve_banded
-from .coupled import Law, Point, assemble, copied, restore, shift
-from .energy import Problem
-from .law import Array
-from .newton import Work, largest, settle
+from .coupled import assemble, copied, restore, shift
+from .newton import largest, settle
 
 #: Creeping speed at the beginning of the path.
 FIRST = 0.1
@@ -30,30 +29,30 @@ LENGTH, SHORTEST, KINK = 0.05, 1e-9, 1e-5
 
 
 @kernel
-def stage(s: float, eps: float) -> Law:
+def stage(s: float, eps: float) -> Smoothing:
     """Law at parameter s of the path, 0 to 1: friction between balls comes early, creeping speeds fall to ``eps``.
 
     Springs keep motions without resistance in place where forces are known to no more than ``ON_PATH``.
     """
     rest = (1.0 - s) ** 4
     creep = FIRST * exp(s * log(eps / FIRST))
-    return creep, 1.0 - rest * rest, 1e-3 * exp(s * log(1e-11)), 1e-2 * exp(s * log(1e-7))
+    return Smoothing(creep, 1.0 - rest * rest, 1e-3 * exp(s * log(1e-11)), 1e-2 * exp(s * log(1e-7)))
 
 
 @kernel
-def convex_sign(point: Point) -> float:
+def convex_sign(point: ChainPoint) -> float:
     """Sign of the Jacobian's determinant without friction between balls: each force and the idle row turn it."""
-    return 1.0 if point[2].shape[0] % 2 == 0 else -1.0
+    return 1.0 if point.drift.shape[0] % 2 == 0 else -1.0
 
 
 @kernel
-def _tangent(problem: Problem, point: Point, s: float, eps: float, work: Work, change: Array, tau: Array) -> float:
+def _tangent(chain: ChainArrays, point: ChainPoint, s: float, eps: float, work: Work, change: Array, tau: Array) -> float:
     """Tangent tau of the path, four entries a ball and last s, unit length, s rising; 1 if the path goes on so, or -1.
 
     Needs ``work`` as assembled at the point; change: the residual's derivative by s.
     """
     K, factors, g, _, other = work
-    assemble(problem, point, stage(s + DIFFERENCE, eps), factors, other)
+    assemble(chain, point, stage(s + DIFFERENCE, eps), factors, other)
     n = g.shape[0]
     for i in range(n):
         change[i] = (other[i] - g[i]) / DIFFERENCE
@@ -67,7 +66,15 @@ def _tangent(problem: Problem, point: Point, s: float, eps: float, work: Work, c
 
 @kernel
 def _correct(
-    problem: Problem, point: Point, s: float, eps: float, work: Work, change: Array, tau: Array, length: float, fixed: bool
+    chain: ChainArrays,
+    point: ChainPoint,
+    s: float,
+    eps: float,
+    work: Work,
+    change: Array,
+    tau: Array,
+    length: float,
+    fixed: bool,
 ) -> tuple[bool, int, float]:
     """Newton steps back to the path, across tau or, fixed, at the same s; whether they arrived, how many, and s.
 
@@ -77,8 +84,8 @@ def _correct(
     n, moved = g.shape[0], 0.0
     for newton in range(STEPS + 1):
         law = stage(s, eps)
-        assemble(problem, point, law, K, g)
-        if largest(g) <= max(ON_PATH, 1e-5 * law[0]):
+        assemble(chain, point, law, K, g)
+        if largest(g) <= max(ON_PATH, 1e-5 * law.eps):
             return True, newton, s
         step[:] = -g
         other[:] = -change
@@ -88,7 +95,7 @@ def _correct(
         moved += sqrt(np.dot(step, step) + ds * ds)
         if newton == STEPS or not moved <= 0.7 * max(length, NEAR):
             break
-        shift(problem, point, step, 1.0)
+        shift(chain, point, step, 1.0)
         s += ds
     return False, STEPS, s
 
@@ -105,17 +112,17 @@ def _cap(tau: Array) -> float:
 
 
 @kernel
-def trace(problem: Problem, point: Point, eps: float, work: Work, limit: int) -> tuple[int, bool]:
+def trace(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, limit: int) -> tuple[int, bool]:
     """Follow the path from a point near its beginning; returns Newton steps and whether its end was reached.
 
     The determinant's sign tells which way is on: it changes where s turns.
     """
-    n = work[2].shape[0]
+    n: int = work.g.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
-    total, left = settle(problem, point, stage(0.0, eps), work, 0.1 * ON_PATH, 100, 1.0)
+    total, left = settle(chain, point, stage(0.0, eps), work, 0.1 * ON_PATH, 100, 1.0)
     if not left <= ON_PATH:
         return total, False
-    _tangent(problem, point, 0.0, eps, work, change, tau)
+    _tangent(chain, point, 0.0, eps, work, change, tau)
     kept = copied(point)
     s, length = 0.0, LENGTH
     while total < limit and length > SHORTEST:
@@ -123,13 +130,13 @@ def trace(problem: Problem, point: Point, eps: float, work: Work, limit: int) ->
         last = s + length * tau[n] >= 1.0
         if last:
             length = (1.0 - s) / tau[n]
-        shift(problem, point, tau, length)
-        good, used, found = _correct(problem, point, s + length * tau[n], eps, work, change, tau, length, last)
+        shift(chain, point, tau, length)
+        good, used, found = _correct(chain, point, s + length * tau[n], eps, work, change, tau, length, last)
         total += used
         if good and last:
             return total, True
         if good and -0.01 < found < 1.0:
-            ahead *= _tangent(problem, point, found, eps, work, change, ahead)
+            ahead *= _tangent(chain, point, found, eps, work, change, ahead)
             total += 1
             good = np.dot(tau, ahead) > 0.5 or length < KINK
         else:

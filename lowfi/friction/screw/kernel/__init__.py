@@ -3,12 +3,10 @@
 from .balance import jacobian, newton, residual, worst
 from .contacts import alone, friction, meeting, semi_axes
 from .joint import assemble, newton_joint
-from .load import evaluate, settle
 
 __all__ = [
     "alone",
     "assemble",
-    "evaluate",
     "friction",
     "jacobian",
     "meeting",
@@ -16,6 +14,5 @@ __all__ = [
     "newton_joint",
     "residual",
     "semi_axes",
-    "settle",
     "worst",
 ]

@@ -4,14 +4,13 @@ from math import sqrt
 
 import numpy as np
 
+from lowfi.friction.contact.records import Array
+from lowfi.friction.screw.records import BalanceParts, BallArrays, GrooveArrays
 from lowfi.jit import kernel
 
-from .arrays import Array, Balls, Groove
 from .band import solve
 from .contacts import evaluate, rubbing
 
-#: (balance (N, 4), complementarity (N,), its slopes by force and gap (N, 2), the grooves' Hessian (N, 4, 4)).
-Parts = tuple[Array, Array, Array, Array]
 #: Half bandwidth with a ball's motion and the force on the next in one block of five.
 HALF = 9
 #: Largest step of a ball's surface speeds, as a fraction of its nominal speed: further off, friction no longer gives the
@@ -20,20 +19,20 @@ REACH = 0.3
 
 
 @kernel
-def room(groove: Groove, balls: Balls, x: Array, k: int) -> float:
+def room(groove: GrooveArrays, balls: BallArrays, x: Array, k: int) -> float:
     """What is left of the slack between ball k and the next, scaled."""
     ahead = (k + 1) % x.shape[0]
-    return float(groove[7] * (x[ahead, 0] - x[k, 0]) + balls[3][k])
+    return float(groove.closing * (x[ahead, 0] - x[k, 0]) + balls.slack[k])
 
 
 @kernel
-def residual(groove: Groove, balls: Balls, x: Array, f: Array, eps: float, parts: Parts) -> float:
+def residual(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, eps: float, parts: BalanceParts) -> float:
     """Writes ``parts`` at motions x (N, 4) and forces f (N,) from ball k to k + 1; returns the root of the squares.
 
     Complementarity by Fischer-Burmeister's function f + gap - sqrt(f^2 + gap^2).
     """
-    hold, allowed, mu, shape, maps, drives = balls[2], balls[4], balls[5], balls[7], balls[8], balls[9]
-    nominal, first, second, closing = groove[4], groove[5], groove[6], groove[7]
+    hold, shape, maps, drives = balls.hold, balls.shape, balls.maps, balls.drives
+    nominal, first, second, closing = groove.nominal, groove.first, groove.second, groove.closing
     balance, comp, slopes, hessian = parts
     n = f.shape[0]
     none = np.zeros(4)
@@ -47,14 +46,14 @@ def residual(groove: Groove, balls: Balls, x: Array, f: Array, eps: float, parts
     for k in range(n):
         ahead = (k + 1) % n
         u, v, size = rubbing(groove, x[k], x[ahead], eps)
-        bite = mu[k] * max(f[k], 0.0) / size
+        bite = balls.mu[k] * max(f[k], 0.0) / size
         for j in range(4):
             balance[k, j] += bite * (u * first[0, j] + v * first[1, j])
             balance[ahead, j] -= bite * (u * second[0, j] + v * second[1, j])
         balance[k, 0] += closing * f[k]
         balance[ahead, 0] -= closing * f[k]
         comp[k], slopes[k, 0], slopes[k, 1] = f[k], 1.0, 0.0
-        if allowed[k] > 0.0:
+        if balls.allowed[k] > 0.0:
             left = room(groove, balls, x, k)
             size = max(sqrt(f[k] * f[k] + left * left), 1e-300)
             comp[k], slopes[k, 0], slopes[k, 1] = f[k] + left - size, 1.0 - f[k] / size, 1.0 - left / size
@@ -62,19 +61,21 @@ def residual(groove: Groove, balls: Balls, x: Array, f: Array, eps: float, parts
 
 
 @kernel
-def worst(parts: Parts) -> float:
+def worst(parts: BalanceParts) -> float:
     """Largest entry of balance and complementarity."""
-    return float(max(np.max(np.abs(parts[0])), np.max(np.abs(parts[1]))))
+    return float(max(np.max(np.abs(parts.balance)), np.max(np.abs(parts.complementarity))))
 
 
 @kernel
-def couple(groove: Groove, balls: Balls, x: Array, f: Array, slopes: Array, eps: float, k: int, out: Array) -> None:
+def couple(
+    groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, slopes: Array, eps: float, k: int, out: Array
+) -> None:
     """Writes the blocks (4, 5, 5) that ball k and the next share: on k, right of it, below it, on the next."""
-    first, second, closing = groove[5], groove[6], groove[7]
+    first, second, closing = groove.first, groove.second, groove.closing
     u, v, size = rubbing(groove, x[k], x[(k + 1) % f.shape[0]], eps)
     u, v = u / size, v / size
-    bite = balls[5][k] * max(f[k], 0.0) / size
-    sliding = balls[5][k] if f[k] > 0.0 else 0.0
+    bite = balls.mu[k] * max(f[k], 0.0) / size
+    sliding = balls.mu[k] if f[k] > 0.0 else 0.0
     out[:] = 0.0
     for j in range(4):
         one, two = u * first[0, j] + v * first[1, j], u * second[0, j] + v * second[1, j]
@@ -93,7 +94,9 @@ def couple(groove: Groove, balls: Balls, x: Array, f: Array, slopes: Array, eps:
 
 
 @kernel
-def jacobian(groove: Groove, balls: Balls, x: Array, f: Array, parts: Parts, eps: float, start: int, K: Array) -> None:
+def jacobian(
+    groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, start: int, K: Array
+) -> None:
     """Writes the banded Jacobian (see ``band``) of motions and forces with ball ``start`` first, cut open before it."""
     n, out = f.shape[0], np.empty((4, 5, 5))
     K[:] = 0.0
@@ -101,8 +104,8 @@ def jacobian(groove: Groove, balls: Balls, x: Array, f: Array, parts: Parts, eps
         row = 5 * ((k - start) % n)
         for i in range(4):
             for j in range(4):
-                K[row + i, HALF + j - i] += parts[3][k, i, j]
-        couple(groove, balls, x, f, parts[2], eps, k, out)
+                K[row + i, HALF + j - i] += parts.hessian[k, i, j]
+        couple(groove, balls, x, f, parts.slopes, eps, k, out)
         last = row == 5 * (n - 1)
         other = 0 if last else row + 5
         for i in range(5):
@@ -115,18 +118,20 @@ def jacobian(groove: Groove, balls: Balls, x: Array, f: Array, parts: Parts, eps
 
 
 @kernel
-def opening(groove: Groove, balls: Balls, x: Array, f: Array) -> int:
+def opening(groove: GrooveArrays, balls: BallArrays, x: Array, f: Array) -> int:
     """The ball after the contact that is most clearly open: there a closed track may be cut."""
     start, most = 0, -np.inf
     for k in range(f.shape[0]):
-        left = room(groove, balls, x, k) - f[k] if balls[4][k] > 0.0 else np.inf
+        left = room(groove, balls, x, k) - f[k] if balls.allowed[k] > 0.0 else np.inf
         if left > most:
             start, most = (k + 1) % f.shape[0], left
     return start
 
 
 @kernel
-def step(groove: Groove, balls: Balls, x: Array, f: Array, parts: Parts, eps: float, dx: Array, df: Array) -> None:
+def step(
+    groove: GrooveArrays, balls: BallArrays, x: Array, f: Array, parts: BalanceParts, eps: float, dx: Array, df: Array
+) -> None:
     """Writes Newton's step (N, 4), (N,)."""
     n, start = f.shape[0], opening(groove, balls, x, f)
     K, side = np.empty((5 * n, 3 * HALF + 1)), np.empty((5 * n, 1))
@@ -134,8 +139,8 @@ def step(groove: Groove, balls: Balls, x: Array, f: Array, parts: Parts, eps: fl
     for k in range(n):
         row = 5 * ((k - start) % n)
         for j in range(4):
-            side[row + j, 0] = -parts[0][k, j]
-        side[row + 4, 0] = -parts[1][k]
+            side[row + j, 0] = -parts.balance[k, j]
+        side[row + 4, 0] = -parts.complementarity[k]
     solve(K, side, HALF)
     for k in range(n):
         row = 5 * ((k - start) % n)
@@ -146,16 +151,24 @@ def step(groove: Groove, balls: Balls, x: Array, f: Array, parts: Parts, eps: fl
 
 @kernel
 def newton(
-    groove: Groove, balls: Balls, x: Array, f: Array, eps: float, goal: float, near: float, limit: int, parts: Parts
+    groove: GrooveArrays,
+    balls: BallArrays,
+    x: Array,
+    f: Array,
+    eps: float,
+    goal: float,
+    near: float,
+    limit: int,
+    parts: BalanceParts,
 ) -> tuple[float, int]:
     """Newton from (x, f), overwritten, at one regularising speed, steps halved until the residual falls.
 
     Ends at ``goal``, after ``limit`` steps, or where round-off lets the residual, below ``near``, fall no more.
     Returns its size and the steps; ``parts`` are those of the end.
     """
-    dx, df = np.empty_like(x), np.empty_like(f)
+    n, dx, df = f.shape[0], np.empty_like(x), np.empty_like(f)
     size = residual(groove, balls, x, f, eps, parts)
-    trial = (np.empty_like(parts[0]), np.empty_like(f), np.empty_like(parts[2]), np.empty_like(parts[3]))
+    trial = BalanceParts(np.empty((n, 4)), np.empty(n), np.empty((n, 2)), np.empty((n, 4, 4)))
     for count in range(limit):
         if size <= goal:
             return size, count
@@ -172,5 +185,6 @@ def newton(
         x += length * dx
         f += length * df
         size = new
-        parts[0][:], parts[1][:], parts[2][:], parts[3][:] = trial[0], trial[1], trial[2], trial[3]
+        parts.balance[:], parts.complementarity[:] = trial.balance, trial.complementarity
+        parts.slopes[:], parts.hessian[:] = trial.slopes, trial.hessian
     return size, limit

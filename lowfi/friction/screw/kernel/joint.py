@@ -1,44 +1,40 @@
 """Loads, motions and ball-to-ball forces of balls as one system of equations, and Newton's method on it.
 
 Unknown of a ball, in this order: position p (x3, z3) in units of ``length``, motion x (4,), force f on the next ball;
-after all balls the screw's u (m,), in units of ``length`` too. Forces are in the unit of ``Balls``.
+after all balls the screw's u (m,), in units of ``length`` too. Forces are in the unit of ``BallArrays``.
 """
 
 from math import sqrt
 
 import numpy as np
 
+from lowfi.friction.screw.records import JointMatrix, JointSystem, Place
 from lowfi.jit import kernel
 
-from .arrays import Array
 from .balance import REACH, couple, opening, room
 from .band import solve
 from .contacts import rubbing
-from .place import OWN_COLUMNS, OWN_ROWS, System, own
+from .place import OWN_COLUMNS, OWN_ROWS, own
 
 #: Unknowns of a ball, half bandwidth.
 SIZE, HALF = 7, 12
 #: Longest step of positions as a fraction of the groove's reach.
 FAR = 0.1
-#: (p (N, 2) [m], u (m,) [m], x (N, 4), f (N,)).
-Place = tuple[Array, Array, Array, Array]
-#: Right-hand side (7 N,) and (m,), band, columns by u (7 N, m), rows of the screw (m, 7 N), their corner (m, m).
-Matrix = tuple[Array, Array, Array, Array, Array, Array]
 
 
 @kernel
-def _together(system: System, at: Place, k: int, part: float, eps: float, start: int, matrix: Matrix) -> None:
+def _together(system: JointSystem, at: Place, k: int, part: float, eps: float, start: int, matrix: JointMatrix) -> None:
     """Adds what ball k and the next do to each other."""
-    groove, balls = system[1], system[2]
-    first, second, closing = groove[5], groove[6], groove[7]
-    x, f = at[2], at[3]
-    side, K = matrix[0], matrix[2]
+    groove, balls = system.groove, system.balls
+    first, second, closing = groove.first, groove.second, groove.closing
+    x, f = at.motion, at.ball_force
+    side, K = matrix.side, matrix.band
     n, ahead = f.shape[0], (k + 1) % f.shape[0]
     row, other = SIZE * ((k - start) % n), SIZE * ((ahead - start) % n)
     last = row == SIZE * (n - 1)
     u, v, size = rubbing(groove, x[k], x[ahead], eps)
     u, v = u / size, v / size
-    mu = balls[5][k]
+    mu = balls.mu[k]
     bite = mu * max(f[k], 0.0)
     for j in range(4):
         side[row + 2 + j] += bite * (u * first[0, j] + v * first[1, j])
@@ -47,7 +43,7 @@ def _together(system: System, at: Place, k: int, part: float, eps: float, start:
     side[other + 2] -= closing * f[k]
     slopes, blocks = np.zeros((n, 2)), np.empty((4, 5, 5))
     side[row + 6], slopes[k, 0] = f[k], 1.0
-    if balls[4][k] > 0.0:
+    if balls.allowed[k] > 0.0:
         left = room(groove, balls, x, k)
         both = max(sqrt(f[k] * f[k] + left * left), 1e-300)
         side[row + 6] = f[k] + left - both
@@ -66,7 +62,7 @@ def _together(system: System, at: Place, k: int, part: float, eps: float, start:
 
 @kernel
 def _pushed(
-    system: System,
+    system: JointSystem,
     which: int,
     row: int,
     other: int,
@@ -74,11 +70,11 @@ def _pushed(
     f: float,
     mu: float,
     part: float,
-    matrix: Matrix,
+    matrix: JointMatrix,
 ) -> None:
     """Adds the force in the groove's plane on the first or second ball of a pair; rub: sliding, direction and size."""
-    first, second, push, slide = system[1][5], system[1][6], system[5], system[6]
-    side, K = matrix[0], matrix[2]
+    first, second, push, slide = system.groove.first, system.groove.second, system.push, system.slide
+    side, K = matrix.side, matrix.band
     u, v, size = rub
     bite, sliding, joined = mu * max(f, 0.0), mu if f > 0.0 else 0.0, other > row
     for c in range(2):
@@ -98,15 +94,16 @@ def _pushed(
 
 
 @kernel
-def assemble(system: System, at: Place, part: float, eps: float, start: int, matrix: Matrix) -> float:
+def assemble(system: JointSystem, at: Place, part: float, eps: float, start: int, matrix: JointMatrix) -> float:
     """Writes residual and Jacobian with ball ``start`` first, a closed track cut open before it; root of the squares.
 
     part: of the friction that moves balls and screw; the screw's forces besides friction are those of the cell.
     """
-    cell, groove, balls, unit, length, rows = system[0], system[1], system[2], system[3], system[4], system[7]
+    cell, unit, length, rows = system.cell, system.unit, system.length, system.rows
+    hold, nominal = system.balls.hold, system.groove.nominal
     p, u, x, f = at
     side, side_u, K, columns, lines, corner = matrix
-    n, m, section, offset, pull = f.shape[0], u.shape[0], cell[3], cell[4], cell[6]
+    n, m, section, offset, pull = f.shape[0], u.shape[0], cell.section, cell.offset, cell.pull
     out, by, shift = np.empty(OWN_ROWS), np.empty((OWN_ROWS, OWN_COLUMNS)), np.empty(2)
     side[:], K[:], columns[:], lines[:], corner[:] = 0.0, 0.0, 0.0, 0.0, 0.0
     for q in range(m):
@@ -126,8 +123,8 @@ def assemble(system: System, at: Place, part: float, eps: float, start: int, mat
                 for c in range(2):
                     columns[row + i, q] += by[i, 6 + c] * section[k, c, q] * length / unit
         for j in range(4):
-            side[row + 2 + j] += balls[2][k] * (x[k, j] - groove[4][j])
-            K[row + 2 + j, HALF] += balls[2][k]
+            side[row + 2 + j] += hold[k] * (x[k, j] - nominal[j])
+            K[row + 2 + j, HALF] += hold[k]
         for q in range(m):
             for r in range(3):
                 side_u[q] -= rows[k, r, q] * out[6 + r] / unit
@@ -142,10 +139,10 @@ def assemble(system: System, at: Place, part: float, eps: float, start: int, mat
 
 
 @kernel
-def step(matrix: Matrix, start: int, length: float, d: Place) -> None:
+def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
     """Overwrites the matrix by its factors and writes Newton's step to d; places that nothing holds stay."""
     side, side_u, K, columns, lines, corner = matrix
-    n, m = d[3].shape[0], side_u.shape[0]
+    n, m = d.ball_force.shape[0], side_u.shape[0]
     top = 0.0
     for k in range(n):
         top = max(top, K[SIZE * k, HALF], K[SIZE * k + 1, HALF])
@@ -165,25 +162,25 @@ def step(matrix: Matrix, start: int, length: float, d: Place) -> None:
             small[q, m] += 1e-12 * top
         solve(small, right, m)
         for q in range(m):
-            d[1][q] = right[q, 0] * length
+            d.screw[q] = right[q, 0] * length
             both[:, m] -= both[:, q] * right[q, 0]
     for k in range(n):
         row = SIZE * ((k - start) % n)
-        d[0][k, 0], d[0][k, 1] = both[row, m] * length, both[row + 1, m] * length
+        d.ball[k, 0], d.ball[k, 1] = both[row, m] * length, both[row + 1, m] * length
         for j in range(4):
-            d[2][k, j] = both[row + 2 + j, m]
-        d[3][k] = both[row + 6, m]
+            d.motion[k, j] = both[row + 2 + j, m]
+        d.ball_force[k] = both[row + 6, m]
 
 
 @kernel
-def newton_joint(system: System, at: Place, part: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
+def newton_joint(system: JointSystem, at: Place, part: float, eps: float, goal: float, limit: int) -> tuple[float, int]:
     """Newton from ``at``, overwritten, steps halved until the residual falls; what is left and the steps.
 
     Ends at ``goal``, after ``limit`` steps, or where no step lets the residual fall.
     """
     p, u, x, f = at
-    n, m, length, reach = f.shape[0], u.shape[0], system[4], system[0][7]
-    matrix = (
+    n, m, length, reach = f.shape[0], u.shape[0], system.length, system.cell.reach
+    matrix = JointMatrix(
         np.empty(SIZE * n),
         np.empty(m),
         np.empty((SIZE * n, 3 * HALF + 1)),
@@ -191,19 +188,19 @@ def newton_joint(system: System, at: Place, part: float, eps: float, goal: float
         np.empty((m, SIZE * n)),
         np.empty((m, m)),
     )
-    d = (np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
-    start = opening(system[1], system[2], x, f)
+    d = Place(np.empty_like(p), np.empty_like(u), np.empty_like(x), np.empty_like(f))
+    start = opening(system.groove, system.balls, x, f)
     size = assemble(system, at, part, eps, start, matrix)
     for count in range(limit):
         if size <= goal:
             return size, count
         step(matrix, start, length, d)
-        moved = max(np.max(np.abs(d[0])), np.max(np.abs(d[1])) if m > 0 else 0.0)
-        part_of = min(1.0, REACH / max(np.max(np.abs(d[2])), 1e-300), FAR * reach / max(moved, 1e-300))
+        moved = max(np.max(np.abs(d.ball)), np.max(np.abs(d.screw)) if m > 0 else 0.0)
+        part_of = min(1.0, REACH / max(np.max(np.abs(d.motion)), 1e-300), FAR * reach / max(moved, 1e-300))
         better = False
         for _ in range(30):
-            trial = (p + part_of * d[0], u + part_of * d[1], x + part_of * d[2], f + part_of * d[3])
-            start = opening(system[1], system[2], trial[2], trial[3])
+            trial = Place(p + part_of * d.ball, u + part_of * d.screw, x + part_of * d.motion, f + part_of * d.ball_force)
+            start = opening(system.groove, system.balls, trial.motion, trial.ball_force)
             new = assemble(system, trial, part, eps, start, matrix)
             if new < (1.0 - 0.1 * part_of) * size:
                 better = True
@@ -211,6 +208,6 @@ def newton_joint(system: System, at: Place, part: float, eps: float, goal: float
             part_of *= 0.5
         if not better:
             return size, count + 1
-        p[:], u[:], x[:], f[:] = trial[0], trial[1], trial[2], trial[3]
+        p[:], u[:], x[:], f[:] = trial
         size = new
     return size, limit

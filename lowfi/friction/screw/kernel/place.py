@@ -1,35 +1,33 @@
 """What one ball adds to the joint system at its place: forces out of balance and their derivatives."""
 
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
+from lowfi.friction.contact.records import Array
+from lowfi.friction.screw.records import GrooveArrays, JointSystem
 from lowfi.jit import kernel
 
-from .arrays import ON_SCREW, Array, Groove
-from .contacts import contact_map, dissipation, seen
-from .load import contact
+from .contacts import contact_map, dissipation, hertz_contact, seen
 
+#: Contacts 0 and 1 of a ball are on the screw, 2 and 3 on the nut.
+ON_SCREW = 2
 #: Rows of a ball's own part: position, motion, force on the screw; columns: position, motion, place of the screw.
 OWN_ROWS, OWN_COLUMNS = 9, 8
-#: (cell, groove, balls, unit [N], length [m], push (2, 2), slide (2, 2, 2), rows (N, 3, m)): directions of the forces
-#: on either ball of a pair and of the two sliding velocities, along x3, z3.
-System = Any
 
 
 @kernel
-def _law(groove: Groove, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array) -> None:
+def _law(groove: GrooveArrays, i: int, f: float, rows: Array, x: Array, eps: float, g: Array, h: Array) -> None:
     """Writes the gradient g (3,) of contact i's dissipation per mu F, its Hessian h[:3], and h[3]: F g derived by F.
 
     Semi-axes go with F^(1/3), and D(s a, s b, vx, vz, spin) = D(a, b, vx, vz, s spin).
     """
     cube = f ** (1.0 / 3.0)
     vx, vz, spin = seen(groove, i, rows, x)
-    v = dissipation(groove[2][i] * cube, groove[3][i] * cube, vx, vz, spin, eps * groove[8])
-    g[0], g[1], g[2] = v[1], v[2], v[3]
-    h[0, 0], h[0, 1], h[0, 2], h[1, 1], h[1, 2], h[2, 2] = v[5], v[6], v[8], v[7], v[9], v[10]
-    h[1, 0], h[2, 0], h[2, 1] = v[6], v[8], v[9]
+    d = dissipation(groove.C_a[i] * cube, groove.C_b[i] * cube, vx, vz, spin, eps * groove.speed)
+    g[0], g[1], g[2] = d.by_vx, d.by_vz, d.by_spin
+    h[0, 0], h[0, 1], h[0, 2], h[1, 1], h[1, 2], h[2, 2] = d.xx, d.xz, d.x_spin, d.zz, d.z_spin, d.spin_spin
+    h[1, 0], h[2, 0], h[2, 1] = d.xz, d.x_spin, d.z_spin
     for r in range(3):
         h[3, r] = g[r] + spin * h[r, 2] / 3.0
     h[3, 2] += g[2] / 3.0
@@ -52,7 +50,7 @@ def _add_force(
 
 @kernel
 def _by_load(
-    groove: Groove,
+    groove: GrooveArrays,
     i: int,
     f: float,
     mu: float,
@@ -66,10 +64,10 @@ def _by_load(
     by: Array,
 ) -> None:
     """Writes the derivatives (9, 3) of a contact's rows by its force and by n_x and n_z, taken apart."""
-    affine, speed, bound = groove[0], groove[8], mu * f
+    affine, speed, bound = groove.affine, groove.speed, mu * f
     turned, own_turn = np.zeros((2, 3)), np.zeros((2, 4))
     for c in range(2):
-        move = affine[1 + c] @ x - affine[1 + c, :, 0] * groove[1][i]
+        move = affine[1 + c] @ x - affine[1 + c, :, 0] * groove.ride[i]
         turned[c] = bound * (h[:3] @ move)
         own_turn[c] = bound * (g @ affine[1 + c])
     by[0, 0], by[1, 0] = n_x + part * mu * h[3, 0] * n_z, n_z - part * mu * h[3, 0] * n_x
@@ -102,28 +100,30 @@ def _by_motion(
 
 
 @kernel
-def own(system: System, k: int, p: Array, shift: Array, x: Array, part: float, eps: float, out: Array, by: Array) -> None:
+def own(
+    system: JointSystem, k: int, p: Array, shift: Array, x: Array, part: float, eps: float, out: Array, by: Array
+) -> None:
     """Writes out (9,) and its derivatives (9, 8) for ball k at p (2,) [m], motion x (4,), screw shifted by shift (2,).
 
     Rows: force out of balance in x3, z3 with ``part`` of the friction, the grooves' gradient by the motion, force of
     the ball on the screw in x3, y3, z3.
     """
-    cell, groove, balls = system[0], system[1], system[2]
-    start, interference, C, reach = cell[0], cell[1], cell[2], cell[7]
-    speed, mu = groove[8], balls[6] * system[3]
+    cell, groove, balls = system.cell, system.groove, system.balls
+    start, interference, C, reach = cell.start, cell.interference, cell.C, cell.reach
+    speed, mu = groove.speed, balls.strength * system.unit
     rows, load, g, h = np.empty((3, 4)), np.empty((OWN_ROWS, 3)), np.zeros(3), np.zeros((4, 3))
     out[:] = 0.0
     by[:] = 0.0
     for i in range(4):
         on = i < ON_SCREW
         m_x, m_z = (p[0] - shift[0], p[1] - shift[1]) if on else (p[0], p[1])
-        f, n_x, n_z, d, size = contact(start[k, i, 0], start[k, i, 1], m_x, m_z, interference[k, i], C[i], reach)
+        f, n_x, n_z, d, size = hertz_contact(start[k, i, 0], start[k, i, 1], m_x, m_z, interference[k, i], C[i], reach)
         if f == 0.0:
             continue
         contact_map(groove, n_x, n_z, rows)
         g[:] = 0.0
         h[:] = 0.0
-        if np.max(balls[0][k]) > 0.0:  # others count as unloaded
+        if np.max(balls.force[k]) > 0.0:  # others count as unloaded
             _law(groove, i, f, rows, x, eps, g, h)
         _add_force(f, mu * f, n_x, n_z, rows, g, speed, part, on, out)
         _by_load(groove, i, f, mu, n_x, n_z, rows, x, g, h, part, load)

@@ -1,21 +1,23 @@
-"""Energy of balls pressed between grooves of a screw and a nut, and Newton's method for its minimum."""
+"""Energy of balls pressed between grooves of two rigid bodies, and Newton's method for its minimum.
+
+The bodies are screw and nut, rings (a screw of zero lead), or rail and carriage.
+"""
 
 from math import sqrt
 
 import numpy as np
 
+from lowfi.friction.contact.records import Array, CellArrays, CellState
 from lowfi.jit import kernel
 
-from .arrays import ON_SCREW, Array, Cell
-
-#: (gradient by balls (N, 2), by the screw (m,), stiffness (N, 4, 3) as xx, xz, zz, forces (N, 4), normals (N, 4, 2)).
-State = tuple[Array, Array, Array, Array, Array]
+#: Contacts 0 and 1 of a ball are on the inner body, 2 and 3 on the outer one.
+ON_INNER = 2
 #: Longest step as a fraction of the distance of the grooves' centres from the ball.
 FAR = 0.3
 
 
 @kernel
-def contact(
+def hertz_contact(
     start_x: float, start_z: float, move_x: float, move_z: float, interference: float, C: float, reach: float
 ) -> tuple[float, float, float, float, float]:
     """Hertz force [N], its direction (x3, z3) on the groove, approach/C and distance [m] after a ball's move."""
@@ -28,16 +30,16 @@ def contact(
 
 
 @kernel
-def evaluate(cell: Cell, p: Array, u: Array, state: State) -> float:
-    """Elastic energy [J] at positions of balls (N, 2) and screw (m,) [m]; writes ``state``.
+def press(cell: CellArrays, p: Array, u: Array, state: CellState) -> float:
+    """Elastic energy [J] at positions of balls (N, 2) and inner body (m,) [m]; writes ``state``.
 
     sum (2/5) C^(-3/2) <approach>^(5/2); less push . p + pull . u, which ``state`` derives too, it is convex.
     """
     start, interference, C, section, offset, push, pull, reach = cell
-    ball, screw, stiff, force, normal = state
+    ball, inner, stiff, force, normal = state
     energy = 0.0
     for j in range(u.shape[0]):
-        screw[j] = -pull[j]
+        inner[j] = -pull[j]
     for k in range(p.shape[0]):
         shift_x, shift_z = offset[k, 0], offset[k, 1]
         for j in range(u.shape[0]):
@@ -46,9 +48,9 @@ def evaluate(cell: Cell, p: Array, u: Array, state: State) -> float:
         ball[k, 0], ball[k, 1] = -push[k, 0], -push[k, 1]
         for i in range(4):
             x, z = p[k, 0], p[k, 1]
-            if i < ON_SCREW:
+            if i < ON_INNER:
                 x, z = x - shift_x, z - shift_z
-            f, n_x, n_z, d, size = contact(start[k, i, 0], start[k, i, 1], x, z, interference[k, i], C[i], reach)
+            f, n_x, n_z, d, size = hertz_contact(start[k, i, 0], start[k, i, 1], x, z, interference[k, i], C[i], reach)
             k_n, k_t = 1.5 * sqrt(d) / C[i], f / size
             force[k, i], normal[k, i, 0], normal[k, i, 1] = f, n_x, n_z
             stiff[k, i, 0] = k_t + (k_n - k_t) * n_x * n_x
@@ -57,28 +59,28 @@ def evaluate(cell: Cell, p: Array, u: Array, state: State) -> float:
             energy += 0.4 * C[i] * d * f
             ball[k, 0] += f * n_x
             ball[k, 1] += f * n_z
-            if i < ON_SCREW:
+            if i < ON_INNER:
                 for j in range(u.shape[0]):
-                    screw[j] -= f * (n_x * section[k, 0, j] + n_z * section[k, 1, j])
+                    inner[j] -= f * (n_x * section[k, 0, j] + n_z * section[k, 1, j])
     return energy
 
 
 @kernel
-def newton_step(cell: Cell, state: State, floor: float, dp: Array, du: Array) -> None:
-    """Writes Newton's step of balls (N, 2) and screw (m,); the balls are eliminated."""
-    section, ball, screw, stiff = cell[3], state[0], state[1], state[2]
-    n, m = ball.shape[0], screw.shape[0]
-    schur, solved, right = np.zeros((m, m)), np.empty((n, 2, m)), -screw
+def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du: Array) -> None:
+    """Writes Newton's step of balls (N, 2) and inner body (m,); the balls are eliminated."""
+    section, ball, inner, stiff = cell.section, state.ball, state.inner, state.stiffness
+    n, m = ball.shape[0], inner.shape[0]
+    schur, solved, right = np.zeros((m, m)), np.empty((n, 2, m)), -inner
     for j in range(m):
         schur[j, j] = floor
     for k in range(n):
         least = floor
-        if np.max(state[3][k]) == 0.0:  # a ball that floats would ask for a step that makes those of others tiny
-            least = max(floor, sqrt(ball[k, 0] * ball[k, 0] + ball[k, 1] * ball[k, 1]) / (FAR * cell[7]))
+        if np.max(state.force[k]) == 0.0:  # a ball that floats would ask for a step that makes those of others tiny
+            least = max(floor, sqrt(ball[k, 0] * ball[k, 0] + ball[k, 1] * ball[k, 1]) / (FAR * cell.reach))
         xx, xz, zz, s_xx, s_xz, s_zz = least, 0.0, least, 0.0, 0.0, 0.0
         for i in range(4):
             xx, xz, zz = xx + stiff[k, i, 0], xz + stiff[k, i, 1], zz + stiff[k, i, 2]
-            if i < ON_SCREW:
+            if i < ON_INNER:
                 s_xx, s_xz, s_zz = s_xx + stiff[k, i, 0], s_xz + stiff[k, i, 1], s_zz + stiff[k, i, 2]
         det = xx * zz - xz * xz
         dp[k, 0] = -(zz * ball[k, 0] - xz * ball[k, 1]) / det
@@ -105,49 +107,50 @@ def newton_step(cell: Cell, state: State, floor: float, dp: Array, du: Array) ->
 
 
 @kernel
-def copy(source: State, to: State) -> None:
+def copy(source: CellState, to: CellState) -> None:
     """Overwrites ``to`` by ``source``."""
-    to[0][:], to[1][:], to[2][:], to[3][:], to[4][:] = source[0], source[1], source[2], source[3], source[4]
+    to.ball[:], to.inner[:], to.stiffness[:] = source.ball, source.inner, source.stiffness
+    to.force[:], to.normal[:] = source.force, source.normal
 
 
 @kernel
-def largest(balls: Array, screw: Array) -> float:
+def largest(balls: Array, inner: Array) -> float:
     """Largest entry in size of (N, 2) and (m,)."""
     size = 0.0
     for k in range(balls.shape[0]):
         size = max(size, abs(balls[k, 0]), abs(balls[k, 1]))
-    for j in range(screw.shape[0]):
-        size = max(size, abs(screw[j]))
+    for j in range(inner.shape[0]):
+        size = max(size, abs(inner[j]))
     return size
 
 
 @kernel
-def settle(cell: Cell, load: float, p: Array, u: Array, state: State, goal: float, limit: int) -> int:
+def settle(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, goal: float, limit: int) -> int:
     """Minimum of the energy from (p, u), which are overwritten as ``state`` is; returns the steps.
 
     load: sum of the sizes of the given forces [N]. Ends where nothing is out of balance by more than ``goal`` of the
     sum of all forces, or where round-off lets neither energy nor imbalance fall.
     """
-    reach = cell[7]
+    reach = cell.reach
     dp, du = np.zeros_like(p), np.zeros_like(u)
-    trial = (np.zeros_like(p), np.zeros_like(u), np.zeros_like(state[2]), np.zeros_like(state[3]), np.zeros_like(state[4]))
-    energy, steps = evaluate(cell, p, u, state), 0
-    worst = largest(state[0], state[1])
-    while steps < limit and worst > goal * (load + np.sum(state[3])):
+    stiff, force, normal = np.zeros_like(state.stiffness), np.zeros_like(state.force), np.zeros_like(state.normal)
+    trial = CellState(np.zeros_like(p), np.zeros_like(u), stiff, force, normal)
+    energy, steps = press(cell, p, u, state), 0
+    worst = largest(state.ball, state.inner)
+    while steps < limit and worst > goal * (load + np.sum(state.force)):
         steps += 1
-        floor = 1e-12 * np.max(state[2]) + 1e-12 * max(load, 1e-9) / reach
+        floor = 1e-12 * np.max(state.stiffness) + 1e-12 * max(load, 1e-9) / reach
         newton_step(cell, state, floor, dp, du)
         length = min(1.0, FAR * reach / max(largest(dp, du), 1e-300))
-        slope = np.sum(state[0] * dp) + np.sum(state[1] * du)
-        work = np.sum(cell[5] * dp) + np.sum(cell[6] * du)
+        slope = np.sum(state.ball * dp) + np.sum(state.inner * du)
+        work = np.sum(cell.push * dp) + np.sum(cell.pull * du)
         moved = False
         for _ in range(50):
-            new = evaluate(cell, p + length * dp, u + length * du, trial)
+            new = press(cell, p + length * dp, u + length * du, trial)
             # the work is that of the step, to keep precision for nearly unloaded balls, which would otherwise drift; where
-            # round-off still hides
-            # the fall of the energy, the forces must tell: such a ball would wander
+            # round-off still hides the fall of the energy, the forces must tell
             flat = -length * slope <= 1e-12 * energy
-            off = largest(trial[0], trial[1])
+            off = largest(trial.ball, trial.inner)
             if off < worst if flat else new - energy - length * work <= 1e-4 * length * slope:
                 moved = True
                 break

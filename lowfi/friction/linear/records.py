@@ -1,0 +1,77 @@
+"""Arguments of the kernels of linear bearings, as named tuples: the plain and the compiled copy share them.
+
+N balls of a chain with C contacts each. Velocities are in units of the carriage's speed, forces in units of the largest
+friction bound of a ball. Unknowns of a ball: x = (v, R omega_x, R omega_y), and the force towards the next ball.
+"""
+
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
+
+#: Array of floats (masks are passed the same way).
+Array = NDArray[Any]
+
+
+class ChainArrays(NamedTuple):
+    """Contacts and neighbours of the balls."""
+
+    #: Direction (n_x, n_y), speed of the body in contact, friction bound, semi-axis a over the ball's radius; (N, C, 5).
+    contacts: Array
+    #: Constants (N, C, 4) of the contacts' friction, see `lowfi.friction.linear.kernel.law`.
+    shapes: Array
+    #: Squared sines and weights of the quadrature (2, m).
+    nodes: Array
+    #: 1 where neighbours touch, else 0 (N - 1,).
+    closed: Array
+    #: Coefficient of friction from ball to ball.
+    mu: float
+    #: Springs (N,) to the nominal motion.
+    hold: Array
+    #: Nominal motion (N, 3).
+    nominal: Array
+
+
+class ChainState(NamedTuple):
+    """Linear functions of the unknowns, moved by increments so that nothing cancels where contacts stick."""
+
+    #: Sliding and spinning speed of the contacts (N, C, 2).
+    slip: Array
+    #: Closing speed and sliding (2) of neighbours (N - 1, 3).
+    pair: Array
+    #: Deviation (N, 3) from the nominal motion.
+    drift: Array
+
+
+class ChainPoint(NamedTuple):
+    """A state with its ball-to-ball contacts."""
+
+    slip: Array
+    pair: Array
+    drift: Array
+    #: Unknowns (N - 1,) of the contacts: force where positive, rate of the gap turned round where negative.
+    z: Array
+
+
+class Smoothing(NamedTuple):
+    """How far the equations are from Coulomb's law and exact complementarity."""
+
+    #: Creeping speed.
+    eps: float
+    #: Fraction of the friction between balls.
+    part: float
+    #: Force times rate of a gap.
+    smooth: float
+    #: Stiffness towards nominal rolling besides the balls' own.
+    spring: float
+
+
+class Work(NamedTuple):
+    """Room for Newton's method."""
+
+    #: Banded matrix (4 N, 11), and the same with room for exchanged rows (4 N, 16).
+    K: Array
+    factors: Array
+    #: Residual, step and second step (4 N,).
+    g: Array
+    step: Array
+    other: Array

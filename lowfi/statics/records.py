@@ -1,0 +1,206 @@
+"""Arguments and results of the static kernels, as named tuples: the plain and the compiled copy share them.
+
+N balls, n nodes of the screw's beam, k free motions that nothing but the contacts resists, d motions of a ball's flanks: 8
+for four flanks, 2 where one diagonal pair has a closed form. Sides in the order SL, SR, NL, NR.
+"""
+
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
+
+#: Array of floats (masks and node numbers are passed the same way).
+Array = NDArray[Any]
+
+
+class BeamArrays(NamedTuple):
+    """The screw as a beam and what acts on it."""
+
+    #: Lengths (n - 1,) of the elements [m].
+    lengths: Array
+    #: EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements, (n - 1, 4).
+    sections: Array
+    #: Which freedoms of the nodes are held (n, 6).
+    fixed: Array
+    #: Loads on the nodes (n, 6) [N, N m].
+    load: Array
+
+
+class BeamContacts(NamedTuple):
+    """Balls between a screw that is a beam and a nut that stands."""
+
+    #: First node (N, 2) whose motion moves the screw's flanks SL, SR.
+    node: Array
+    #: Motion of those flanks (N, 2, 2, m) along x3, z3 by the motions of the nodes from ``node`` on.
+    B: Array
+    #: Rows of the contacts (N, 4, 9), see `lowfi.statics.kernel.ball`.
+    geometry: Array
+    #: Nominal interference (N, 2) of the diagonal pairs [m].
+    closure: Array
+    #: Radii of the balls (N,) [m].
+    r_ball: Array
+    #: Deviation of the flanks' profile (4, d) [m], ascending powers of the contact angle.
+    profile: Array
+    #: Force [N] below which a contact carries none.
+    tiny: float
+
+
+class BeamState(NamedTuple):
+    """Unknowns of beam and balls, and the contacts there."""
+
+    #: Motions of the nodes (n, 6) [m, rad].
+    q: Array
+    #: Deformations of the elements (n - 1, 6) [m, rad].
+    d: Array
+    #: Centres of the balls (N, 2) from their nominal places [m].
+    p: Array
+    #: Contacts (N, 4, 5), see `lowfi.statics.kernel.ball`.
+    contact: Array
+
+
+class BeamSlopes(NamedTuple):
+    """Derivatives of the energy of beam and balls."""
+
+    #: By the motions of the nodes (n, 6) [N, N m].
+    gradient: Array
+    #: Second derivatives of a ball's energy by the motion of its screw flanks (N, 4, 4) [N/m].
+    hessians: Array
+
+
+class BeamOptions(NamedTuple):
+    """How `lowfi.statics.kernel.newton.solve` iterates and when it stops."""
+
+    #: Relative residual to reach.
+    tolerance: float
+    #: Largest number of iterations.
+    most: int
+    #: Stiffness of a typical contact [N/m].
+    stiffness: float
+    #: Length that makes forces of moments [m].
+    arm: float
+    #: Largest motion of a node before the screw counts as not held [m].
+    bound: float
+    #: Half bandwidth of the beam's stiffness.
+    half_band: int
+    #: Least force that residuals are measured by [N].
+    floor: float
+
+
+class Bodies(NamedTuple):
+    """How the flanks of all balls move: v = v0 + G phi + R a, G by forces phi on the flanks, R by free motions a."""
+
+    #: G [m/N] of the flanks of the first and of the second body (4 N, 4 N), or of both together (2 N, 2 N) and nothing.
+    first: Array
+    second: Array
+    #: Motions of the flanks (N, d, k) by the free motions.
+    R: Array
+    #: Motions of the flanks (N, d) by loads and prescribed displacements [m].
+    v0: Array
+    #: Work of the loads on the free motions (k,) [N, N m].
+    work: Array
+    #: Modes of both bodies that are softer than a contact, empty where few balls are factored whole; G = U U^T + rest.
+    soft_first: Array
+    soft_second: Array
+
+
+class BallContacts(NamedTuple):
+    """Balls between flanks of elastic bodies."""
+
+    #: Rows of the contacts (N, 4, 9), see `lowfi.statics.kernel.ball`.
+    geometry: Array
+    #: Nominal interference (N, 2) of the diagonal pairs [m].
+    closure: Array
+    #: e [m/N], what a unit amplitude of the ball's own body takes from the approach [m], h [m/N^(4/3)]; (N, 4, 3).
+    local: Array
+    #: Radii of the balls (N,) [m].
+    r_ball: Array
+    #: Deviation of the flanks' profile (4, d) [m], ascending powers of the contact angle.
+    profile: Array
+    #: Rows (N, 7) of balls between two opposite arcs, see `lowfi.statics.kernel.elastic_balls.pair_balls`.
+    pair: Array
+
+
+class BodyState(NamedTuple):
+    """Unknowns of bodies and balls, and the contacts there."""
+
+    #: Forces on the flanks (N, d) [N].
+    phi: Array
+    #: Free motions (k,) [m, rad].
+    a: Array
+    #: Centre [m] and own amplitude of each ball (N, 3).
+    inner: Array
+    #: Contacts (N, 4, 5), or (N, 1, 5) of a pair, see `lowfi.statics.kernel.ball`.
+    contact: Array
+
+
+class BodyOptions(NamedTuple):
+    """How `lowfi.statics.kernel.elastic.solve_forces` iterates and when it stops."""
+
+    #: Relative residual to reach.
+    tolerance: float
+    #: Largest number of iterations.
+    most: int
+    #: Stiffness of a typical contact [N/m].
+    stiffness: float
+    #: Force [N] below which a contact carries none.
+    tiny: float
+    #: Largest free motion before the screw counts as not held [m].
+    bound: float
+    #: Least force that residuals are measured by [N].
+    floor: float
+    #: Furthest start of a flank [m].
+    furthest: float
+
+
+class ForceStep(NamedTuple):
+    """Step of Newton's method on the forces."""
+
+    #: Of the forces on the flanks (N, d) [N], of the flanks (N, d) [m], of the free motions (k,) [m, rad].
+    dphi: Array
+    dv: Array
+    da: Array
+
+
+class SearchStart(NamedTuple):
+    """Where a line search on the forces begins."""
+
+    #: Forces on the flanks (N, d) [N], free motions (k,) [m, rad].
+    phi: Array
+    a: Array
+    #: Motions of the flanks by the bodies, G phi, and all motions v (N, d) [m].
+    g: Array
+    v: Array
+
+
+class BallRows(NamedTuple):
+    """Square roots of the balls' stiffness: S^T S of all rows is that of the flanks."""
+
+    #: Rows (N, 6 or 2, d) [(N/m)^(1/2)].
+    S: Array
+    #: How many rows a ball has, and how many there are before its first (N,).
+    counts: Array
+    starts: Array
+
+
+class Factors(NamedTuple):
+    """Factors of I + S G S^T, q rows in all."""
+
+    #: The whole factor (q, q), flat; empty where conjugate gradients serve.
+    whole: Array
+    #: W (q, r) = S U by the r soft modes, and the Cholesky factor (r, r) of I + W^T W.
+    W: Array
+    C: Array
+
+
+class Outcome(NamedTuple):
+    """How a kernel's iteration ended."""
+
+    #: See ``lowfi.statics.kernel.newton``: converged, out of iterations, not held, singular.
+    status: int
+    iterations: int
+    evaluations: int
+    #: Relative residual.
+    residual: float
+    #: Energy [J].
+    energy: float
+    #: Largest force met [N].
+    scale: float
