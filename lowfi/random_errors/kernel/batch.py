@@ -1,0 +1,43 @@
+"""Many chains: what is kept of each."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.jit import kernel
+
+from .newton import newton
+
+
+@kernel
+def batch(
+    errors: NDArray,  # type: ignore[type-arg]
+    loads: NDArray,  # type: ignore[type-arg]
+    compliance: float,
+    law: int,
+    p: NDArray,  # type: ignore[type-arg]
+    out: NDArray,  # type: ignore[type-arg]
+) -> None:
+    """Solve every chain ``errors`` (n, M) [m] under every load (L,) [N].
+
+    out (n, L, 7): smallest and largest contact load [N], loaded balls, motion of ball 1 from the first touch [m], the same
+    of the first loaded ball (Liu's 19), stiffness dF/du_1 [N/m], residual over the load.
+    """
+    n, m = errors.shape
+    u, work = np.empty(m), np.empty((3, m))
+    slope = p[2] * p[4]
+    for i in range(n):
+        touch = errors[i].max() / slope
+        for k in range(loads.size):
+            _, residual, stiffness = newton(errors[i], loads[k], compliance, law, p, u, work)
+            q = work[0]
+            first, count = -1, 0
+            for j in range(m):
+                if q[j] > 0.0:
+                    count += 1
+                    if first < 0:
+                        first = j
+            out[i, k, 0], out[i, k, 1], out[i, k, 2] = q.min(), q.max(), count
+            out[i, k, 3], out[i, k, 4] = u[0] + touch, u[first] + touch
+            out[i, k, 5], out[i, k, 6] = stiffness, residual
