@@ -22,7 +22,7 @@ from compare.evidence.smith.case import (
     ball_bearing,
     bearing_set,
 )
-from compare.evidence.smith.entries import Entries
+from compare.evidence.entries import Entries
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.printed_data import load_table

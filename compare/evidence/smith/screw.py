@@ -23,7 +23,7 @@ from compare.evidence.smith.case import (
     axis,
     bearing_set,
 )
-from compare.evidence.smith.entries import Entries
+from compare.evidence.entries import Entries
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.scenes.units import parse

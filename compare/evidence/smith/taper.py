@@ -25,7 +25,7 @@ from compare.evidence.smith.case import (
     ball_bearing,
     taper_bearing,
 )
-from compare.evidence.smith.entries import Entries
+from compare.evidence.entries import Entries
 from compare.measure import error_percent
 from compare.models.study import Study
 from lowfi.bearings import as_printed

@@ -15,7 +15,7 @@ from compare.evidence.smith.case import (
     axis,
     bearing_set,
 )
-from compare.evidence.smith.entries import Entries
+from compare.evidence.entries import Entries
 from compare.evidence.smith.screw import (
     COUNTS,
     KINDS,
