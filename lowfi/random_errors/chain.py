@@ -16,7 +16,7 @@ solved in its mixed form, by the law T_j = s_j u_j + t_j of the balls from j on:
 
     s_j = f_j' + s_(j+1) / (1 + c s_(j+1)),    t_j = f_j - f_j' u_j + t_(j+1) / (1 + c s_(j+1)),
 
-springs in series and parallel, which divides by no compliance (c = 0: rigid bodies) and leaves s_1 = dF/du_1, the stiffness.
+springs in series and parallel, which divides by no compliance (c = 0: rigid bodies) and leaves the stiffness s_1 = dF/du_1.
 
 No line search is needed. The Hessian is an M-matrix and f_j is convex (approaches being small against A), so from the
 second iterate on every one satisfies H(u) >= F with H(u) the left-hand side, lies above the solution in every component,
@@ -128,7 +128,7 @@ def checked(chain: Chain, errors: Array) -> Array:
 def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = False) -> ChainState:
     """Contact loads of a chain with errors (M,) [m], what each ball is too large, under a load F > 0 [N].
 
-    Raises ValueError for a load that is not positive, or errors that do not fit. Valid while approaches are small against A.
+    Raises ValueError for a load that is not positive, or errors that do not fit. Valid for approaches small against A.
     """
     if not 0.0 < load < np.inf:
         raise ValueError("the load must be positive")
@@ -189,7 +189,7 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
     e = checked(chain, errors)
 
     def gap(load: float) -> float:
-        return solve_chain(chain, e, load).motion[ball] - start
+        return float(solve_chain(chain, e, load).motion[ball]) - start
 
     start = free_motion(chain, float(e[ball]))
     if e[ball] == e.max():

@@ -68,9 +68,7 @@ def _forces(chain: Chain, errors: Array, approach: Array) -> tuple[Array, Array]
     return load * sine * lead, (1.5 * chain.stiffness * root * sine + load * turn) * lead
 
 
-def _equations(
-    chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array
-) -> tuple[Array, Array]:
+def _equations(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array) -> tuple[Array, Array]:
     """Equations (17) and (18) of the balls ``at`` [N], and their Jacobian."""
     force, rate = _forces(chain, errors, approach)
     motion, slope = _motion(chain, errors, approach)
@@ -84,9 +82,7 @@ def _equations(
     return value, jacobian
 
 
-def _round(
-    chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array
-) -> tuple[Array, int, bool]:
+def _round(chain: Chain, errors: Array, at: NDArray[np.int64], load: float, approach: Array) -> tuple[Array, int, bool]:
     """Solve the equations of the balls that are in: approaches, steps, whether they are solved."""
     value, jacobian = _equations(chain, errors, at, load, approach)
     for step in range(MAX_STEPS):
@@ -117,7 +113,9 @@ def solve_by_elimination(chain: Chain, errors: Array, load: float) -> Eliminated
     share = (load / (chain.balls * chain.slope * chain.stiffness)) ** (2.0 / 3.0)
     at = np.arange(chain.balls)
     approach, steps, done = np.full(chain.balls, share), 0, True
-    for count in range(1, chain.balls + 1):
+    rounds = 0
+    while at.size:
+        rounds += 1
         approach, taken, solved = _round(chain, e[at], at, load, approach)
         steps, done = steps + taken, done and solved
         keep = approach >= 0.0
@@ -126,4 +124,4 @@ def solve_by_elimination(chain: Chain, errors: Array, load: float) -> Eliminated
         at, approach = at[keep], approach[keep]
     q = np.zeros(chain.balls)
     q[at] = chain.stiffness * np.maximum(approach, 0.0) ** 1.5
-    return Eliminated(q, count, steps, done)
+    return Eliminated(q, rounds, steps, done)

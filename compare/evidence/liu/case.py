@@ -26,7 +26,10 @@ YOUNG, POISSON = 205e9, 0.3
 RATIO, RATIO_LOAD = 0.862, 5000.0
 #: Drawn screws; seed; loads at which they are solved [N].
 MEMBERS, SEED = 5000, 2025
-LOADS = {1: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0), 3: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0)}
+LOADS: dict[int, tuple[float, ...]] = {
+    1: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0),
+    3: (100.0, 500.0, 1000.0, 2137.0, 3000.0, 5000.0),
+}
 LOADS[2] = (100.0, 500.0, 1000.0, 1100.0, 1500.0, 2000.0, 2100.0, 2137.0, 3000.0, 5000.0)
 #: Probability below which a number is said not to come from the stated distribution.
 UNLIKELY = 0.005
@@ -62,9 +65,7 @@ def single(error_um: float, load: float, chain: Chain | None = None) -> ChainSta
 @cache
 def drawn(half_range_um: int) -> Ensemble:
     """Screws with errors within +-half_range [um], other draws for each range."""
-    return solve_ensemble(
-        screw(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um
-    )
+    return solve_ensemble(screw(), 1e-6 * half_range_um, list(LOADS[half_range_um]), MEMBERS, seed=SEED + half_range_um)
 
 
 def sample(half_range_um: int, quantity: Quantity, load: float) -> Array:

@@ -52,15 +52,13 @@ def loosest_agreement() -> tuple[int, int, float]:
 def section_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Section 3."""
     e = Entries("liu-3")
-    steps = max(
-        solve_chain(case.screw(), x, 500.0).iterations for x in draw_errors(case.SEED, 0, FEW, case.BALLS, 2e-6)
-    )
+    steps = max(solve_chain(case.screw(), x, 500.0).iterations for x in draw_errors(case.SEED, 0, FEW, case.BALLS, 2e-6))
     same, rounds, worst = loosest_agreement()
     e.claim(
         "newton",
         False,
-        f"on the convex energy it takes at most {steps} steps for {FEW} screws at 500 N; the elimination's loaded balls are the "
-        f"same in {same} of {FEW}, in up to {rounds} rounds, loads to {worst:.0e}",
+        f"on the convex energy at most {steps} steps for {FEW} screws at 500 N; the elimination's loaded balls are "
+        f"the same in {same} of {FEW}, in up to {rounds} rounds, loads to {worst:.0e}",
     )
     loaded = {f: case.sample(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
     share = float(np.mean(loaded[2000.0] == case.BALLS))
@@ -96,7 +94,8 @@ def section_4_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     """Section 4.1."""
     e = Entries("liu-4.1")
     area = 1e6 * case.implied_area(26.0)
-    words = f"compliance of a segment {case.screw().compliance:.4g} m/N: with 26 balls a turn 1/(1/A_n + 1/A_s) = {area:.0f} mm2"
+    words = f"compliance of a segment {case.screw().compliance:.4g} m/N"
+    words += f": with 26 balls a turn, areas in series 1/(1/A_n + 1/A_s) = {area:.0f} mm2"
     e.number("ratio", end_ratio(case.screw(), case.RATIO_LOAD), words)
     exact = end_ratio(replace(case.screw("exact"), law="constant"), case.RATIO_LOAD)
     e.number("ratio_mei", end_ratio(mei(), case.RATIO_LOAD), f"beside the exact contact angle it would be {exact:.4f}")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.optimize import brentq
 
@@ -57,7 +55,9 @@ def section_4_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
             e.number(f"{name}_Q33_{load:.0f}", q, readings(error, load))
             e.number(f"{name}_ratio_{load:.0f}", ratio(error, load))
     q = float(case.single(2.0, HEAVY).load[32])
-    words = f"142.55 would be {100.0 * (142.55 / q - 1.0):+.2f} % off; 124.55 takes an error of {error_of_load(124.55):.2f} um"
+    words = (
+        f"142.55 would be {100.0 * (142.55 / q - 1.0):+.2f} % off; 124.55 takes an error of {error_of_load(124.55):.2f} um"
+    )
     e.number("plus_Q33_5000", q, words)
     start = first_carrying_load(case.screw(), case.one_error(-2e-6), 32, HEAVY)
     e.number("minus_Q33_1000", float(case.single(-2.0, LIGHT).load[32]), f"loaded from {start:.0f} N on")
@@ -73,12 +73,3 @@ def section_4_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     words = ", ".join(f"{a:.4f} at +2 um, {b:.4f} at -2 um" for a, b in pairs)
     e.claim("plus_evens", all(a > b for a, b in pairs), words)
     return e.evidence()
-
-
-def calibration_range() -> tuple[float, float]:
-    """Q33 at +2 um, 5000 N [N] with half and twice the calibrated compliance."""
-    soft = [replace(case.screw(), compliance=f * case.screw().compliance) for f in (0.5, 2.0)]
-    return (
-        float(case.single(2.0, HEAVY, soft[0]).load[32]),
-        float(case.single(2.0, HEAVY, soft[1]).load[32]),
-    )

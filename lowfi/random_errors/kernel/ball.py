@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from math import sqrt
+from typing import Any
 
 from numpy.typing import NDArray
 
 from lowfi.jit import kernel
 
+#: Array of floats.
+Array = NDArray[Any]
 #: Readings of the contact angle: constant; by Liu's implicit equation (10); by the geometry of the groove centres.
 CONSTANT, IMPLICIT, EXACT = 0, 1, 2
 
 
 @kernel
-def _implicit(v: float, error: float, p: NDArray) -> tuple[float, float, float]:  # type: ignore[type-arg]
+def _implicit(v: float, error: float, p: Array) -> tuple[float, float, float]:
     """Approach, sine of the contact angle, d(approach)/dv of (10) and (14): approach = error + v sin(angle(approach))."""
     a = p[1] - error
     approach = error + v * p[2]
@@ -31,7 +34,7 @@ def _implicit(v: float, error: float, p: NDArray) -> tuple[float, float, float]:
 
 
 @kernel
-def _exact(v: float, error: float, p: NDArray) -> tuple[float, float, float]:  # type: ignore[type-arg]
+def _exact(v: float, error: float, p: Array) -> tuple[float, float, float]:
     """The same from the distance of the groove centres, whose offset across the axis no ball changes."""
     along, across = p[1] * p[2] + v, p[1] * p[3]
     distance = sqrt(along * along + across * across)
@@ -42,7 +45,7 @@ def _exact(v: float, error: float, p: NDArray) -> tuple[float, float, float]:  #
 
 
 @kernel
-def ball(u: float, error: float, law: int, p: NDArray) -> tuple[float, float, float]:  # type: ignore[type-arg]
+def ball(u: float, error: float, law: int, p: Array) -> tuple[float, float, float]:
     """Contact load [N], axial force [N] and its slope [N/m] of a ball at the axial motion u [m] of its groove.
 
     error [m]: what the ball is too large; law: reading of the contact angle; p: Hertz stiffness [N/m^1.5], distance A of

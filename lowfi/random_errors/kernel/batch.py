@@ -3,22 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.jit import kernel
 
+from .ball import Array
 from .newton import newton
 
 
 @kernel
-def batch(
-    errors: NDArray,  # type: ignore[type-arg]
-    loads: NDArray,  # type: ignore[type-arg]
-    compliance: float,
-    law: int,
-    p: NDArray,  # type: ignore[type-arg]
-    out: NDArray,  # type: ignore[type-arg]
-) -> None:
+def batch(errors: Array, loads: Array, compliance: float, law: int, p: Array, out: Array) -> None:
     """Solve every chain ``errors`` (n, M) [m] under every load (L,) [N].
 
     out (n, L, 7): smallest and largest contact load [N], loaded balls, motion of ball 1 from the first touch [m], the same

@@ -5,11 +5,10 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.jit import kernel
 
-from .ball import ball
+from .ball import Array, ball
 
 #: Newton steps after which a chain is given up.
 MAX_ITERATIONS = 60
@@ -18,7 +17,7 @@ TOLERANCE = 1e-10
 
 
 @kernel
-def _rigid(errors: NDArray, load: float, p: NDArray) -> float:  # type: ignore[type-arg]
+def _rigid(errors: Array, load: float, p: Array) -> float:
     """Motion [m] of rigid bodies, constant contact angle, to a hundredth of the load from above: some ball is loaded."""
     slope = p[2] * p[4]
     u = ((load / (slope * p[0] * errors.size)) ** (2.0 / 3.0) - errors.min()) / slope
@@ -34,23 +33,17 @@ def _rigid(errors: NDArray, load: float, p: NDArray) -> float:  # type: ignore[t
         if excess <= 0.01 * load:
             break
         u -= excess / (1.5 * slope * slope * p[0] * rate)
-    return u
+    return float(u)
 
 
 @kernel
 def newton(
-    errors: NDArray,  # type: ignore[type-arg]
-    load: float,
-    compliance: float,
-    law: int,
-    p: NDArray,  # type: ignore[type-arg]
-    u: NDArray,  # type: ignore[type-arg]
-    work: NDArray,  # type: ignore[type-arg]
+    errors: Array, load: float, compliance: float, law: int, p: Array, u: Array, work: Array
 ) -> tuple[int, float, float]:
     """Solve one chain; see ``lowfi.random_errors.chain`` for the equations.
 
-    errors (M,): [m]; load: positive [N]; compliance: of a segment [m/N]; u (M,): result, motions [m]; work (3, M): its first
-    row returns the contact loads [N], the others the affine law of the balls behind, T = s u + t.
+    errors (M,): [m]; load: positive [N]; compliance: of a segment [m/N]; u (M,): result, motions [m]; work (3, M): its
+    first row returns the contact loads [N], the others the affine law of the balls behind, T = s u + t.
     Returns Newton steps, the largest error of a ball's force over the load, and the stiffness dF/du_1 [N/m].
     """
     m = errors.size
