@@ -27,8 +27,8 @@ TITLES = {
 ABOUT = (
     "One axial displacement, springs of screw and nut between neighbouring balls, unilateral Hertz contacts: the minimum "
     "of a convex energy, by a tridiagonal Newton's method that needs no sorting out of unloaded balls. The source's "
-    "elimination ends with the same loaded balls. What one of them carries by chance is held against drawn screws: each random "
-    "number has its percentile, the sampling error of it, and the probability of one as far out.",
+    "elimination ends with the same loaded balls. What one of them carries by chance is held against drawn screws: each "
+    "random number has its percentile, the sampling error of it, and the probability of one as far out.",
     *(f"Assumed: {text}" for text in case.ASSUMED),
     "The source's readings agree with its implicit contact angle, not with a constant or the exact one.",
     "The measured displacements stand in a figure only: no number of the experiment can be compared.",
@@ -80,7 +80,7 @@ def figure(found: dict[str, float]) -> Figure:
     )
     caption = (
         f"{case.MEMBERS} drawn screws a range. Left: the printed counts at 1000 N lie below every likely draw, those at "
-        "100 and 500 N within. Right: with all balls loaded the printed stiffness is 2 to 4 % above ours, without errors too."
+        "100 and 500 N within. Right: with all balls loaded printed stiffness is 2 to 4 % above ours, as without errors."
     )
     return Figure("liu-random-errors", "Random errors: loaded balls and stiffness", panels, caption)
 
