@@ -136,8 +136,8 @@ def solve_chain(chain: Chain, errors: Array, load: float, *, compiled: bool = Fa
     k = kernels(RANDOM_ERRORS, compiled=compiled)
     law = LAWS.index(chain.law)
     steps, residual, stiffness = k.newton(e, float(load), chain.compliance, law, chain.parameters, u, work)
-    touch = -float(e.max()) / chain.slope
-    return ChainState(work[0], u, touch, float(stiffness), int(steps), float(residual), residual <= k.TOLERANCE)
+    touch = float(free_motion(chain, e.max()))
+    return ChainState(work[0], u, touch, float(stiffness), int(steps), float(residual), bool(residual <= k.TOLERANCE))
 
 
 def ball_stiffness(
@@ -191,7 +191,7 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
     def gap(load: float) -> float:
         return float(solve_chain(chain, e, load).motion[ball]) - start
 
-    start = free_motion(chain, float(e[ball]))
+    start = float(free_motion(chain, e[ball]))
     if e[ball] == e.max():
         return 0.0
     if gap(high) < 0.0:
@@ -199,9 +199,10 @@ def first_carrying_load(chain: Chain, errors: Array, ball: int, high: float) -> 
     return float(brentq(gap, 1e-9 * high, high, rtol=1e-12))
 
 
-def free_motion(chain: Chain, error: float) -> float:
-    """Motion [m] at which a ball of an error [m] just touches."""
+def free_motion(chain: Chain, error: Array | float) -> Array:
+    """Motion [m] at which balls of errors [m] just touch, shape of the errors."""
+    e = np.asarray(error, dtype=float)
     if chain.law != "exact":
-        return -error / chain.slope
+        return -e / chain.slope
     a, angle = chain.groove_distance, chain.contact_angle
-    return float((np.sqrt((a - error) ** 2 - (a * np.cos(angle)) ** 2) - a * np.sin(angle)) / np.cos(chain.lead_angle))
+    return np.asarray((np.sqrt((a - e) ** 2 - (a * np.cos(angle)) ** 2) - a * np.sin(angle)) / np.cos(chain.lead_angle))

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from lowfi.jit import RANDOM_ERRORS, kernels
-from lowfi.random_errors.chain import LAWS, Array, Chain, checked
+from lowfi.random_errors.chain import LAWS, Array, Chain, checked, free_motion
 
 #: What is kept of each chain: smallest and largest contact load [N], loaded balls, motion since the first touch of ball 1
 #: and of the first loaded ball (Liu's 19) [m], stiffness dF/du_1 [N/m].
@@ -59,6 +59,8 @@ def solve_errors(chain: Chain, errors: Array, loads: Array, *, compiled: bool = 
     out = np.empty((len(e), f.size, len(QUANTITIES) + 1))
     k = kernels(RANDOM_ERRORS, compiled=compiled)
     k.batch(e, f, chain.compliance, LAWS.index(chain.law), chain.parameters, out)
+    at = QUANTITIES.index("displacement")
+    out[..., at : at + 2] -= np.asarray(free_motion(chain, e.max(axis=1)))[:, None, None]
     return out[..., :-1], out[..., -1]
 
 

@@ -14,14 +14,12 @@ from .newton import newton
 def batch(errors: Array, loads: Array, compliance: float, law: int, p: Array, out: Array) -> None:
     """Solve every chain ``errors`` (n, M) [m] under every load (L,) [N].
 
-    out (n, L, 7): smallest and largest contact load [N], loaded balls, motion of ball 1 from the first touch [m], the same
-    of the first loaded ball (Liu's 19), stiffness dF/du_1 [N/m], residual over the load.
+    out (n, L, 7): smallest and largest contact load [N], loaded balls, motion u of ball 1 [m], the same of the first
+    loaded ball, stiffness dF/du_1 [N/m], residual over the load.
     """
     n, m = errors.shape
     u, work = np.empty(m), np.empty((3, m))
-    slope = p[2] * p[4]
     for i in range(n):
-        touch = errors[i].max() / slope
         for k in range(loads.size):
             _, residual, stiffness = newton(errors[i], loads[k], compliance, law, p, u, work)
             q = work[0]
@@ -32,5 +30,5 @@ def batch(errors: Array, loads: Array, compliance: float, law: int, p: Array, ou
                     if first < 0:
                         first = j
             out[i, k, 0], out[i, k, 1], out[i, k, 2] = q.min(), q.max(), count
-            out[i, k, 3], out[i, k, 4] = u[0] + touch, u[first] + touch
+            out[i, k, 3], out[i, k, 4] = u[0], u[first]
             out[i, k, 5], out[i, k, 6] = stiffness, residual

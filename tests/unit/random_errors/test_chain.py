@@ -99,7 +99,7 @@ def test_conditions_of_the_minimum(law, load):
     tail = np.cumsum(force[::-1])[::-1]
     assert tail[0] == pytest.approx(load, rel=1e-9)
     assert -np.diff(s.motion) == pytest.approx(chain.compliance * tail[1:], rel=1e-8, abs=1e-18)
-    free = np.array([free_motion(chain, x) for x in e])
+    free = free_motion(chain, e)
     assert np.array_equal(s.load > 0.0, s.motion > free)
     assert s.load.min() >= 0.0
     assert 0 < s.loaded <= 78
@@ -186,6 +186,18 @@ def test_displacement_of_the_source_leaves_out_segments_before_the_first_loaded_
     s = solve_chain(LONG, e, 300.0)
     assert not s.load[:10].any()
     assert s.displacement - s.displacement_first_loaded == pytest.approx(10 * LONG.compliance * 300.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_displacement_starts_at_the_first_touch(law):
+    """A vanishing load moves the largest ball by its own approach only."""
+    chain, e = replace(LONG, law=law), long_errors(6, 3e-6)
+    e[20] = 4e-6
+    s = solve_chain(chain, e, 1e-3)
+    assert s.loaded == 1
+    alone = Chain(1, chain.stiffness, 0.0, A - (e.max() if law != "constant" else 0.0), ANGLE, LEAD, "constant")
+    before = 20 * chain.compliance * 1e-3
+    assert s.displacement - before == pytest.approx(solve_chain(alone, np.zeros(1), 1e-3).displacement, rel=0.05)
 
 
 def test_ball_joins_at_its_load():
