@@ -30,8 +30,9 @@ PACKAGES: dict[str, tuple[str, ...]] = {
     "lowfi.friction.contact.kernel": (),
     "lowfi.friction.linear.kernel": (),
     "lowfi.friction.screw.kernel": ("lowfi.friction.contact.kernel",),
+    "lowfi.random_errors.kernel": (),
 }
-STATICS, CONTACT, LINEAR, SCREW = PACKAGES
+STATICS, CONTACT, LINEAR, SCREW, RANDOM_ERRORS = PACKAGES
 #: Part of the name under which a package is loaded a second time.
 _MARK = "_compiled_"
 #: Folders of machine code kept in the user's cache: those of the sources used last.

@@ -51,6 +51,7 @@ PARTS = (
     Part("friction", "friction"),
     Part("friction-screw", "friction_screw"),
     Part("smith", "smith"),
+    Part("liu", "liu"),
     Part("formulations", "formulations"),
     Part("verification", "verification", meshes=True),
     Part("stability", "stability", long=True),
@@ -75,7 +76,8 @@ def provenance() -> dict[str, str]:
         "machine": f"{cpu}, {os.cpu_count()} cores, {platform.system()}",
         "Python": platform.python_version(),
         "libraries": ", ".join(f"{name} {metadata.version(name)}" for name in packages),
-        "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis",
+        "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis; "
+        "Liu et al. (2025), Lubricants 13, 57",
     }
 
 

@@ -10,6 +10,9 @@ from compare.evidence import rotary_linear, screw
 from compare.evidence.errors_2_4_2 import section_2_4_2
 from compare.evidence.errors_4_3_2 import section_4_3_2
 from compare.evidence.hertz_b1 import table_b_1
+from compare.evidence.liu import drawn as liu_drawn
+from compare.evidence.liu import given as liu_given
+from compare.evidence.liu import single_error as liu_single
 from compare.evidence.loads_2_4_1 import section_2_4_1
 from compare.evidence.record import Evidence
 from compare.evidence.smith import ball as smith_ball
@@ -25,6 +28,7 @@ LINEAR = "tests/literature/test_lin_chapter3_linear.py"
 SCREW = "tests/literature/test_lin_chapter3_screw.py"
 CHAPTER_4 = "tests/literature/test_lin_chapter4_friction.py"
 SMITH = "tests/literature/test_smith.py"
+LIU = "tests/literature/test_liu.py"
 
 
 @dataclass(frozen=True)
@@ -139,6 +143,12 @@ COMPUTATIONS = (
     Computation("smith-4.2", smith_axis.section_4_2, SMITH),
     Computation("smith-4.3", smith_axis.section_4_3, SMITH),
     Computation("smith-5", smith_trials.chapter_5, SMITH),
+    Computation("liu-2", liu_given.section_2, LIU),
+    Computation("liu-3", liu_given.section_3, LIU),
+    Computation("liu-4.1", liu_given.section_4_1, LIU),
+    Computation("liu-4.2", liu_single.section_4_2, LIU),
+    Computation("liu-4.3", liu_drawn.section_4_3, LIU),
+    Computation("liu-4.4", liu_drawn.section_4_4, LIU),
 )
 BY_TABLE = {c.table: c for c in COMPUTATIONS}
 #: Printed tables that nothing is computed for, and why.

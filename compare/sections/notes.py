@@ -22,7 +22,7 @@ MISPRINT_COLUMNS = (
 
 
 def misprints(source: str = "lin") -> list[dict[str, Cell]]:
-    """Shipped list of misprints and faults of a source, "lin" or "smith", with the evidence for each."""
+    """Shipped list of misprints and faults of a source, "lin", "smith" or "liu", with the evidence for each."""
     text = resources.files("compare").joinpath("printed", "misprints", f"{source}.toml").read_text(encoding="utf-8")
     return [dict(row) for row in tomllib.loads(text)["row"]]
 

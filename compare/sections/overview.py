@@ -73,7 +73,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             Text(HOW_TO_READ),
             Table(
                 "verdicts",
-                "Printed entries of Lin (2019), chapters 2 to 4, and of Smith (1994) by class and verdict",
+                "Printed entries of Lin (2019), Smith (1994) and Liu et al. (2025) by class and verdict",
                 (
                     Column("class", "class", "", "s"),
                     Column("verdict", "verdict", "", "s"),

@@ -7,6 +7,7 @@ from math import degrees
 
 import numpy as np
 
+from compare.evidence.entries import Entries
 from compare.evidence.record import Evidence
 from compare.evidence.smith.case import (
     BALL_TORQUE_LOAD,
@@ -22,7 +23,6 @@ from compare.evidence.smith.case import (
     ball_bearing,
     bearing_set,
 )
-from compare.evidence.smith.entries import Entries
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.printed_data import load_table

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 
+from compare.evidence.entries import Entries
 from compare.evidence.record import Evidence
 from compare.evidence.smith.case import (
     APPLIED,
@@ -23,7 +24,6 @@ from compare.evidence.smith.case import (
     axis,
     bearing_set,
 )
-from compare.evidence.smith.entries import Entries
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.scenes.units import parse

@@ -8,6 +8,7 @@ from itertools import product
 
 import numpy as np
 
+from compare.evidence.entries import Entries
 from compare.evidence.record import Evidence
 from compare.evidence.smith.ball import state
 from compare.evidence.smith.case import (
@@ -25,7 +26,6 @@ from compare.evidence.smith.case import (
     ball_bearing,
     taper_bearing,
 )
-from compare.evidence.smith.entries import Entries
 from compare.measure import error_percent
 from compare.models.study import Study
 from lowfi.bearings import as_printed

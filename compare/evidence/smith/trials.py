@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from compare.evidence.entries import Entries
 from compare.evidence.record import Evidence
 from compare.evidence.smith.case import (
     APPLIED,
@@ -15,7 +16,6 @@ from compare.evidence.smith.case import (
     axis,
     bearing_set,
 )
-from compare.evidence.smith.entries import Entries
 from compare.evidence.smith.screw import (
     COUNTS,
     KINDS,

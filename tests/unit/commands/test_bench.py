@@ -6,6 +6,7 @@ from dataclasses import asdict
 import pytest
 
 import compare.costs.bench as bench
+from compare.costs import chain_bench
 from compare.costs.bench import Job, Ours, Source, command_line_job, run_bench, timed
 from compare.scenes.catalogue import scene as shipped
 
@@ -89,3 +90,10 @@ def test_all_jobs():
         assert isinstance(named[name], Job)
         assert named[name].seconds is not None
     assert all(j.note for j in jobs)
+
+
+def test_random_errors_against_the_elimination():
+    found = list(chain_bench.jobs(1))
+    assert [j.job.split(", ")[1].split()[0] for j in found] == ["constant", "implicit", "exact"]
+    assert all(j.ratio is not None and j.ratio > 1.0 for j in found)
+    assert all("a second" in j.note and j.unknowns == 78 for j in found)

@@ -14,6 +14,7 @@ from compare.sections import overview
 from lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
+SOURCES = {"lin": "Lin (2019), ", "smith": "Smith (1994), ", "liu": "Liu et al. (2025), "}
 ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "hard"\n'
 
 
@@ -33,7 +34,7 @@ def test_every_row_is_complete(name):
     assert rows
     for r in rows:
         assert r.table == name
-        assert r.place.startswith("Smith (1994), " if name.startswith("smith") else "Lin (2019), ")
+        assert r.place.startswith(SOURCES[name.split("-")[0]])
         assert r.remark
         assert (r.value is None) == bool(r.claim)
         assert r.value is None or r.value == float(r.printed)

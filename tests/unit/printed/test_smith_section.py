@@ -5,9 +5,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from compare.evidence.entries import Entries
 from compare.evidence.registry import evidence
 from compare.evidence.smith import case
-from compare.evidence.smith.entries import Entries
 from compare.gate.gate import evidence_row
 from compare.models.study import Study
 from compare.printed.printed_data import load_table

@@ -54,8 +54,8 @@ def test_scenes_exist_and_every_pattern_is_needed():
 
 
 def test_only_what_needs_no_scene_has_none():
-    """Choices, arithmetic on printed numbers, other programs and machines; Smith's formulas stand for none."""
-    lin = [t for t in TRACES if not t.table.startswith("smith")]
+    """Choices, arithmetic on printed numbers, other programs and machines; Smith's formulas and Liu's chain have none."""
+    lin = [t for t in TRACES if t.table.startswith("lin")]
     assert not any(t.scenes for t in TRACES if t not in lin)
     without = {t.key for t in lin if not t.scenes and t.table not in NOT_COMPUTED}
     others = {"speed_ratio", "error_numerical", "reach", "pressure", "a_over_R", "eta", "difference_a", "difference_b"}

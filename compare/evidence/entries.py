@@ -1,4 +1,4 @@
-"""Evidence of one printed table of Smith, with its printed numbers at hand."""
+"""Evidence of one printed table, with its printed numbers at hand."""
 
 from __future__ import annotations
 

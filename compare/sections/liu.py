@@ -1,0 +1,97 @@
+"""Liu et al. (2025) in the report: random errors under axial load, every printed entry with its verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from compare.evidence.liu import case
+from compare.evidence.registry import evidence
+from compare.models.study import Study
+from compare.sections import notes
+from compare.sections.finding_table import printed_table
+from lowfi.random_errors.chain import Array, solve_chain
+from lowfi.random_errors.ensemble import Quantity
+from reports.records import Figure, Panel, Section, Series, Table, Text
+
+#: Titles of the tables.
+TITLES = {
+    "liu-2": "Section 2.1 and Table 2: the screw and its errors",
+    "liu-3": "Section 3: algorithm and experiment",
+    "liu-4.1": "Section 4.1: against Mei's model",
+    "liu-4.2": "Section 4.2: one ball too small or too large",
+    "liu-4.3": "Section 4.3: random errors, loads and displacement",
+    "liu-4.4": "Section 4.4: random errors, stiffness",
+}
+ABOUT = (
+    "One axial displacement, springs of screw and nut between neighbouring balls, unilateral Hertz contacts: the minimum "
+    "of a convex energy, by a tridiagonal Newton's method that needs no sorting out of unloaded balls. The source's "
+    "elimination ends with the same loaded balls. What one of them carries by chance is held against drawn screws: each "
+    "random number has its percentile, the sampling error of it, and the probability of one as far out.",
+    *(f"Assumed: {text}" for text in case.ASSUMED),
+    "The source's readings agree with its implicit contact angle, not with a constant or the exact one.",
+    "The measured displacements stand in a figure only: no number of the experiment can be compared.",
+)
+_LOADS = np.array([50.0, 100.0, 200.0, 350.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2500.0, 3000.0, 4000.0, 5000.0])
+
+
+def _median(quantity: Quantity, half_range: int, unit: float) -> Series:
+    loads = list(case.LOADS[half_range])
+    values = [float(np.median(case.sample(half_range, quantity, f))) / unit for f in loads]
+    return Series(f"±{half_range} µm, median", loads, values, "line")
+
+
+def _band(quantity: Quantity, half_range: int, unit: float) -> list[Series]:
+    loads, found = list(case.LOADS[half_range]), []
+    for level, words in ((0.005, "0.5 %"), (0.995, "99.5 %")):
+        values = [float(np.quantile(case.sample(half_range, quantity, f), level)) / unit for f in loads]
+        found.append(Series(f"±{half_range} µm, {words}", loads, values, "line"))
+    return found
+
+
+def _printed(keys: Sequence[str], found: dict[str, float], *, loaded: bool = False) -> Series:
+    values = [case.BALLS - found[k] if loaded and k.startswith("unloaded") else found[k] for k in keys]
+    return Series(
+        "printed", [float(k.removesuffix("_again").split("_")[2]) for k in keys], values, "markers", emphasis=True
+    )
+
+
+def _without(chain_quantity: Callable[[Array, float], float]) -> Series:
+    zero = np.zeros(case.BALLS)
+    return Series("no errors", [float(f) for f in _LOADS], [chain_quantity(zero, float(f)) for f in _LOADS], "line")
+
+
+def figure(found: dict[str, float]) -> Figure:
+    """Loaded balls and stiffness over the load, with the printed numbers."""
+    counts = [k for k in found if k.startswith(("loaded", "unloaded_2_1000", "unloaded_3_1000"))]
+    balls = [_median("loaded", h, 1.0) for h in (1, 2, 3)] + _band("loaded", 2, 1.0)
+    stiff = [_without(lambda e, f: 1e-8 * solve_chain(case.screw(), e, f).stiffness)]
+    stiff += [_median("stiffness", h, 1e8) for h in (1, 2, 3)] + _band("stiffness", 2, 1e8)
+    panels = (
+        Panel("loaded balls", "axial load / N", "loaded balls", (*balls, _printed(counts, found, loaded=True)), zero=True),
+        Panel(
+            "stiffness",
+            "axial load / N",
+            "stiffness / 10⁸ N/m",
+            (*stiff, _printed([k for k in found if k.startswith("K_")], found)),
+            zero=True,
+        ),
+    )
+    caption = (
+        f"{case.MEMBERS} drawn screws a range. Left: the printed counts at 1000 N lie below every likely draw, those at "
+        "100 and 500 N within. Right: with all balls loaded printed stiffness is 2 to 4 % above ours, as without errors."
+    )
+    return Figure("liu-random-errors", "Random errors: loaded balls and stiffness", panels, caption)
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    step("random errors of a ball screw")
+    found = evidence(study, *TITLES)
+    printed = {f.printed.key: f.printed.value for f in found if f.printed.value is not None}
+    tables = [printed_table(name, title, [f for f in found if f.printed.table == name]) for name, title in TITLES.items()]
+    title = "Misprints and faults of Liu et al. (2025)"
+    tables.append(Table("liu-misprints", title, notes.MISPRINT_COLUMNS, notes.misprints("liu")))
+    title = "Random errors of a ball screw (Liu et al. 2025)"
+    return Section("liu", title, (Text(ABOUT, bullets=True), figure(printed), *tables))

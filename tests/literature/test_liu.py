@@ -1,0 +1,155 @@
+"""Liu et al. (2025): every printed number by its class, the one calibration, and which numbers no draw gives."""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.evidence.liu import case, drawn, single_error
+from compare.evidence.record import TAKEN, WITHIN
+from compare.evidence.registry import evidence
+from compare.printed.printed_data import load_table, tables
+from lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
+from lowfi.random_errors.ensemble import percentile, solve_ensemble
+from tests.literature.entries import STUDY, check, keys
+
+TABLES = ("liu-2", "liu-3", "liu-4.1", "liu-4.2", "liu-4.3", "liu-4.4")
+FOUND = evidence(STUDY, *TABLES)
+BY_KEY = {f.printed.key: f for f in FOUND}
+#: Random numbers of sections 4.3 and 4.4.
+RANDOM = [
+    f.printed
+    for f in FOUND
+    if f.printed.table in ("liu-4.3", "liu-4.4")
+    and f.printed.value is not None
+    and f.printed.key != "K_0_3000"
+    and not f.printed.key.startswith("spread")
+]
+
+
+def test_every_entry_has_one_finding() -> None:
+    assert sorted(TABLES) == [name for name in tables() if name.startswith("liu")]
+    assert Counter((f.printed.table, f.printed.key) for f in FOUND) == Counter(
+        (t, row.key) for t in TABLES for row in load_table(t)
+    )
+
+
+@pytest.mark.parametrize("key", keys(*TABLES))
+def test_entry(key: str) -> None:
+    check(key)
+
+
+def test_counts_by_class_and_verdict() -> None:
+    assert Counter((f.printed.cls, f.verdict) for f in FOUND) == {
+        ("hard", "reproduced"): 18,
+        ("as-printed", "reproduced as printed"): 1,
+        ("input", TAKEN): 18,
+        ("band", WITHIN): 41,
+        ("open", "open"): 17,
+        ("open", "open: does not hold here"): 8,
+    }
+
+
+# --- random numbers
+
+
+def place(row):
+    half = 0.0 if "loaded" in row.key else row.tolerance
+    return percentile(drawn.sample_of(row.key), row.value, half)
+
+
+@pytest.mark.parametrize("row", RANDOM, ids=lambda r: r.key)
+def test_open_where_no_likely_draw_gives_it(row) -> None:
+    """Class band: at least one screw in two hundred is as far out. Class open: fewer, and the words say how many."""
+    p = place(row)
+    assert (row.cls == "band") == (p.tail >= case.UNLIKELY), (row.key, p)
+    words = BY_KEY[row.key].words
+    assert f"percentile {p.middle:.1f} ± {p.error:.1f}" in words
+    assert f"probability {p.tail:.4f}" in words
+
+
+@pytest.mark.parametrize("row", [r for r in RANDOM if r.cls == "band"], ids=lambda r: r.key)
+def test_bands_are_those_of_the_ensemble(row) -> None:
+    """The range in the data holds the central 99 % and no more than the central 99.98 % and a twentieth of its width."""
+    values = drawn.sample_of(row.key)
+    low, high = np.quantile(values, [0.005, 0.995])
+    assert row.low <= low + 0.02 * (high - low)
+    assert row.high >= high - 0.02 * (high - low)
+    slack = max(0.12 * (high - low), 0.2 if row.unit == "N" else 0.0)
+    whole = max(slack, 2.0) if "loaded" in row.key else slack
+    assert row.low >= low - whole
+    assert row.high <= high + whole
+
+
+def test_other_draws_give_the_same_percentiles() -> None:
+    """Another seed: every percentile within four standard errors of both samples."""
+    other = solve_ensemble(case.screw(), 2e-6, [500.0, 1000.0, 5000.0], 5000, seed=77)
+    for key, name, load in (
+        ("max_2_500", "largest", 500.0),
+        ("max_2_1000", "largest", 1000.0),
+        ("max_2_5000", "largest", 5000.0),
+    ):
+        row = next(r for r in RANDOM if r.key == key)
+        a, b = place(row), percentile(other.of(name, load), row.value, row.tolerance)
+        assert abs(a.middle - b.middle) < 4.0 * np.hypot(a.error, b.error)
+
+
+def test_all_drawn_screws_converge() -> None:
+    for half_range in case.LOADS:
+        ensemble = case.drawn(half_range)
+        assert ensemble.failed == 0
+        assert ensemble.kept.shape == (case.MEMBERS, len(case.LOADS[half_range]), 6)
+
+
+def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
+    """Given about 42 loaded balls at 500 N and +-3 um, no drawn screw has as few as 43 at 1000 N."""
+    assert " 0 have at most 43 at 1000 N" in BY_KEY["unloaded_3_1000"].words
+    assert "1707 screws" in drawn.fewer_given(3, 42, 78)
+    assert " 1707 have" in drawn.fewer_given(3, 42, 78)
+
+
+# --- the calibration
+
+
+def test_what_the_calibration_implies() -> None:
+    assert case.screw().compliance == pytest.approx(3.874e-12, rel=1e-3)
+    assert 1e6 * case.implied_area(26.0) == pytest.approx(387.4, abs=0.1)
+    assert end_ratio(case.screw(), case.RATIO_LOAD) == pytest.approx(case.RATIO, abs=1e-9)
+
+
+def test_only_the_implicit_angle_gives_all_ratios() -> None:
+    """Each reading calibrated alike: the printed ratio of Mei's model and at -2 um to half a unit of the last digit."""
+    hits = {}
+    for law in ("constant", "implicit", "exact"):
+        chain = case.screw(law)
+        q = solve_chain(chain, case.one_error(-2e-6), 1000.0).load
+        mei = end_ratio(replace(chain, law="constant"), 5000.0)
+        hits[law] = abs(q[-1] / q[0] - 0.919) <= 5e-4, abs(mei - 0.87) <= 1e-3
+    assert hits == {"constant": (False, False), "implicit": (True, True), "exact": (False, False)}
+
+
+def test_two_digits_exchanged() -> None:
+    q = BY_KEY["plus_Q33_5000"].value
+    assert q == pytest.approx(142.55, rel=4e-3)
+    assert abs(q / 124.55 - 1.0) > 0.14
+    assert single_error.error_of_load(124.55) == pytest.approx(1.36, abs=0.01)
+
+
+def test_no_contact_stiffness_mends_the_offset() -> None:
+    """K 3.4 % larger gives the printed stiffness without errors, and takes Q33 at -2 um out of its per cent."""
+    stiffer = calibrated(replace(case.screw(), stiffness=1.034 * case.screw().stiffness), case.RATIO, case.RATIO_LOAD)
+    assert solve_chain(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
+    assert solve_chain(stiffer, case.one_error(-2e-6), 5000.0).load[32] < 43.55 * 0.99
+    assert drawn.secant(3000.0, 1.0) == pytest.approx(BY_KEY["K_0_3000"].value, rel=1e-4)
+    assert drawn.secant(3000.0, 100.0) == pytest.approx(8.071, abs=1e-3)
+
+
+def test_single_ball_by_hand() -> None:
+    """+2 um, light load: ball 33 alone is a Hertz contact until the others touch, 2 um later."""
+    first, last = single_error.loads_of_others()
+    alone = case.screw().slope * case.screw().stiffness * 2e-6**1.5
+    assert first == pytest.approx(alone, rel=0.02)
+    assert first < last
+    low, high = single_error.others_change(-2.0)
+    assert 0.0 < low < high

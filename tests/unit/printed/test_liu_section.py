@@ -1,0 +1,48 @@
+"""Liu's section of the report: tables as filed, figure drawable, misprints listed."""
+
+import numpy as np
+import pytest
+
+from compare.evidence.registry import evidence
+from compare.gate.gate import evidence_row
+from compare.models.study import Study
+from compare.printed.printed_data import load_table
+from compare.sections import liu, notes
+from reports.figures import draw
+from reports.records import Figure, Table
+
+
+@pytest.fixture(scope="module")
+def made():
+    return liu.section(Study(), lambda _: None)
+
+
+def test_tables_show_every_entry(made):
+    tables = {item.name: item for item in made.items if isinstance(item, Table)}
+    assert list(tables) == [*liu.TITLES, "liu-misprints"]
+    for name in liu.TITLES:
+        assert [r["printed"] for r in tables[name].rows] == [p.printed or "–" for p in load_table(name)]
+        assert all(row["verdict"] for row in tables[name].rows)
+
+
+def test_misprints_have_evidence():
+    rows = notes.misprints("liu")
+    assert len(rows) == 19
+    assert all(set(row) == {"place", "wrong", "right", "evidence"} and all(row.values()) for row in rows)
+
+
+def test_figure_can_be_drawn(made):
+    (figure,) = (item for item in made.items if isinstance(item, Figure))
+    for panel in figure.panels:
+        for series in panel.series:
+            assert len(series.x) == len(series.y) >= 1
+            assert np.all(np.isfinite(series.y))
+    assert draw(figure).startswith("<?xml")
+    counts = next(s for s in figure.panels[0].series if s.label == "printed")
+    # loaded at 1000 N: 78 less the printed 16, 17 and 35
+    assert sorted(y for x, y in zip(counts.x, counts.y, strict=True) if x == 1000.0) == [43.0, 61.0, 62.0]
+
+
+def test_gate_passes_on_what_it_holds():
+    found = [f for f in evidence(Study(), *liu.TITLES) if f.printed.cls in ("hard", "as-printed", "input")]
+    assert all(evidence_row(f, 7.0).passed for f in found)

@@ -1,0 +1,103 @@
+"""Ensembles: the same screws however they are cut, each as solved alone; moments, percentiles and their errors."""
+
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi.random_errors.chain import LAWS, Chain, solve_chain
+from lowfi.random_errors.ensemble import QUANTITIES, draw_errors, percentile, solve_ensemble, solve_errors
+
+CHAIN = Chain(78, 7.1e9, 3.9e-12, 0.191e-3, np.radians(45.0), np.radians(3.64))
+LOADS = [100.0, 1000.0]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_every_member_as_solved_alone(law):
+    chain = replace(CHAIN, law=law)
+    found = solve_ensemble(chain, 2e-6, LOADS, 6, seed=7)
+    for i, errors in enumerate(draw_errors(7, 0, 6, 78, 2e-6)):
+        for load in LOADS:
+            s = solve_chain(chain, errors, load)
+            alone = (s.load.min(), s.load.max(), s.loaded, s.displacement, s.displacement_first_loaded, s.stiffness)
+            together = [found.of(name, load)[i] for name in QUANTITIES]
+            assert together == pytest.approx(alone, rel=1e-10, abs=1e-14)
+    assert found.failed == 0
+    assert found.residual < 1e-10
+
+
+def test_same_numbers_whatever_the_chunk():
+    whole = solve_ensemble(CHAIN, 2e-6, LOADS, 50, seed=3)
+    for chunk in (1, 7, 50, 51):
+        assert np.array_equal(solve_ensemble(CHAIN, 2e-6, LOADS, 50, seed=3, chunk=chunk).kept, whole.kept)
+    assert np.array_equal(solve_ensemble(CHAIN, 2e-6, LOADS, 20, seed=3).kept, whole.kept[:20])
+    assert not np.array_equal(solve_ensemble(CHAIN, 2e-6, LOADS, 50, seed=4).kept, whole.kept)
+
+
+def test_draws_by_number():
+    all_of_it = draw_errors(11, 0, 100, 13, 1e-6)
+    assert np.array_equal(draw_errors(11, 37, 5, 13, 1e-6), all_of_it[37:42])
+    many = draw_errors(11, 0, 4000, 78, 3e-6)
+    assert np.abs(many).max() <= 3e-6
+    # mean and variance of the uniform distribution, to four standard errors
+    assert abs(many.mean()) < 4 * 3e-6 / np.sqrt(3 * many.size)
+    assert many.var() == pytest.approx(9e-12 / 3, rel=4 * np.sqrt(0.8 / many.size))
+    assert abs(np.corrcoef(many[:, 0], many[:, 1])[0, 1]) < 4 / np.sqrt(4000)
+
+
+def test_moments_to_first_order():
+    """Small errors against the approach: rigid bodies carry Q (1 + 1.5 (e - mean e)/d), so the mean square is closed."""
+    chain = replace(CHAIN, compliance=0.0, law="constant")
+    half, load = 1e-8, 5000.0
+    state = solve_chain(chain, np.zeros(78), load)
+    share, approach = state.load[0], (state.load[0] / chain.stiffness) ** (2 / 3)
+    errors = draw_errors(5, 0, 500, 78, half)
+    loads = np.array([solve_chain(chain, e, load, compiled=True).load for e in errors])
+    deviation = share * 1.5 / approach * half / np.sqrt(3.0) * np.sqrt(77 / 78)
+    assert loads.std() == pytest.approx(deviation, rel=0.02)
+    found = solve_ensemble(chain, half, [load], 500, seed=5)
+    touch = found.of("displacement", load) - errors.max(axis=1) / chain.slope
+    # motion: that without errors less the mean error
+    assert touch == pytest.approx(state.motion[0] - errors.mean(axis=1) / chain.slope, rel=1e-5)
+
+
+def test_memory_is_that_of_a_chunk():
+    solve_ensemble(CHAIN, 1e-6, [5000.0], 10)
+    tracemalloc.start()
+    solve_ensemble(CHAIN, 1e-6, [5000.0], 4000, chunk=100)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    errors = 4000 * 78 * 8
+    assert peak < 0.3 * errors
+
+
+def test_percentiles():
+    sample = np.arange(1000.0)
+    p = percentile(sample, 249.5)
+    assert (p.middle, p.tail) == (25.0, 0.25)
+    assert p.error == pytest.approx(100 * np.sqrt(0.25 * 0.75 / 1000), rel=1e-2)
+    beyond = percentile(sample, 5000.0)
+    assert (beyond.middle, beyond.tail) == (100.0, 0.0)
+    assert beyond.error > 0.0
+    assert beyond.tail_bound == pytest.approx(2.7 / 1000, rel=0.01)
+    repeated = percentile(np.zeros(100), 0.0)
+    assert (repeated.middle, repeated.tail) == (50.0, 1.0)
+    assert percentile(sample, 10.0, 0.5).tail == 0.011
+
+
+def test_sampling_error_is_that_of_repeated_samples():
+    rng = np.random.default_rng(0)
+    places = [percentile(rng.random(400), 0.9).middle for _ in range(400)]
+    assert np.std(places) == pytest.approx(percentile(rng.random(400), 0.9).error, rel=0.2)
+
+
+def test_bad_input_is_refused():
+    for loads in ([], [0.0], [-1.0], [np.nan]):
+        with pytest.raises(ValueError, match="loads"):
+            solve_errors(CHAIN, np.zeros((1, 78)), np.array(loads))
+    for kwargs in ({"members": 0}, {"members": 5, "chunk": 0}):
+        with pytest.raises(ValueError, match="positive"):
+            solve_ensemble(CHAIN, 1e-6, LOADS, **kwargs)
+    with pytest.raises(KeyError, match="no load"):
+        solve_ensemble(CHAIN, 1e-6, LOADS, 2).of("largest", 7.0)
