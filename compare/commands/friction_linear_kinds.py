@@ -38,7 +38,11 @@ def linear_loads(scene: LinearScene) -> tuple[Array, Array, float]:
     Loads equal on each diagonal are an approximation of the source: their imbalance is reported, not judged.
     """
     if scene.distribution == "elastic":
-        force, angles = elastic_loads(scene.bearing, scene.angles, scene.vertical, scene.side)
+        try:
+            force, angles = elastic_loads(scene.bearing, scene.angles, scene.vertical, scene.side)
+        except ArithmeticError as error:
+            advice = 'loads whose balance exists, or distribution = "balanced"'
+            raise Refusal(scene.name, "load", str(error), advice) from error
     elif scene.distribution == "balanced":
         angles, force = scene.angles, balanced_loads(scene.angles, scene.vertical, scene.side)
     else:
