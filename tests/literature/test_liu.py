@@ -109,6 +109,13 @@ def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
     assert " 1707 have" in drawn.fewer_given(3, 42, 78)
 
 
+def test_unloaded_is_what_is_not_loaded() -> None:
+    """Medians of the counts at 1000 N add up to all balls, and the printed ones are too many."""
+    for key, half_range in (("unloaded_2_1000", 2), ("unloaded_3_1000", 3)):
+        loaded = float(np.median(case.sample(half_range, "loaded", 1000.0)))
+        assert BY_KEY[key].value == 78 - loaded < BY_KEY[key].printed.value
+
+
 # --- the calibration
 
 
