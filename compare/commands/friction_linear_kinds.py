@@ -19,6 +19,7 @@ from compare.commands.answer import (
     size_warnings,
 )
 from compare.commands.solve_output import number
+from compare.errors import Refusal
 from compare.scenes.kinds.common import KindScene
 from compare.scenes.kinds.linear import LinearScene
 from lowfi.friction.contact.ellipse import Array
