@@ -19,6 +19,8 @@ from markupsafe import Markup
 from reports import field3d, figures, scene3d
 from reports.records import Cell, Column, FieldPicture, Figure, LoadedScrew, PressureMap, Report, Table, Text
 
+#: Characters of a text from which its column is made wide.
+LONG = 90
 #: What marks a directory's ``index.html`` as written by :func:`write`, and the directory as its to replace.
 MARKER = '<meta name="generator" content="rollbench">'
 
@@ -245,7 +247,7 @@ def _rows(table: Table) -> Iterator[list[dict[str, str]]]:
 def _cell(column: Column, value: Cell) -> dict[str, str]:
     """Text and style of one cell; ``mark`` is the kind of tag or verdict, empty for plain cells."""
     text = format_cell(value, column.format)
-    align = "text" if column.format == "s" else "num"
+    align = "num" if column.format != "s" else "text long" if len(text) > LONG else "text"
     mark = ""
     if column.key == "class" and value is not None:
         mark = "tag tag-" + (text if text in ("hard", "as-printed", "band", "open", "input") else "other")

@@ -41,6 +41,8 @@ def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Colum
     wanted = (
         (True, Column("label", "quantity or claim", "", "s")),
         (place, Column("place", "place", "", "s")),
+        (True, Column("verdict", "verdict", "", "s")),
+        (True, Column("class", "class", "", "s")),
         (True, Column("unit", "unit", "", "s")),
         (True, Column("printed", "printed", "", "s")),
         (faulty, Column("as_printed", "as printed, computed", "", form)),
@@ -48,8 +50,6 @@ def _columns(found: Sequence[Evidence], digits: int, place: bool) -> tuple[Colum
         (True, Column("right", "right (plain reading)" if inferred else "right", "", form)),
         (inferred, Column("reading_error", "inferred against printed", "%", ".2f")),
         (True, Column("error", "error", "%", "g3")),
-        (True, Column("class", "class", "", "s")),
-        (True, Column("verdict", "verdict", "", "s")),
         (True, Column("remark", "remark", "", "s")),
     )
     return tuple(column for shown, column in wanted if shown)
