@@ -5,6 +5,7 @@ Axes and order of contacts as in ``screw_path``, which holds the kinematics.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -47,15 +48,15 @@ class Constants:
     C_b: Array
 
 
-class Grooved(HelicalMotion):
+class Grooved(HelicalMotion, ABC):
     """Helical motions with grooves: largest coefficient mu, Hertz constants of nominal contacts, and touching balls."""
 
     mu: float
 
     @property
+    @abstractmethod
     def constants(self) -> Constants:
         """Hertz constants of nominal contacts."""
-        raise NotImplementedError
 
     @cached_property
     def pair(self) -> PairGeometry:
