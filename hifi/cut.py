@@ -52,7 +52,7 @@ def at_low(cut: Array, m: GrooveMap, z: float) -> Array:
 
 
 def at_high(cut: Array, m: GrooveMap, z: float) -> Array:
-    """Flexibility ``(6, 6)``, in the fixed frame, of an upper end at z [m]: motion of the rigid section against the beam."""
+    """Flexibility ``(6, 6)``, in the fixed frame, of an upper end at z [m]: motion of the held section against the beam."""
     return turned(cut, groove_azimuth(m, z))
 
 
