@@ -1,7 +1,8 @@
 """Section of a grooved shaft, homogenised: stiffnesses of the beam that stretches, bends and twists like the 3D shaft.
 
 Two shafts of one and two whole numbers of leads are clamped at one flat end and loaded at the other, a rigid section; the
-difference of their flexibilities is that of the leads between, free of what happens at the ends.
+difference of their flexibilities is that of the leads between, free of what happens at the ends. What happens there follows
+from the same shafts and a third one that ends in another phase of the groove (`hifi.cut`).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from hifi.assembly import assemble
 from hifi.bodies import end_transform
+from hifi.cut import cut_flexibility
 from hifi.forms import elasticity
 from hifi.response import compliance
 from hifi.shaft import ShaftSection, round_section
@@ -28,11 +30,18 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Homogenised:
     """Section, and the radii [m] of plain shafts of equal axial, bending and torsional stiffness; axial-torsional
-    coupling (twist by an axial force over the geometric mean of both flexibilities)."""
+    coupling (twist by an axial force over the geometric mean of both flexibilities); flexibility ``(6, 6)`` of a cut that
+    ends the shaft, in the frame of the cut (`hifi.cut`)."""
 
     section: ShaftSection
     radii: tuple[float, float, float]
     coupling: float
+    cut: Array
+
+
+#: Leads by which the third shaft is longer than the first: a quarter turns both what sways once in a lead and what sways
+#: twice.
+OTHER_PHASE = 0.25
 
 
 def homogenise(m: GrooveMap, outer: float, hole: float, material: Material, size: float) -> Homogenised:
@@ -44,7 +53,8 @@ def homogenise(m: GrooveMap, outer: float, hole: float, material: Material, size
     young, poisson = material.youngs_modulus, material.poissons_ratio
     lead = 2.0 * np.pi * abs(m.rg)
     leads = int(np.ceil(2.4 * m.R / lead))
-    short, long = (_flexibility(m, outer, hole, material, size, k * leads * lead) for k in (1, 2))
+    lengths = [lead * k for k in (leads, 2 * leads, leads + OTHER_PHASE)]
+    short, long, other = (_flexibility(m, outer, hole, material, size, length) for length in lengths)
     per_length = (long - short) / (leads * lead)
     EA = 1.0 / per_length[2, 2]
     EI = 2.0 / (per_length[3, 3] + per_length[4, 4])
@@ -57,7 +67,10 @@ def homogenise(m: GrooveMap, outer: float, hole: float, material: Material, size
     )
     kGA = round_section(radii[1], young, poisson).kGA
     coupling = float(per_length[2, 5] / np.sqrt(per_length[2, 2] * per_length[5, 5]))
-    return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling)
+    uniform = np.diag([1.0 / kGA, 1.0 / kGA, 1.0 / EA, 1.0 / EI, 1.0 / EI, 1.0 / GJ])
+    uniform[2, 5] = uniform[5, 2] = per_length[2, 5]
+    cut = cut_flexibility(m, list(zip(lengths, (short, long, other), strict=True)), uniform)
+    return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling, cut)
 
 
 def _flexibility(m: GrooveMap, outer: float, hole: float, material: Material, size: float, length: float) -> Array:

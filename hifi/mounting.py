@@ -7,20 +7,26 @@ joined to nodes, L = S_p - S_base B_p^T, the nodes move by
     (K + L F_pp^-1 L^T) U = P + Y^T f_m,  Y = B_m S_base^T + F_mp F_pp^-1 L^T,
 
 and the patches by u_m = (F_mm - F_mp F_pp^-1 F_pm) f_m + Y U: exact, and small enough to redo for every load case.
+
+The stretch ends in flat rigid sections. Where a beam goes on, the real shaft does not end, and what such a cut does
+(`hifi.cut`) is taken off: at the base, where it is in series with all that hangs there, by B A B^T; at the upper end from
+the flexibility of that port.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, qr
 
+from hifi.cut import at_high, at_low
 from hifi.response import transport
 from hifi.shaft import ShaftSection, beam_stiffness
+from meshes.groove_map import GrooveMap
 from meshes.parts import FREEDOMS, Scene
 
 Array = NDArray[np.float64]
@@ -56,6 +62,22 @@ class Mounted:
     stations: tuple[float, ...]
     line: Array
     line_modes: Array
+
+
+def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[float]) -> Stretch:
+    """The stretch as a piece of a shaft that goes on, free of what its cut ends do.
+
+    cut: flexibility ``(6, 6)`` of one (`hifi.cut`); stations [m]: of supports and loads. An end beyond which there is none
+    stays as it is: it is the screw's own, free, or held flat as the scene says.
+    """
+    low, high = stretch.ends
+    F = stretch.F.copy()
+    if min(stations) < low:
+        F -= stretch.B @ at_low(cut, m, low) @ stretch.B.T
+    if max(stations) > high:
+        first = stretch.modes + 6 * stretch.ports.index(high)
+        F[first : first + 6, first : first + 6] -= at_high(cut, m, high)
+    return replace(stretch, F=0.5 * (F + F.T))
 
 
 def mount(stretch: Stretch, scene: Scene, section: ShaftSection) -> Mounted:

@@ -7,7 +7,7 @@ fits every socket of that side. All load cases, supports and error patterns of t
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from time import perf_counter
 
@@ -29,7 +29,7 @@ from hifi.bodies import (
 )
 from hifi.cell import Homogenised, homogenise, with_core
 from hifi.fit import Settings
-from hifi.mounting import Stretch
+from hifi.mounting import Stretch, without_cuts
 from hifi.part_meshes import Meshes, body_kind, mesh_parts, placed, sockets_of
 from hifi.patch import CondensedPatch
 from hifi.response import compliance, transport
@@ -61,8 +61,8 @@ NUT_HELD = {
 
 @dataclass(frozen=True)
 class ScrewResponse:
-    """3D stretch of the screw, modes V of each side's patches, rigid rows ``(contacts, k, 6)`` of every contact's modes
-    about its own station, unknowns."""
+    """3D stretch of the screw (that of a `Setup` is free of its cut ends), modes V of each side's patches, rigid rows
+    ``(contacts, k, 6)`` of every contact's modes about its own station, unknowns."""
 
     stretch: Stretch
     modes: dict[int, Array]
@@ -195,6 +195,8 @@ def prepare(
         lambda: screw_response(scene, inside, meshes.screw, layout, sides, own, settings, dims),
         ScrewResponse,
     )
+    if shaft.homogenised is not None:
+        screw = replace(screw, stretch=without_cuts(screw.stretch, shaft.homogenised.cut, m, stations))
     timed("screw", start)
     start = perf_counter()
     nut = None

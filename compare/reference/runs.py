@@ -36,13 +36,13 @@ Array = NDArray[np.float64]
 Step = Callable[[str], None]
 
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
-SCHEMA = 5
+SCHEMA = 6
 #: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
 ENLARGE, BEYOND, LARGER = 2, 1.2, 4
 #: Share by which a patch must grow to be built again.
 GROWN = 5e-3
 #: The same for the condensed bodies.
-BODIES = 3
+BODIES = 4
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,137 @@
+"""Cut ends of a grooved shaft: on a beam that sways with its groove, where all is known, and on meshed shafts."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.scenes import catalogue
+from hifi import cell
+from hifi.cut import HALF_TURN, at_high, at_low, cut_flexibility, groove_azimuth, turned, uniform_cantilever
+from hifi.mounting import Stretch, mount, without_cuts
+from hifi.response import transport
+from hifi.shaft import ShaftSection
+from meshes.groove_map import GrooveMap
+from meshes.parts import FREEDOMS, Load, Support
+
+SCENE = catalogue.scene("lin-case1")
+RIGHT = replace(GrooveMap.of(SCENE), phase=0.7)
+HANDS = {"right": RIGHT, "left": replace(RIGHT, rg=-RIGHT.rg), "two starts": replace(RIGHT, starts=2)}
+UNIT = np.array([RIGHT.R] * 3 + [1.0] * 3)
+#: Flexibility of a metre along the groove: what sways (x towards the groove), and its mean over a lead.
+SECTION = ShaftSection(1.5e8, 9e3, 7e3, 5e7)
+MEAN = np.diag([1 / SECTION.kGA] * 2 + [1 / SECTION.EA] + [1 / SECTION.EI] * 2 + [1 / SECTION.GJ])
+
+
+def swaying():
+    """Flexibility of a metre in the frame of the groove: as a helical shaft has it, odd entries under half a turn zero."""
+    c = np.zeros((6, 6))
+    for i, j, value in ((0, 0, 0.1), (1, 1, -0.1), (3, 3, 0.15), (4, 4, -0.15), (2, 4, 0.2), (5, 4, -0.1), (1, 2, 0.1)):
+        c[i, j] = c[j, i] = value * np.sqrt(MEAN[i, i] * MEAN[j, j])
+    c[0, 3] = c[3, 0] = 2e-6
+    c[1, 4] = c[4, 1] = -2e-6
+    assert np.allclose(HALF_TURN @ c @ HALF_TURN, c)
+    return MEAN + c
+
+
+def cut_end():
+    """What a rigid section does besides, any symmetric matrix."""
+    rng = np.random.default_rng(1)
+    A = rng.normal(size=(6, 6))
+    return -np.outer(UNIT, UNIT) * (A + A.T) * 0.02 * RIGHT.R / SECTION.EI
+
+
+def between(m, near, far, a, b):
+    """Motion at a by a wrench at b of the swaying shaft held at ``near``, its upper end at ``far`` [m]."""
+    reach = min(a, b) - near
+    x, w = np.polynomial.legendre.leggauss(60)
+    out = np.zeros((6, 6))
+    for z, weight in zip(near + reach * (x + 1) / 2, reach * w / 2, strict=True):
+        out += weight * transport(a - z) @ turned(swaying(), groove_azimuth(m, z)) @ transport(b - z).T
+    out += transport(a - near) @ at_low(cut_end(), m, near) @ transport(b - near).T
+    return out + at_high(cut_end(), m, far) * (a == far and b == far)
+
+
+def shaft(m, length):
+    low, high = m.z0 - length / 2, m.z0 + length / 2
+    return between(m, low, high, high, high)
+
+
+def known(m):
+    """E of the swaying shaft: found from three lengths."""
+    lead = 2 * np.pi * abs(m.rg)
+    return cut_flexibility(m, [(k * lead, shaft(m, k * lead)) for k in (2, 4, 2.25)], MEAN)
+
+
+@pytest.mark.parametrize("hand", HANDS)
+def test_shafts_of_any_length_are_a_beam_and_two_cuts(hand):
+    m = HANDS[hand]
+    E, lead = known(m), 2 * np.pi * abs(m.rg)
+    for length in (1.8 * lead, 2.5 * lead, 5.1 * lead):
+        T, half = transport(length), length / 2
+        ends = T @ at_low(E, m, m.z0 - half) @ T.T + at_high(E, m, m.z0 + half)
+        wanted = shaft(m, length) - uniform_cantilever(length, MEAN)
+        np.testing.assert_allclose(ends / np.outer(UNIT, UNIT), wanted / np.outer(UNIT, UNIT), atol=1e-11)
+        assert np.abs(wanted[3:, 2]).max() > 1e-10  # an axial force bends
+
+
+def test_two_whole_lengths_leave_the_cut_open():
+    lead = 2 * np.pi * RIGHT.rg
+    two = cut_flexibility(RIGHT, [(k * lead, shaft(RIGHT, k * lead)) for k in (2, 4)], MEAN)
+    assert np.abs((two - known(RIGHT)) / np.outer(UNIT, UNIT)).max() > 1e-8
+
+
+def stretch(m, low, high):
+    """The swaying shaft as the 3D stretch of a screw; every contact has the six motions of its section as modes."""
+    contacts = [0.37, 0.4, 0.42]
+    places = [*contacts, high, 0.4]
+    F = np.block([[between(m, low, high, a, b) for b in places] for a in places])
+    B = np.concatenate([transport(z - low) for z in places])
+    return Stretch(F, B, low, (high,), (0.4,), (low, high), 18)
+
+
+@pytest.mark.parametrize("hand", HANDS)
+@pytest.mark.parametrize("ends", [(0.341, 0.442), (0.345, 0.47), (0.32, 0.46)])
+def test_a_longer_stretch_answers_like_the_shorter_one_between_beams(hand, ends):
+    m = HANDS[hand]
+    E = known(m)
+    supports = (Support(0.0, tuple((f, 0.0) for f in FREEDOMS)), Support(0.8, (("ux", 3e-4), ("uy", 0.0))))
+    scene = replace(SCENE, supports=supports, loads=(Load(0.8, (0.0, 50.0, 5e3), (1.0, 2.0, 3.0)),))
+
+    def answers(low, high):
+        found = mount(without_cuts(stretch(m, low, high), E, m, (0.0, 0.8)), scene, SECTION)
+        size = np.tile(UNIT, 3)
+        return found.G / np.outer(size, size), found.loads / size
+
+    for one, other, left in zip(answers(0.35, 0.45), answers(*ends), (1e-9, 1e-8), strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=left * np.abs(one).max())
+
+
+@pytest.mark.parametrize("stations", [(0.35,), (0.35, 0.45), (0.4,)])
+def test_ends_without_a_beam_beyond_stay(stations):
+    full = stretch(RIGHT, 0.35, 0.45)
+    least = 1e-9 * np.abs(full.F).max()
+    np.testing.assert_allclose(without_cuts(full, cut_end(), RIGHT, stations).F, full.F, rtol=0, atol=least)
+    upper = without_cuts(full, cut_end(), RIGHT, (*stations, 0.5)).F - full.F
+    np.testing.assert_allclose(upper[18:24, 18:24], -at_high(cut_end(), RIGHT, 0.45), rtol=0, atol=least)
+    upper[18:24, 18:24] = 0.0
+    assert np.abs(upper).max() < least
+
+
+def test_a_meshed_shaft_is_beam_and_cuts():
+    """A shaft of another length and phase than those that the cut comes from: a tenth of what the cuts do is left, by the
+    mesh and by the coupling of shear and bending that no beam here has; of what bends it under an axial force, 6 %."""
+    m, steel, hole, size = HANDS["left"], SCENE.screw.material, 4e-3, 6e-3
+    found = cell.homogenise(m, 16e-3, hole, steel, size)
+    s = found.section
+    uniform = np.diag([1 / s.kGA] * 2 + [1 / s.EA] + [1 / s.EI] * 2 + [1 / s.GJ])
+    uniform[2, 5] = uniform[5, 2] = found.coupling / np.sqrt(s.EA * s.GJ)
+    length = 2.5 * 20e-3
+    T, scale = transport(length), np.outer(UNIT, UNIT)
+    F = cell._flexibility(m, 16e-3, hole, steel, size, length) / scale
+    stake = F - uniform_cantilever(length, uniform) / scale
+    left = stake - (T @ at_low(found.cut, m, m.z0 - length / 2) @ T.T + at_high(found.cut, m, m.z0 + length / 2)) / scale
+    assert np.linalg.norm(stake) > 0.02 * np.linalg.norm(F)
+    assert np.linalg.norm(left) < 2.5e-3 * np.linalg.norm(F)
+    assert np.hypot(*stake[3:5, 2]) > 0.045 * F[2, 2]
+    assert np.hypot(*left[3:5, 2]) < 0.06 * np.hypot(*stake[3:5, 2])
