@@ -1,8 +1,8 @@
 """Elastic bodies with sockets: what a load on one contact patch does to every other, through the body.
 
 A body is its coarse mesh plus the condensed patches in its sockets. Only the few smooth modes in which a patch's contact
-forces reach its socket matter: with the singular values of the transfer H = V Sigma W^T the contact nodes of a patch move
-by u = A f + V_k z, z = Q q, Q = Sigma_k W_k^T, and the coarse body answers z = G V^T f with G = Q K^-1 Q^T.
+forces reach its socket matter: with the transfer H = V Q, of few modes V, the contact nodes of a patch move by
+u = A f + V z, z = Q q, and the coarse body answers z = G V^T f with G = Q K^-1 Q^T.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from skfem import Mesh
 from hifi import assembly
 from hifi.forms import elasticity
 from hifi.patch import CondensedPatch
+from hifi.pressures import mean_weights
 from hifi.rigid import rigid_modes
 from meshes.fem import cells_of, faces_of, freedoms_on, mesh_of, nodes_on, points_of
 from meshes.tet_patch import SUB_TRIANGLES, split_second_order
@@ -42,21 +43,52 @@ class Socket:
 SIZES, SHIFTS = (0.35, 0.5, 0.65, 0.8, 0.95), (-1.0, -0.5, 0.0, 0.5, 1.0)
 #: Weight of all other forces beside them; strength over the largest that is round-off.
 REST, ROUND_OFF = 1e-3, 1e-13
+#: The same for resultants: forces through the ball's centre have no moment about it.
+NO_RESULTANT = 1e-9
 
 
 def patch_modes(patch: CondensedPatch, count: int) -> tuple[Array, Array]:
-    """Orthonormal modes V ``(c, k)`` and their rows Q ``(k, 3 nodes)`` with V Q = H U U^T: the transfer of contact forces
-    to the socket through the ``count`` strongest traces U that pressures of contacts leave there.
+    """Orthonormal modes V ``(c, k)`` and their rows Q ``(k, 3 nodes)``: V Q is the transfer H of contact forces to the
+    socket through ``count`` traces that they leave there.
 
-    Those are elliptic pressures of several sizes and places in the contact zone (`contact_pressures`), so that the
-    modes do not depend on the grid and few are needed; then, weighted by ``REST``, those of single hats, so that H is
-    exact with all modes. Fewer where the rest is ``ROUND_OFF`` of the strongest.
+    First come, for every independent resultant of contact forces, the nodal forces on the socket that pressures of contacts
+    leave per unit of it on an average: Q^T V^T f is in equilibrium with f for all forces f. Resultants are those of the
+    forces themselves, by the rigid motions' means over the hats; H of a carrier has them but to some 1e-4
+    (`hifi.patch.condense_patch`). Then the strongest of the other traces, freed of resultants.
+
+    Pressures are elliptic, of several sizes and places in the contact zone (`contact_pressures`), so that the modes do not
+    depend on the grid and few are needed; then, weighted by ``REST``, single hats. Last come the resultants that H has
+    wrong, so that it is exact with all modes. Fewer where the rest is ``ROUND_OFF`` of all.
     """
-    snapshots = patch.H.T @ np.hstack([contact_pressures(patch), REST * np.eye(len(patch.H))])
-    U, strength, _ = np.linalg.svd(snapshots, full_matrices=False)
-    U = U[:, : min(count, int((strength > ROUND_OFF * strength[0]).sum()))]
-    V, R = np.linalg.qr(patch.H @ U)
-    return V, R @ U.T
+    rigid, moved = rigid_motions(patch)
+    W, strength, _ = np.linalg.svd(moved, full_matrices=False)
+    resultants = (W * strength)[:, strength > NO_RESULTANT * strength[0]]
+    pressures = contact_pressures(patch)
+    mean = patch.H.T @ pressures - rigid @ ((patch.H @ rigid - moved).T @ pressures)
+    mean = mean @ np.linalg.pinv(resultants.T @ pressures)
+    rest = patch.H - resultants @ mean.T
+    traces = rest.T @ np.hstack([pressures, REST * np.eye(len(rest))])
+    wrong = rigid.T @ traces
+    least = ROUND_OFF * float(np.linalg.norm(patch.H.T @ pressures))
+    U = np.hstack([_strongest(traces - rigid @ wrong, least), rigid @ _strongest(wrong, least)])
+    U = U[:, : max(count - mean.shape[1], 0)]
+    V, T = np.linalg.qr(np.hstack([resultants, rest @ U]))
+    return V, T @ np.vstack([mean.T, U.T])
+
+
+def _strongest(traces: Array, least: float) -> Array:
+    """Orthonormal directions of traces ``(n, s)``, strongest first, down to the strength ``least``."""
+    U, strength, _ = np.linalg.svd(traces, full_matrices=False)
+    return np.asarray(U[:, strength > least])
+
+
+def rigid_motions(patch: CondensedPatch) -> tuple[Array, Array]:
+    """Rigid motions of a patch: orthonormal at the socket's nodes ``(3 nodes, 6)``, and what each of them moves the hats
+    by, in the mean along the normals, ``(c, 6)``."""
+    centre = patch.socket.mean(axis=0)
+    rigid, T = np.linalg.qr(rigid_modes(patch.socket, centre))
+    along = np.einsum("cx,cxk->ck", patch.normals, rigid_modes(patch.points, centre).reshape(-1, 3, 6))
+    return rigid, np.linalg.solve(T.T, (mean_weights(patch.weights) @ along).T).T
 
 
 def contact_pressures(patch: CondensedPatch) -> Array:

@@ -51,7 +51,7 @@ class PatchMesh:
     nodes of the contact zone ``(c,)``, the shape
     of their grid (None: no grid) and which are its outermost ``(c,)``; nodes of the interface, their tie to the socket's
     nodes ``(interface nodes, socket nodes)``; weights W ``(c, c)`` [m2] of pressures' hats (rows) at displacements
-    (columns), see `hifi.pressures.contact_weights`."""
+    (columns), see `hifi.pressures.contact_weights`; points of the socket's nodes ``(k, 3)`` [m]."""
 
     mesh: Mesh
     xi: Array
@@ -61,6 +61,7 @@ class PatchMesh:
     interface: Index
     tie: sp.csr_matrix
     weights: sp.csr_matrix
+    socket: Array
 
     @property
     def kind(self) -> str:
@@ -87,8 +88,8 @@ class PatchMesh:
 class CondensedPatch:
     """A ``(c, c)``, H ``(c, 3k)``, S ``(3k, 3k)`` for c pressure hats, one at each contact node, and k socket nodes;
     contact points and normals ``(c, 3)``, areas of the hats ``(c,)`` [m2], which nodes are the zone's outermost ``(c,)``,
-    the shape of their grid (None: no grid), weights W ``(c, c)`` of hats (rows) at displacements (columns) [m2], unknowns
-    and seconds it took."""
+    the shape of their grid (None: no grid), weights W ``(c, c)`` of hats (rows) at displacements (columns) [m2]; points of
+    the socket's nodes ``(k, 3)`` [m] in the patch's frame; unknowns and seconds it took."""
 
     A: Array
     H: Array
@@ -99,6 +100,7 @@ class CondensedPatch:
     rim: Flags
     shape: tuple[int, int] | None
     weights: sp.csr_matrix
+    socket: Array
     unknowns: int
     seconds: float
 
@@ -134,11 +136,11 @@ def build_patch(
     whether the coarse body is of first order (`tie_matrix`). Raises ValueError where one lies on no triangle.
     """
     grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2")
-    points, interface, tie = _placed(points_of(grid), place, socket, linear)
+    points, interface, tie, nodes = _placed(points_of(grid), place, socket, linear)
     mesh = moved(grid, points)
     if mesh.mapping().detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0:  # a left-handed map: mirror every cell
         grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
-        points, interface, tie = _placed(points_of(grid), place, socket, linear)
+        points, interface, tie, nodes = _placed(points_of(grid), place, socket, linear)
         mesh = moved(grid, points)
     xi = points_of(grid)
     top = np.abs(xi[:, 1]) < 1e-12
@@ -149,7 +151,7 @@ def build_patch(
     counts = (len(np.unique(place_of[:, 0])), len(np.unique(place_of[:, 2])))
     i, k = np.divmod(np.arange(contact.size), counts[1])
     rim = (i % (counts[0] - 1) == 0) | (k % (counts[1] - 1) == 0)
-    return _patch(mesh, xi, top, contact, counts, rim, interface, tie)
+    return _patch(mesh, xi, top, contact, counts, rim, interface, tie, nodes)
 
 
 def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: SocketMesh, *, linear: bool) -> PatchMesh:
@@ -157,7 +159,7 @@ def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: S
 
     Tributary areas are thirds of the triangles around a node. Raises ValueError where the map turns cells inside out.
     """
-    points, interface, tie = _placed(local.xi, place, socket, linear)
+    points, interface, tie, nodes = _placed(local.xi, place, socket, linear)
     volumes = signed_volumes(points, local.tets)
     if not (np.all(volumes > 0.0) or np.all(volumes < 0.0)):
         raise ValueError("tetrahedra of a patch are turned inside out by the map to space: make the far edge shorter")
@@ -169,7 +171,7 @@ def build_tet_patch(local: LocalTets, place: Callable[[Array], Array], socket: S
     loose[local.contact] = False
     beside = np.zeros(len(points), dtype=bool)
     beside[local.top[loose[local.top].any(axis=1)]] = True
-    return _patch(mesh, local.xi, top, local.contact, None, beside[local.contact], interface, tie)
+    return _patch(mesh, local.xi, top, local.contact, None, beside[local.contact], interface, tie, nodes)
 
 
 def _patch(
@@ -181,6 +183,7 @@ def _patch(
     rim: Flags,
     interface: Index,
     tie: sp.csr_matrix,
+    socket: Array,
 ) -> PatchMesh:
     """The record, boundaries named: faces all of whose corners are of the surface, the contact or the interface.
 
@@ -193,7 +196,7 @@ def _patch(
     tied = np.any([np.all(np.abs(xi[corners, axis] - value) < 1e-9, axis=0) for axis, value in PLANES], axis=0)
     where = {"surface": top[corners].all(axis=0), "contact": zone[corners].all(axis=0), "interface": tied}
     mesh = named(mesh, {name: outer[own] for name, own in where.items()})
-    return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact))
+    return PatchMesh(mesh, xi, contact, shape, rim, interface, tie, contact_weights(mesh, contact), socket)
 
 
 def hat_rows(mesh: PatchMesh, normals: Array, carrier: PatchMesh | None = None) -> sp.csr_matrix:
@@ -240,14 +243,15 @@ def _line(nodes: Array, at: Array) -> tuple[list[Index], list[Array]]:
 
 def _placed(
     xi: Array, place: Callable[[Array], Array], socket: SocketMesh, linear: bool
-) -> tuple[Array, Index, sp.csr_matrix]:
-    """Points of local coordinates, those of the interface on the socket's triangles; the interface and its tie."""
+) -> tuple[Array, Index, sp.csr_matrix, Array]:
+    """Points of local coordinates, those of the interface on the socket's triangles; the interface, its tie, the socket's
+    nodes."""
     on_face = np.any([np.abs(xi[:, axis] - value) < 1e-9 for axis, value in PLANES], axis=0)
     interface = np.flatnonzero(on_face)
     tie = tie_matrix(xi[interface], socket, linear=linear)
-    points = place(xi)
-    points[interface] = tie @ place(socket.xi)
-    return points, interface, tie
+    points, nodes = place(xi), place(socket.xi)
+    points[interface] = tie @ nodes
+    return points, interface, tie, nodes
 
 
 def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr_matrix:
@@ -352,6 +356,7 @@ def condense_patch(
         rim=mesh.rim,
         shape=mesh.contact_shape,
         weights=mesh.weights,
+        socket=mesh.socket,
         unknowns=3 * (mesh.mesh.doflocs.shape[1] - mesh.interface.size),
         seconds=perf_counter() - begin,
     )

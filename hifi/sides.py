@@ -128,6 +128,7 @@ def turned(patches: SidePatches) -> SidePatches:
             areas=patch.areas[order],
             rim=patch.rim[order],
             weights=patch.weights[order][:, order],
+            socket=patch.socket * TURN,
         )
 
     wave = patches.wave

@@ -208,6 +208,7 @@ def test_patch_of_any_element(kind):
         held,
         sp.identity(held.size, format="csr"),
         sp.identity(contact.size, format="csr"),
+        points_of(body)[held],
     )
     c = condense_patch(mesh, normals, 1.0, NU)
     K = assembly.assemble(elasticity(1.0, NU), body).toarray()

@@ -7,6 +7,7 @@ import pytest
 import scipy.sparse as sp
 
 from hifi import sides
+from hifi.bodies import patch_modes
 from hifi.part_meshes import mesh_parts
 from hifi.pressures import mean_weights
 from hifi.sides import condense_side, congruent, turned
@@ -45,6 +46,7 @@ def test_a_right_flank_is_the_left_one_turned(flanks, right):
         for name in ("A", "H", "S", "normals", "areas"):
             assert relative(getattr(a, name), getattr(b, name)) < 1e-8, (part, name)
         np.testing.assert_allclose(a.points, b.points, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(a.socket, b.socket, rtol=0, atol=1e-12)
         np.testing.assert_array_equal(a.rim, b.rim)
         assert a.shape == b.shape
         assert sp.linalg.norm(a.weights - b.weights) < 1e-9 * sp.linalg.norm(b.weights)
@@ -58,11 +60,29 @@ def test_turning_twice_changes_nothing(flanks):
     np.testing.assert_array_equal(back.own, found[0].own)
     np.testing.assert_array_equal(back.groove.H, found[0].groove.H)
     np.testing.assert_array_equal(back.ball.S, found[0].ball.S)
+    np.testing.assert_array_equal(back.ball.socket, found[0].ball.socket)
 
 
 def test_other_radii_are_not_congruent(flanks):
     m, _, _ = flanks
     assert not congruent(replace(m, radius=m.radius * np.array([1.0, 1.01, 1.0, 1.0])), 1)
+
+
+@pytest.mark.parametrize("part", ["groove", "ball"])
+@pytest.mark.parametrize("count", [3, 8])
+def test_few_modes_keep_the_resultants_of_all_contact_forces(flanks, part, count):
+    """Whatever single hats carry: what reaches the socket's nodes through the modes is in equilibrium with it, to
+    round-off. Contact forces point at the ball's centre: three modes are enough."""
+    m, _, found = flanks
+    patch = getattr(found[2], part)
+    V, rows = patch_modes(patch, count)
+    assert V.shape[1] == count
+    centre = np.array([m.R, 0.0, 0.0]) if part == "groove" else np.zeros(3)
+    hats = mean_weights(patch.weights)
+    reached = (V @ rows).reshape(len(V), -1, 3)
+    assert np.abs(reached.sum(axis=1) - hats @ patch.normals).max() < 1e-12
+    moments = np.cross(patch.socket - centre, reached).sum(axis=1)
+    assert np.abs(moments).max() < 1e-12 * m.ball
 
 
 @pytest.mark.parametrize("side", [0, 3])

@@ -167,6 +167,30 @@ def test_few_modes_carry_pressures_of_contacts_to_their_socket():
     assert relative(V @ rows, c.H) < 1e-9
 
 
+def test_what_the_body_answers_to_few_modes_is_what_it_answers_to_all():
+    """Twelve modes with the forces' resultants exact miss 0.04 % of the response; the strongest traces alone, 0.3 %."""
+    piece, c = holed(("floor",))[0], condensed()
+    p = contact_pressures(c)
+    found = []
+    for count in (12, 10**6):
+        V, rows = patch_modes(c, count)
+        found.append(p.T @ V @ coarse_compliance(piece, c, rows, E, NU) @ V.T @ p)
+    assert relative(*found) < 8e-4
+
+
+@pytest.mark.parametrize("parallel", [False, True])
+def test_resultants_of_forces_that_meet_or_are_parallel(parallel):
+    """Forces through a point have three resultants, parallel ones too; the first three modes hold them, to round-off."""
+    mesh, normals = patch()
+    if parallel:
+        normals = np.tile([0.0, 0.6, 0.8], (len(normals), 1))
+    c = condense_patch(mesh, normals, E, NU)
+    wanted = hat_rows(mesh, normals) @ rigid_modes(mesh.points)
+    V, rows = patch_modes(c, 3)
+    assert V.shape[1] == 3
+    assert np.abs(V @ (rows @ rigid_modes(c.socket)) - wanted).max() < 1e-12
+
+
 def test_own_compliance_averages_the_coarse_piece_over_its_meshes():
     asked = []
 
