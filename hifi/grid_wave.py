@@ -2,21 +2,21 @@
 
 The continuous contact does not know where the grid lies. On the grid the approach under a force waves as the edge of
 the contact passes rows of nodes; its slope, by which loads share out, waves several times as much. The wave is periodic
-in the place of the contact, with the distance of the nodes, so that little of it is left in the mean over four places a
-quarter of that apart, in both directions; and that goes by a smooth law of the force (`smooth`). So each contact's gaps
-are corrected by that law less the approach at its own place, both of one contact pressed straight in with all the
-compliance of its submodels (the wave's phase follows the ellipse, and that what the body adds to the gap): a correction
-that vanishes with the cells.
+in the place of the contact, in both directions, with the cells (their nodes carry unlike weights, so that not every
+row of nodes is like the next), so that it is gone in the mean over the places in a cell; and that goes by a smooth law
+of the force (`smooth`). So each contact's gaps are corrected by that law less the approach at its own place, both of
+one contact pressed straight in with all the compliance of its submodels (the wave's phase follows the ellipse, and that
+what the body adds to the gap): a correction that vanishes with the cells.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.linalg import cho_factor, cho_solve
 
 from hifi.hertz import HertzSolution, hertz
 from hifi.patch import CondensedPatch
@@ -25,12 +25,13 @@ from meshes.groove_map import GrooveMap
 from meshes.parts import Material
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
-#: Places of a contact beside a node, in distances of the nodes, whose mean has no wave.
-QUARTERS = (-0.375, -0.125, 0.125, 0.375)
-PLACES = tuple(product(QUARTERS, QUARTERS))
-#: Places across the groove and forces at which the wave is tabulated.
-ACROSS, FORCES = 16, 64
+#: Places in a cell across and along the groove, and forces, at which the wave is tabulated; the long axis of the ellipse
+#: lies across, its pointed ends pass rows of nodes more suddenly.
+ACROSS, ALONG, FORCES = 12, 8, 24
+#: Places in a cell across and along over which a mean alone is taken.
+MEAN = (8, 8)
 #: Powers of the force in an approach over Hertz's: of second-order cells beside the ellipse, none, of the body around the
 #: contact (as the force), of curvatures that change over the ellipse.
 POWERS = (-2.0 / 3.0, 0.0, 1.0 / 3.0, 2.0 / 3.0)
@@ -61,15 +62,14 @@ def unit_hertz(m: GrooveMap, side: int, material: Material) -> HertzSolution:
     return hertz(1.0, *relative_radii(m, side), material.youngs_modulus, material.poissons_ratio)
 
 
-def node_steps(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
-    """Distances ``(2,)`` [m] of the nodes of a contact's grid across and along the groove. ValueError without a grid."""
+def cell_sizes(m: GrooveMap, side: int, patch: CondensedPatch) -> Array:
+    """Sizes ``(2,)`` [m] of the cells of a contact's grid across and along the groove. ValueError without a grid."""
     if patch.shape is None:
         raise ValueError("only a patch of hexahedra has a grid")
     _, tangent, forward = contact_frame(m, side)
-    n, k = patch.shape
-    x = patch.points.reshape(n, k, 3)
-    middle, beside, ahead = x[n // 2, k // 2], x[n // 2 + 1, k // 2], x[n // 2, k // 2 + 1]
-    return np.array([(beside - middle) @ tangent, (ahead - middle) @ forward])
+    n, k = (count // 2 for count in patch.shape)
+    x = patch.points.reshape(*patch.shape, 3)
+    return np.array([(x[n + 1, k] - x[n - 1, k]) @ tangent, (x[n, k + 1] - x[n, k - 1]) @ forward])
 
 
 def resolved_forces(m: GrooveMap, side: int, patch: CondensedPatch, material: Material, count: int) -> Array:
@@ -77,51 +77,68 @@ def resolved_forces(m: GrooveMap, side: int, patch: CondensedPatch, material: Ma
 
     On a grid too coarse for that, from a part of the largest ellipse.
     """
-    unit, steps = unit_hertz(m, side, material), np.abs(node_steps(m, side, patch))
+    unit, cells = unit_hertz(m, side, material), np.abs(cell_sizes(m, side, patch))
     assert patch.shape is not None
-    half = steps * (np.array(patch.shape) // 2)
+    half = 0.5 * cells * (np.array(patch.shape) // 2)
     high = FILLED * min(half[0] / unit.semi_x, half[1] / unit.semi_y)
-    return np.asarray(np.geomspace(min(COARSEST * 2.0 * steps[1] / unit.semi_y, LEAST * high), high, count) ** 3)
+    return np.asarray(np.geomspace(min(COARSEST * cells[1] / unit.semi_y, LEAST * high), high, count) ** 3)
 
 
 def approaches_at(
-    m: GrooveMap, side: int, patch: CondensedPatch, own: Array, loads: Array, place: tuple[float, float]
-) -> Array:
-    """Approaches ``(f,)`` [m] under ``loads`` ``(f,)`` [N] of a contact of own compliance ``(c, c)``, pressed straight in.
+    m: GrooveMap,
+    side: int,
+    patch: CondensedPatch,
+    own: Array,
+    loads: Array,
+    place: tuple[float, float],
+    start: Flags | None = None,
+) -> tuple[Array, Flags]:
+    """Approaches ``(f,)`` [m] under ``loads`` ``(f,)`` [N] of a contact of own compliance ``(c, c)``, pressed straight in
+    along the normal at its place, and its closed pairs ``(f, c)``.
 
-    place: of the contact beside the nominal one, across and along, in distances of the nodes.
+    place: of the contact beside the nominal one, across and along, in cells; start: closed pairs of a neighbouring place.
     """
     W = mean_weights(patch.weights)
     normal, tangent, forward = contact_frame(m, side)
     x = patch.points - np.array([m.R, 0.0, 0.0])
     # the ball's centre moved by t: the gap is least t times (relative radius / r) beside the nominal contact
     scale = m.ball / np.array(relative_radii(m, side))
-    t = scale * node_steps(m, side, patch) * np.array(place)
+    beside = cell_sizes(m, side, patch) * np.array(place)
+    t = scale * beside
     gap = np.linalg.norm(x - t[0] * tangent - t[1] * forward, axis=1) - m.ball
     nearest = -0.5 * float((t**2 / m.ball * (1.0 / scale - 1.0)).sum())
-    return approaches(own, W @ gap, W @ (patch.normals @ normal), loads) - nearest
+    along = normal + (beside[0] * tangent + beside[1] * forward) / m.ball
+    close = W @ (patch.normals @ (along / np.linalg.norm(along)))
+    found, closed = approaches(own, W @ gap, close, loads, start)
+    return found - nearest, closed
 
 
-def approaches(C: Array, gap: Array, close: Array, loads: Array) -> Array:
-    """Approach [m] of a unilateral contact under ``loads`` [N]: pressures p >= 0, C p + gap - approach close >= 0, and
-    close p the load. Raises ValueError where the active set does not settle."""
+def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | None = None) -> tuple[Array, Flags]:
+    """Approaches ``(f,)`` [m] of a unilateral contact under ``loads`` [N], and its closed pairs ``(f, c)``: pressures
+    p >= 0, C p + gap - approach close >= 0, and close p the load.
+
+    start: closed pairs to begin with, else those of the load before. Raises ValueError where the active set does not
+    settle.
+    """
     active = gap / close <= np.quantile(gap / close, 0.3)
-    out = np.empty(loads.size)
+    out, closed = np.empty(loads.size), np.empty((loads.size, gap.size), dtype=bool)
     for k, load in enumerate(loads):
+        active = active if start is None else start[k]
         for _ in range(200):
             i = np.flatnonzero(active)
-            K = np.zeros((i.size + 1, i.size + 1))
-            K[:-1, :-1], K[:-1, -1], K[-1, :-1] = C[np.ix_(i, i)], -close[i], close[i]
-            found = np.linalg.solve(K, np.append(-gap[i], load))
-            pressure = np.zeros(gap.size)
-            pressure[i], out[k] = found[:-1], found[-1]
-            after = (active & (pressure > 0.0)) | (~active & (C @ pressure + gap - close * out[k] < 0.0))
+            both = np.column_stack([close[i], gap[i]])
+            unit, rest = cho_solve(cho_factor(C[np.ix_(i, i)], lower=True, check_finite=False), both, check_finite=False).T
+            out[k] = (load + close[i] @ rest) / (close[i] @ unit)
+            pressure = out[k] * unit - rest
+            after = C[:, i] @ pressure + gap - close * out[k] < 0.0
+            after[i] = pressure > 0.0
             if (after == active).all():
                 break
             active = after
         else:
             raise ValueError(f"the contact of a patch under {load:.4g} N does not settle")
-    return out
+        closed[k] = active
+    return out, closed
 
 
 def smooth(loads: Array, approach: Array) -> Array:
@@ -133,11 +150,11 @@ def smooth(loads: Array, approach: Array) -> Array:
 
 @dataclass(frozen=True)
 class PeriodicApproach:
-    """Approach of a contact over its place on the grid, without what changes from node to node: away from the middle of its
+    """Approach of a contact over its place on the grid, without what changes from cell to cell: away from the middle of its
     zone a contact finds another compliance beneath it, which is physics and no wave.
 
-    loads ``(f,)`` [N]; trend ``(4, f)`` [m]: by the place across, its square, that along and its square, in distances of
-    the nodes, from the places one node away on every side.
+    loads ``(f,)`` [N]; trend ``(2, f)`` [m]: by the place across and along, in cells, from places half a cell away on
+    either side; closed: pairs ``(f, c)`` of the contact in the middle.
     """
 
     m: GrooveMap
@@ -146,71 +163,74 @@ class PeriodicApproach:
     C: Array
     loads: Array
     trend: Array
+    closed: Flags
 
     @classmethod
     def of(cls, m: GrooveMap, side: int, patch: CondensedPatch, C: Array, loads: Array) -> PeriodicApproach:
         """Of a contact of compliance ``(c, c)`` [m/N] under ``loads`` ``(f,)`` [N]."""
-        middle, *around = (
-            approaches_at(m, side, patch, C, loads, (float(x), float(y)))
-            for x, y in ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))
+        _, closed = approaches_at(m, side, patch, C, loads, (0.0, 0.0))
+        left, right, back, ahead = (
+            approaches_at(m, side, patch, C, loads, place, closed)[0]
+            for place in ((-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5))
         )
-        trend = [
-            term
-            for before, after in (around[:2], around[2:])
-            for term in (0.5 * (after - before), 0.5 * (after + before) - middle)
-        ]
-        return cls(m, side, patch, C, loads, np.array(trend))
+        return cls(m, side, patch, C, loads, np.array([right - left, ahead - back]), closed)
 
-    def at(self, place: tuple[float, float]) -> Array:
-        """Approaches ``(f,)`` [m] at a place, less the trend."""
-        x, y = place
-        found = approaches_at(self.m, self.side, self.patch, self.C, self.loads, place)
-        return np.asarray(found - np.array([x, x * x, y, y * y]) @ self.trend)
-
-    def mean(self) -> Array:
-        """Mean ``(f,)`` [m] over `PLACES`: without the grid's wave."""
-        return np.asarray(np.mean([self.at(place) for place in PLACES], axis=0))
+    def table(self, across: int, along: int) -> Array:
+        """Approaches ``(across, along, f)`` [m] less the trend, at places in a cell, from the middle of the zone on; both
+        counts even."""
+        out = np.empty((across, along, self.loads.size))
+        first = self.closed
+        for i, x in enumerate(np.arange(across) / across - 0.5):
+            near = first
+            for k, y in enumerate(np.arange(along) / along - 0.5):
+                found, near = approaches_at(self.m, self.side, self.patch, self.C, self.loads, (float(x), float(y)), near)
+                out[i, k] = found - np.array([x, y]) @ self.trend
+                first = near if k == 0 else first
+        return np.asarray(np.fft.ifftshift(out, axes=(0, 1)))
 
 
 def mean_approaches(m: GrooveMap, side: int, patch: CondensedPatch, own: Array, loads: Array) -> Array:
-    """Approaches ``(f,)`` [m] of a contact in the middle of its zone without the grid's wave: mean over `PLACES`."""
-    return PeriodicApproach.of(m, side, patch, own, loads).mean()
+    """Approaches ``(f,)`` [m] of a contact in the middle of its zone without the grid's wave: mean over a cell."""
+    return np.asarray(PeriodicApproach.of(m, side, patch, own, loads).table(*MEAN).mean(axis=(0, 1)))
 
 
 @dataclass(frozen=True)
 class GridWave:
-    """Correction of the gap of a side's contacts: forces ``(f,)`` [N], table ``(p, f)`` [m] over places across the groove
-    from 0 to 1 distance of the nodes (the last is the first), that distance [m] and the middle node's place ``(3,)`` [m],
-    tangent across the groove ``(3,)``."""
+    """Correction of the gap of a side's contacts: forces ``(f,)`` [N], table ``(p, q, f)`` [m] at even places in a cell
+    across and along the groove, that of the middle node first; sizes of a cell ``(2,)`` and the middle node ``(3,)`` [m],
+    directions across and along ``(2, 3)``."""
 
     loads: Array
     table: Array
-    step: float
+    cell: Array
     middle: Array
-    tangent: Array
+    directions: Array
 
     def at(self, loads: Array, centres: Array) -> Array:
         """Corrections ``(n,)`` [m] for loads ``(n,)`` [N] whose pressures have centres ``(n, 3)`` [m] in the ball's frame.
 
         Beyond the tabulated forces as at the nearest, in proportion to Hertz's approach. No load, no correction.
         """
-        place = np.mod((centres - self.middle) @ self.tangent / self.step, 1.0)
+        place = (centres - self.middle) @ self.directions.T / self.cell
         force = np.clip(loads, self.loads[0], self.loads[-1])
-        along = CubicSpline(np.log(self.loads), self.table, axis=1)(np.log(force))  # (p, n)
-        grid = np.linspace(0.0, 1.0, len(along))
-        around = CubicSpline(grid, along, bc_type="periodic")
-        found = around(place)[np.arange(place.size), np.arange(place.size)]
+        found = CubicSpline(np.log(self.loads), self.table, axis=2)(np.log(force))  # (p, q, n)
+        for own in place.T:
+            found = _periodic(found, own)
         return np.where(loads > 0.0, found * np.cbrt(np.maximum(loads, 0.0) / force) ** 2, 0.0)
 
 
+def _periodic(values: Array, place: Array) -> Array:
+    """Values ``(..., n)`` at places ``(n,)`` of period 1 between even ones ``(p, ..., n)``, each column at its own."""
+    grid = np.linspace(0.0, 1.0, len(values) + 1)
+    around = CubicSpline(grid, np.concatenate([values, values[:1]]), bc_type="periodic")(np.mod(place, 1.0))
+    return np.asarray(np.einsum("n...n->...n", around))
+
+
 def grid_wave(m: GrooveMap, side: int, patch: CondensedPatch, C: Array, material: Material) -> GridWave:
-    """Table of the smooth law less the approach at a contact's own place; along the groove contacts lie in the middle."""
+    """Table of the smooth law less the approach at a contact's own place."""
     loads = resolved_forces(m, side, patch, material, FORCES)
-    places = np.linspace(-0.5, 0.5, ACROSS, endpoint=False)
-    approach = PeriodicApproach.of(m, side, patch, C, loads)
-    table = smooth(loads, approach.mean()) - np.array([approach.at((float(x), 0.0)) for x in np.roll(places, ACROSS // 2)])
+    table = PeriodicApproach.of(m, side, patch, C, loads).table(ACROSS, ALONG)
     assert patch.shape is not None
-    n, k = patch.shape
-    middle = patch.points.reshape(n, k, 3)[n // 2, k // 2]
-    step = float(node_steps(m, side, patch)[0])
-    return GridWave(loads, np.vstack([table, table[:1]]), step, middle, contact_frame(m, side)[1])
+    middle = patch.points.reshape(*patch.shape, 3)[patch.shape[0] // 2, patch.shape[1] // 2]
+    directions = np.array(contact_frame(m, side)[1:])
+    return GridWave(loads, smooth(loads, table.mean(axis=(0, 1))) - table, cell_sizes(m, side, patch), middle, directions)

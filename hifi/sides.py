@@ -133,5 +133,5 @@ def turned(patches: SidePatches) -> SidePatches:
 
     wave = patches.wave
     if wave is not None:
-        wave = replace(wave, middle=wave.middle * TURN, tangent=wave.tangent * TURN)
+        wave = replace(wave, middle=wave.middle * TURN, directions=wave.directions * TURN)
     return SidePatches(one(patches.groove), one(patches.ball), patches.own[np.ix_(order, order)], wave)

@@ -28,18 +28,31 @@ def test_waves_go_and_the_law_stays():
     assert np.abs(np.diff(found)[inner]).max() < 0.02 * np.abs(np.diff(wave)).max()
 
 
-def test_what_changes_from_node_to_node_is_no_wave(monkeypatch):
-    """A compliance that rises across and falls along the zone, and a wave with the nodes: only the wave is periodic, and
-    the mean is the approach in the middle without it."""
+def test_what_changes_from_cell_to_cell_is_no_wave(monkeypatch):
+    """A compliance that rises across and falls along the zone, and a wave with the cells and their nodes: only the wave is
+    periodic, the mean is the approach in the middle without it, and each place begins with its neighbour's closed pairs."""
+    begun = []
+
+    def wave(x, y):
+        return 1e-3 * np.cos(2.0 * np.pi * x) + 5e-4 * np.cos(4.0 * np.pi * y) * np.cos(2.0 * np.pi * x)
 
     def approach(*given):
-        loads, (x, y) = given[4:]
-        trend = 1.0 + 4e-3 * x - 2e-3 * x * x - 1e-3 * y + 3e-3 * y * y
-        return loads ** (2.0 / 3.0) * (trend + 1e-3 * np.cos(2.0 * np.pi * x) + 5e-4 * np.cos(2.0 * np.pi * y))
+        loads, (x, y), start = (*given[4:], None)[:3]
+        begun.append((start, (x, y)))
+        return loads ** (2.0 / 3.0) * (1.0 + 4e-3 * x - 1e-3 * y + wave(x, y)), (x, y)
 
     monkeypatch.setattr(grid_wave, "approaches_at", approach)
     found = grid_wave.PeriodicApproach.of(None, 0, None, None, LOADS)
     hertz = LOADS ** (2.0 / 3.0)
-    for place, same in (((0.3, 0.1), (-0.7, 0.1)), ((-0.5, 0.0), (0.5, 0.0)), ((0.2, 0.4), (0.2, -0.6))):
-        assert found.at(place) / hertz == pytest.approx(found.at(same) / hertz, abs=1e-12)
-    assert found.mean() / hertz == pytest.approx(np.ones(LOADS.size), abs=1e-12)
+    table = found.table(4, 8) / hertz
+    x, y = np.meshgrid(np.arange(4) / 4, np.arange(8) / 8, indexing="ij")
+    np.testing.assert_allclose(table, (1.0 + wave(x, y))[..., None] * np.ones(LOADS.size), rtol=0, atol=1e-12)
+    assert table.mean(axis=(0, 1)) == pytest.approx(np.ones(LOADS.size), abs=1e-12)
+    apart = [np.abs(np.subtract(start, place)).max() for start, place in begun[5:]]
+    assert sorted(apart)[-2] <= 0.25
+
+
+def test_the_mean_over_a_cell_takes_the_wave_out(monkeypatch):
+    waving = lambda *given: (np.sqrt(given[4]) * (2.0 + np.cos(2.0 * np.pi * sum(given[5]))), None)  # noqa: E731
+    monkeypatch.setattr(grid_wave, "approaches_at", waving)
+    assert grid_wave.mean_approaches(None, 0, None, None, LOADS) == pytest.approx(2.0 * np.sqrt(LOADS), rel=1e-12)

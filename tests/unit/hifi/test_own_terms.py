@@ -51,24 +51,32 @@ def test_contacts_on_springs():
     n = 40
     springs, gap, close = rng.uniform(1e-9, 2e-9, n), rng.uniform(0.0, 2e-6, n), rng.uniform(0.9, 1.0, n)
     loads = np.geomspace(1.0, 1e4, 5)
-    for load, approach in zip(loads, approaches(np.diag(springs), gap, close, loads), strict=True):
+    found, closed = approaches(np.diag(springs), gap, close, loads)
+    for load, approach, pairs in zip(loads, found, closed, strict=True):
         carried = np.maximum(approach * close - gap, 0.0) / springs @ close
         assert carried == pytest.approx(load, rel=1e-10)
+        np.testing.assert_array_equal(pairs, approach * close > gap)
+    again, same = approaches(np.diag(springs), gap, close, loads, closed[::-1])
+    assert again == pytest.approx(found, rel=1e-12)
+    np.testing.assert_array_equal(same, closed)
 
 
 def test_the_wave_is_periodic_in_the_place_and_follows_hertz_beyond_its_forces():
-    places = np.linspace(0.0, 1.0, 9)
+    x, y = np.meshgrid(np.arange(8) / 8, np.arange(12) / 12, indexing="ij")
     loads = np.geomspace(10.0, 1000.0, 48)
-    table = 1e-9 * np.cos(2.0 * np.pi * places)[:, None] * np.log(loads / 5.0)
-    tangent = np.array([0.0, 0.6, 0.8])
-    wave = GridWave(loads, table, 20e-6, np.array([1.0, 2.0, 3.0]), tangent)
-    force = np.array([40.0, 40.0, 40.0, 0.0])
-    centres = wave.middle + 20e-6 * np.array([0.3, 7.3, -0.7, 0.3])[:, None] * tangent
-    expected = 1e-9 * np.cos(0.6 * np.pi) * np.log(8.0)
+    table = 1e-9 * (np.cos(2.0 * np.pi * x) + 0.3 * np.sin(2.0 * np.pi * y))[..., None] * np.log(loads / 5.0)
+    directions, cell = np.array([[0.0, 0.6, 0.8], [0.0, -0.8, 0.6]]), np.array([40e-6, 15e-6])
+    wave = GridWave(loads, table, cell, np.array([1.0, 2.0, 3.0]), directions)
+    force = np.array([40.0, 40.0, 40.0, 90.0, 0.0])
+    places = np.array([[0.3, 0.1], [7.3, -0.9], [-0.7, 4.1], [0.3, 0.6], [0.3, 0.1]])
+    centres = wave.middle + (places * cell) @ directions
     found = wave.at(force, centres)
-    assert found[:3] == pytest.approx(np.full(3, expected), rel=5e-3)
-    assert found[3] == 0.0
-    aside = centres + 3e-3 * np.cross(tangent, [1.0, 0.0, 0.0])
-    assert wave.at(force, aside) == pytest.approx(found, rel=1e-6)
+    expected = 1e-9 * (np.cos(0.6 * np.pi) + 0.3 * np.sin(0.2 * np.pi)) * np.log(8.0)
+    assert found[:3] == pytest.approx(np.full(3, expected), abs=4e-3 * 1e-9 * np.log(8.0))
+    other = 1e-9 * (np.cos(0.6 * np.pi) - 0.3 * np.sin(0.2 * np.pi)) * np.log(18.0)
+    assert found[3] == pytest.approx(other, abs=4e-3 * 1e-9 * np.log(18.0))
+    assert found[4] == 0.0
+    off = centres + 3e-3 * np.array([1.0, 0.0, 0.0])  # along the normal: the same place
+    assert wave.at(force, off) == pytest.approx(found, rel=1e-9)
     far = wave.at(np.array([1.25, 8000.0]), np.tile(wave.middle, (2, 1)))
     assert far == pytest.approx(1e-9 * np.array([np.log(2.0) / 4.0, 4.0 * np.log(200.0)]), rel=1e-9)

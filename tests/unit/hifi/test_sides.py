@@ -1,6 +1,7 @@
 """Patches of one side: right flanks turned from left ones, their own compliance."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -8,12 +9,14 @@ import scipy.sparse as sp
 
 from hifi import sides
 from hifi.bodies import patch_modes
-from hifi.part_meshes import mesh_parts
+from hifi.grid_wave import PeriodicApproach, approaches_at, grid_wave, resolved_forces
+from hifi.part_meshes import mesh_parts, patch_mesh, patch_normals
+from hifi.patch import condense_patch
 from hifi.pressures import mean_weights
 from hifi.sides import condense_side, congruent, turned
 from meshes.groove_map import GrooveMap
 from meshes.helix import ball_layout
-from meshes.sockets import AZIMUTH_TURNED
+from meshes.sockets import AZIMUTH_TURNED, local_points
 from meshes.solid import dimensions
 from tests.helpers import relative
 from tests.unit.hifi.test_reference_small import SMALL, two_balls
@@ -96,6 +99,30 @@ def test_own_compliance_is_that_of_the_patches_and_what_the_modes_do_not_carry(f
     held = pair.groove.A + pair.ball.A
     force = mean_weights(pair.groove.weights).T @ pair.groove.areas
     assert 1.0 < (force @ pair.own @ force) / (force @ held @ force) < 1.5
+
+
+@pytest.mark.parametrize("side", [0, 2])
+def test_the_wave_of_a_grid_is_taken_out_across_and_along(flanks, side):
+    """Approaches of one contact at places all over a cell, under several forces: what is left of their scatter, beside what
+    changes evenly from cell to cell, is a third. The right flank's wave is the left one's, turned."""
+    m, meshes, found = flanks
+    body, steel = meshes.screw if side < 2 else meshes.nut, two_balls().balls.material
+    mesh = patch_mesh(
+        meshes, body.sockets[side], partial(local_points, m, meshes.size, side), replace(SETTINGS, b_over_h=1.8)
+    )
+    normals = patch_normals(mesh, np.array([m.R, 0.0, 0.0]))
+    groove = condense_patch(mesh, normals, 0.5 * steel.youngs_modulus, steel.poissons_ratio)
+    wave = grid_wave(m, side, groove, groove.A, steel)
+    loads = resolved_forces(m, side, groove, steel, 5)[1:]
+    trend = PeriodicApproach.of(m, side, groove, groove.A, loads).trend
+    places = np.random.default_rng(4).uniform(-0.5, 0.5, (20, 2))
+    approach = np.array([approaches_at(m, side, groove, groove.A, loads, tuple(x))[0] - x @ trend for x in places])
+    centres = wave.middle + (places * wave.cell) @ wave.directions
+    taken = np.array([wave.at(np.full(len(places), load), centres) for load in loads]).T
+    before, after = ((x / approach.mean(axis=0)).std(axis=0) for x in (approach, approach + taken))
+    assert np.linalg.norm(after) < 0.35 * np.linalg.norm(before)
+    right = turned(replace(found[side], wave=wave)).wave
+    assert right.at(np.full(len(places), loads[0]), centres * [1.0, -1.0, -1.0]) == pytest.approx(taken[:, 0], rel=1e-9)
 
 
 def test_source_s_mesh_keeps_its_patches(monkeypatch):
