@@ -80,6 +80,7 @@ def mesh_parts(
         size,
         settings.fine,
         settings.coarse,
+        dims.groove_ends,
     )
     sockets = tuple(ball_place(m, size, s, zone)[0] for s in sides)
     recipe = (m, sockets, settings.ball_fine, settings.ball_coarse, size.cuts)

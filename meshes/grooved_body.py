@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from skfem import Mesh
 
 from meshes.fem import cells_of, nodes_on, points_of
+from meshes.groove_end import GrooveEnds
 from meshes.groove_map import GrooveMap
 from meshes.parts import SIDES
 from meshes.quality import Quality, arc_deviation, measure, refuse_bad, straighten, untangle
@@ -66,7 +67,7 @@ class BodySpec:
 
     outer: whether the groove is cut from outside (screw) or from inside (nut); sockets: (azimuth of the ball's section
     including its start [rad], z of the ball [m], side) of every contact; fine, coarse: element sizes near and away from
-    the sockets [m].
+    the sockets [m]; ends: whether the groove ends beyond its outermost sockets (`meshes.groove_end`), or runs through.
     """
 
     r_in: float
@@ -78,6 +79,7 @@ class BodySpec:
     size: SocketSize
     fine: float
     coarse: float
+    ends: bool = False
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,8 @@ def cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array
 @dataclass(frozen=True)
 class Groove:
     """Section of a body's groove: map, sides of its flanks, radii of land and of the smooth surface behind [m], angles
-    gamma of apex and edge [rad], half opening along z [m], thickness of the wall under the groove [m]."""
+    gamma of apex and edge [rad], half opening along z [m], thickness of the wall under the groove [m], where it ends (None:
+    at the flat ends)."""
 
     m: GrooveMap
     sides: tuple[int, int]
@@ -133,6 +136,7 @@ class Groove:
     edge: float
     half: float
     wall: float
+    ends: GrooveEnds | None
 
     @staticmethod
     def of(m: GrooveMap, spec: BodySpec) -> Groove:
@@ -159,12 +163,17 @@ class Groove:
                 f"the groove is {2e3 * zeta.max():.4g} mm wide, the ring only {1e3 * (spec.z_high - spec.z_low):.4g} mm: "
                 "widen the ring or put its middle at the groove"
             )
-        return Groove(m, sides, land, behind, apex, edge, float(zeta[-1]), wall)
+        ends = GrooveEnds.of(m, spec.sockets, spec.size) if spec.ends else None
+        return Groove(m, sides, land, behind, apex, edge, float(zeta[-1]), wall, ends)
 
     def profile(self, side: int, gamma: Array) -> tuple[Array, Array]:
         """Radius [m] and zeta [m] of a flank at angles gamma."""
         r, zeta, _ = self.m.unroll(*self.m.section(side, gamma, np.full(gamma.shape, self.m.radius[side])))
         return r, zeta
+
+    def radius(self, line: float, r: float | Array, phi: Array) -> float | Array:
+        """Radius [m] at total azimuths along a line of what lies at r in the whole groove."""
+        return r if self.ends is None else self.land + self.ends.depth(line, phi) * (r - self.land)
 
 
 def level(at: float) -> Placing:
@@ -251,7 +260,7 @@ class Surface:
             along, gamma = (plane / scale).T
             phi = along + turn(gamma)
             r, zeta = self.groove.profile(side, gamma)
-            return cylindrical(r, phi, line + zeta + m.rg * phi)
+            return cylindrical(self.groove.radius(line, r, phi), phi, line + zeta + m.rg * phi)
 
         loops = [[(n, laid(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]
         self.shell.face(f"flank {SIDES[side]}", loops, space, self.flank_limit)
@@ -358,7 +367,8 @@ class Thread:
         for radius, height in places:
 
             def space(t: Array, radius: float = radius, height: float = height) -> Array:
-                return cylindrical(radius, (t - line - height) / groove.m.rg, t)
+                phi = (t - line - height) / groove.m.rg
+                return cylindrical(groove.radius(line, radius, phi), phi, t)
 
             first, last = shell.nodes(space(np.array(z)))
             self.rails.append(shell.curve(space, *z, limit, (int(first), int(last))))
@@ -376,9 +386,10 @@ class Thread:
             for place in (0, 1)
         ]
 
-    def _azimuth(self, place: int, end: int, gamma: Array) -> tuple[Array, Array]:
+    def _azimuth(self, place: int, end: int, gamma: Array) -> tuple[float | Array, Array]:
         r, zeta = self.groove.profile(self.groove.sides[place], gamma)
-        return r, (self.z[end] - self.line - zeta) / self.groove.m.rg
+        phi = (self.z[end] - self.line - zeta) / self.groove.m.rg
+        return self.groove.radius(self.line, r, phi), phi
 
     def _space(self, place: int, end: int) -> Placing:
         """Points of the cut of a flank (0 left, 1 right) by an end (0 low, 1 high) at angles gamma."""
@@ -441,7 +452,8 @@ def _collected(surface: Surface, filled: Filled, begin: float) -> GroovedBody:
     quality = measure(mesh)
     refuse_bad(quality, "screw" if spec.outer else "nut")
     flanks = {s: points_of(mesh)[nodes_on(mesh, f"flank {SIDES[s]}")] for s in surface.groove.sides}
-    deviation = max(_flank_deviation(m, s, x) for s, x in flanks.items())
+    ends = surface.groove.ends
+    deviation = max(_flank_deviation(m, s, x if ends is None else x[ends.in_whole(x)]) for s, x in flanks.items())
     return GroovedBody(mesh, sockets, surface.boxes, deviation, perf_counter() - begin, quality)
 
 

@@ -206,7 +206,8 @@ class Solid:
     ``shaft``: length of the 3D stretch beyond the nut on each side [m]; ``shaft_diameter``: diameter of the equivalent
     plain shaft beyond it [m] (``None``: the section is homogenised from the grooved shaft);
     ``nut_held``: where the nut is held (half a face: the inner or outer half of its width); ``screw_held``: at the ends
-    of the 3D stretch, or by its bore (a ring on a stiff shaft); ``nut``: elastic, or rigid beyond the contact patches.
+    of the 3D stretch, or by its bore (a ring on a stiff shaft); ``nut``: elastic, or rigid beyond the contact patches;
+    ``nut_groove``: through the whole nut, or filled beyond the loaded balls (`meshes.groove_end`).
     """
 
     nut_inner_diameter: float | None = None
@@ -216,6 +217,7 @@ class Solid:
     nut_held: NutHeld | None = None
     screw_held: Literal["ends", "bore"] | None = None
     nut: Literal["elastic", "rigid"] = "elastic"
+    nut_groove: Literal["through", "loaded"] = "through"
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,16 @@ from meshes.parts import Scene
 HOLE = 1.0 / 11.0
 #: 3D stretch of shaft assumed beyond each face of the nut, over the pitch radius.
 SHAFT = 1.5
+#: Of a nut's groove that is filled beyond the loaded balls: length of whole groove beyond the middle of the outermost ball,
+#: and of the run-out there, in ball diameters.
+WHOLE, RUN_OUT = 1.0, 1.0
 
 
 @dataclass(frozen=True)
 class Dimensions:
     """Radii of the nut's lands and of the screw's hole [m], 3D length of shaft beyond each nut face [m], radius of the
     shaft beyond it (None: homogenised), where nut and screw are held, radii [m] between which a face of the nut is held,
-    and the assumptions as sentences."""
+    whether the nut's groove ends beyond its loaded balls, and the assumptions as sentences."""
 
     land: float
     hole: float
@@ -28,6 +31,7 @@ class Dimensions:
     nut_held: str
     screw_held: str
     held_radii: tuple[float, float]
+    groove_ends: bool
     assumed: tuple[str, ...]
 
     def ends(self, scene: Scene) -> tuple[float, float]:
@@ -71,8 +75,16 @@ def dimensions(scene: Scene) -> Dimensions:
     elif shaft is None:
         shaft = SHAFT * R
         assumed.append(f"The screw is three-dimensional up to {1e3 * shaft:.3g} mm beyond each face of the nut.")
+    groove_ends = solid.nut_groove == "loaded"
     if scene.track.lead == 0.0:
+        if groove_ends:
+            raise ValueError('solid.nut_groove of "loaded" needs a lead: the groove of a ring does not end; leave it out')
         assumed.append("Flat ends of the rings, without chamfers.")
+    elif groove_ends:
+        assumed.append(
+            f"The nut's groove is whole up to {WHOLE:.3g} ball diameter beyond its outermost balls and filled from "
+            f"{WHOLE + RUN_OUT:.3g} on; that of the screw runs through its whole 3D stretch; flat nut faces."
+        )
     else:
         assumed.append("The groove runs through the whole nut and the whole 3D stretch of the screw; flat nut faces.")
     reach = float(groove_radii(scene).max())
@@ -94,5 +106,6 @@ def dimensions(scene: Scene) -> Dimensions:
         held,
         screw_held,
         held_radii,
+        groove_ends,
         tuple(assumed),
     )

@@ -137,6 +137,14 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
         raise InputError(
             scene.name, "solid.nut_held", f'"{scene.solid.nut_held}"', ", ".join(HELD), "a deck holds whole surfaces"
         )
+    if scene.solid.nut_groove != "through":
+        raise InputError(
+            scene.name,
+            "solid.nut_groove",
+            f'"{scene.solid.nut_groove}"',
+            '"through"',
+            "leave it out: a deck has whole grooves",
+        )
     drawn, found, sides = exact_errors(scene), expected(scene), needed_sides(scene)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
     places, short = places_of(scene, found.load, sides)

@@ -106,6 +106,7 @@ def twisted(scene: Scene) -> Scene:
 
 LANDS, HOLE, WIDTH = "radius of the nut's lands", "hole along the meshed screw", "width of the nut's held face"
 LENGTH, PHASE = "length of the 3D stretch of shaft", "phase of the junction along the helix"
+FILLED = "ends of the nut's groove, return gap"
 BEYOND, TWIST = "where the screw's groove ends", "axial-torsional coupling of the shaft beyond"
 SIDES, MODES, FIXING = "set-up shared with other scenes", "modes per patch", "where the nut is held"
 
@@ -135,6 +136,12 @@ VARIANTS: dict[str, Variant] = {
     ),
     "held-outer": Variant("nut held at the outer half of its face's width", WIDTH, "modelling", held_ring("outer")),
     "held-inner": Variant("nut held at the inner half of its face's width", WIDTH, "modelling", held_ring("inner")),
+    "nut-filled": Variant(
+        "nut's groove filled from two ball diameters beyond its outermost balls on",
+        FILLED,
+        "modelling",
+        solid(nut_groove="loaded"),
+    ),
     "shaft-plain": Variant(
         "shaft beyond the 3D stretch plain, of the lands' diameter",
         BEYOND,
@@ -169,13 +176,9 @@ VARIANTS: dict[str, Variant] = {
 #: What a modelling uncertainty does not hold.
 NOT_VARIED = (
     NotVaried(
-        "return gap of the nut's groove",
-        "the groove runs unbroken through the nut; deflectors that fill it between turns, or return tubes that pierce the "
-        "wall, are not meshed",
-    ),
-    NotVaried(
-        "run-out of the nut's groove",
-        "the groove leaves through both flat faces; filled ends, wipers and their counterbores are not meshed",
+        "deflectors and return tubes of the nut",
+        "between loaded turns the groove runs on; what fills it there or pierces the wall is not meshed, nor are wipers "
+        "and their counterbores",
     ),
     NotVaried("chamfers and run-in of the lands", "edges of lands and faces are sharp"),
     NotVaried("stiffness of what holds the nut and the screw", "held nodes do not move; a housing would"),

@@ -205,6 +205,11 @@ class SolidKeys(Table):
         "whether supports and loads reach the screw through its ends or through a stiff shaft in its bore", None, "ends"
     )
     nut: Literal["elastic", "rigid"] = key("nut elastic, or rigid beyond its contact patches", "elastic", "elastic")
+    nut_groove: Literal["through", "loaded"] = key(
+        "groove through the whole nut, or filled from two ball diameters beyond the outermost balls on",
+        "through",
+        "through",
+    )
 
 
 class FrictionKeys(CoulombKeys):

@@ -71,6 +71,7 @@ def test_variants_change_what_they_say() -> None:
     assert made["held-inner"].held_radii == pytest.approx((17e-3, 20.5e-3))
     assert base.held_radii == pytest.approx((17e-3, 24e-3))
     assert {d.nut_held for n, d in made.items() if not n.startswith("nut-")} == {"left face"}
+    assert [n for n, d in made.items() if d.groove_ends] == ["nut-filled"]
     assert {VARIANTS[n].kind for n in ("nut-right", "nut-outer", "shaft-plain", "runout")} == {"scene"}
     assert {VARIANTS[n].kind for n in ("base", "modes")} == {"numerical"}
     varied_choices = {v.choice for v in VARIANTS.values()}

@@ -1,0 +1,91 @@
+"""A nut's groove that ends beyond its loaded balls."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from meshes.fem import nodes_on
+from meshes.groove_end import GrooveEnds
+from meshes.groove_map import GrooveMap
+from meshes.grooved_body import BodySpec, Groove, build_body
+from meshes.helix import ball_layout
+from meshes.parts import SIDES
+from meshes.sockets import SocketSize, groove_lines, socket_points
+from meshes.solid import RUN_OUT, WHOLE, dimensions
+from tests.fe_meshes import one, space
+from tests.helpers import small_screw
+
+SIZE = SocketSize(0.30, 1.2e-3, 0.075)
+
+
+def made(case, sides):
+    """Map and spec of a nut of 50 mm whose groove ends."""
+    m, layout, z = GrooveMap.of(case), ball_layout(case), case.nut.position
+    sockets = tuple((float(a), float(x), s) for a, x in zip(layout.azimuth, layout.z, strict=True) for s in sides)
+    return m, BodySpec(17e-3, 24e-3, z - 25e-3, z + 25e-3, False, sockets, SIZE, 2e-3, 7e-3, ends=True)
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+@pytest.mark.parametrize("starts", [1, 2])
+def test_the_groove_is_whole_at_every_ball_and_ends_beyond_the_outermost(hand, starts):
+    case = small_screw(6, hand=hand, phase=0.3)
+    case = replace(case, track=replace(case.track, starts=starts))
+    m, spec = made(case, (2, 3))
+    ends = GrooveEnds.of(m, spec.sockets, SIZE)
+    ball = 2.0 * m.ball / np.hypot(m.R, m.rg)
+    reached = 0
+    for line in groove_lines(m):
+        turns = [(z - line) / m.rg for phi, z, _ in spec.sockets]  # total azimuth of a ball on this line
+        on = np.array([t for t, (phi, *_) in zip(turns, spec.sockets, strict=True) if abs(np.sin((t - phi) / 2)) < 1e-9])
+        reached += on.size
+        np.testing.assert_array_equal(ends.depth(line, on), 1.0)
+        for sign, last in ((-1.0, on.min()), (1.0, on.max())):
+            beyond = last + sign * ball * np.array([0.0, WHOLE, WHOLE + 0.5 * RUN_OUT, WHOLE + RUN_OUT, 9.0])
+            np.testing.assert_allclose(ends.depth(line, beyond), [1.0, 1.0, 0.5, 0.0, 0.0], atol=1e-9)
+            phi = last + sign * ball * np.array([-0.5, 0.9 * WHOLE, 1.1 * WHOLE])
+            points = np.stack([m.R * np.cos(phi), m.R * np.sin(phi), line + m.rg * phi + 1e-3], axis=1)
+            np.testing.assert_array_equal(ends.in_whole(points), [True, True, False])
+    assert reached == len(spec.sockets)
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_a_nut_whose_groove_ends_is_sound(hand):
+    """Sockets where they are without ends, flanks exact where the groove is whole and on the land's cylinder where it is
+    filled; the volume is that of the tube without the channel of varying depth."""
+    m, spec = made(small_screw(5, hand=hand, phase=0.3), (2,))
+    body, through = build_body(m, spec), build_body(m, replace(spec, ends=False))
+    assert body.quality.smallest > 0.01
+    assert body.deviation < 1e-12
+    for nodes, socket in zip(body.socket_nodes, spec.sockets, strict=True):
+        found = socket_points(m, SIZE, socket, body.sockets[socket[2]].xi)
+        assert np.abs(body.points[nodes] - found).max() < 1e-12 * m.R
+    groove = Groove.of(m, spec)
+    (line,) = groove_lines(m)
+    filled = 0.0
+    phi = np.linspace(-30.0, 30.0, 6001) + (m.z0 - line) / m.rg
+    inside = np.abs(line + m.rg * phi - m.z0) < 25e-3
+    for side in groove.sides:
+        points = body.points[nodes_on(body.mesh, f"flank {SIDES[side]}")]
+        r = np.hypot(*points[:, :2].T)
+        assert (np.abs(r - groove.land) < 1e-12).mean() > 0.1
+        assert r.max() - groove.land > 1e-3
+        gamma = np.linspace(groove.apex, groove.edge, 201)
+        r, zeta = groove.profile(side, gamma)
+
+        def channel(depth, r=r, zeta=zeta):
+            part = (groove.land + depth * (r - groove.land)) ** 2 - groove.land**2
+            return abs(np.trapezoid(0.5 * part, zeta))
+
+        depth = groove.ends.depth(line, phi[inside])
+        filled += np.trapezoid([channel(1.0) - channel(d) for d in depth], phi[inside])
+    assert filled > 2e-8
+    assert one(space(body.mesh)) - one(space(through.mesh)) == pytest.approx(filled, rel=0.02)
+
+
+def test_the_groove_of_a_ring_does_not_end():
+    ring = small_screw(5, lead=0.0)
+    with pytest.raises(ValueError, match="nut_groove"):
+        dimensions(replace(ring, solid=replace(ring.solid, nut_groove="loaded")))
+    with pytest.raises(ValueError, match="ring"):
+        GrooveEnds.of(GrooveMap.of(ring), (), SIZE)
