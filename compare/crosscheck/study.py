@@ -54,7 +54,7 @@ STUDIES: dict[str, list[DeckOptions]] = {
 
 def label(options: DeckOptions) -> str:
     """Name of a deck's folder."""
-    tail = "-nlgeom" if options.nlgeom else ""
+    tail = "-nlgeom" * options.nlgeom + "-half" * options.half
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
 
 
@@ -93,7 +93,8 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None]) -> CrossDat
 
 def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:
     """A run as it is stored. Raises ValueError where a contact is missing."""
-    forces = {c.slave: np.array(c.force) for c in outcome.contacts}
+    both = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
+    forces = {c.slave: both * c.force for c in outcome.contacts}
     count = len(made.expected)
     load, resultant = np.zeros((count, len(SIDES))), np.zeros((count, 3))
     for contact in made.deck.contacts:
@@ -105,7 +106,7 @@ def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> Cro
     spring = options.spring * UNITS[UNIT].length
     held = np.zeros((count, 3))
     for i in range(count):
-        held[i] = spring * np.sum(list(outcome.moved[f"BALL{i + 1}_WEAK"].values()), axis=0)
+        held[i] = both * spring * np.sum(list(outcome.moved[f"BALL{i + 1}_WEAK"].values()), axis=0)
     loose = np.linalg.norm(resultant - held, axis=1)  # what is printed acts on the slave, the ball
     return CrossRun(
         options.b_over_h,
@@ -124,4 +125,5 @@ def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> Cro
         outcome.seconds,
         outcome.date,
         f"CalculiX {outcome.version}",
+        options.half,
     )
