@@ -71,7 +71,9 @@ class HalfRing:
             begin, end = self._gamma(k)
             return self.shell.curve(lambda t: self._flank(k, t, phi), begin, end, self.flank_limit, ends)
         limit = self.behind_limit if k == 0 else self.land_limit
-        return self.shell.curve(lambda t: cylindrical(*self._straight(k, t)[:1], phi, self._straight(k, t)[1]), 0.0, 1.0, limit, ends)
+        return self.shell.curve(
+            lambda t: cylindrical(*self._straight(k, t)[:1], phi, self._straight(k, t)[1]), 0.0, 1.0, limit, ends
+        )
 
     def _gamma(self, k: int) -> tuple[float, float]:
         g = self.groove
@@ -115,7 +117,9 @@ class HalfRing:
         spec, shell = self.spec, self.shell
         for k, name in ((0, "bore" if spec.outer else "outside"), (2, "land"), (5, "land")):
             r, begin, end = self.corners[k, 0], self.corners[k, 1], self.corners[(k + 1) % 7, 1]
-            self._swept(name, k, (begin, end), np.array([r, 1.0]), self._cylinder(r), (self.behind_limit, self.land_limit)[k > 0])
+            self._swept(
+                name, k, (begin, end), np.array([r, 1.0]), self._cylinder(r), (self.behind_limit, self.land_limit)[k > 0]
+            )
         for k in (3, 4):
             side = self._side(k)
             scale = np.array([self.corners[4, 0], float(self.groove.m.radius[side])])
@@ -147,9 +151,7 @@ class HalfRing:
     def _cylinder(r: float) -> Placing:
         return lambda x: cylindrical(r, x[:, 0] / r, x[:, 1])
 
-    def _swept(
-        self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float
-    ) -> None:
+    def _swept(self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float) -> None:
         loop = [(n, x * scale) for n, x in self._around(k, *ends)]
         self.shell.face(name, [loop], space, limit)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import metadata
 from pathlib import Path
 
@@ -71,15 +71,20 @@ def checked_scene(name: str) -> Scene:
     return catalogue.scene(name)
 
 
-def run_study(scene: Scene, work: Path, step: Callable[[str], None]) -> CrossData:
+def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Sequence[CrossRun] = ()) -> CrossData:
     """Solve all decks of a scene with CalculiX, one after the other, in folders of their own below ``work``.
 
-    A deck whose result is there is not solved again. Raises InputError where CalculiX is missing or fails.
+    A deck whose result is there or among the ``stored`` runs is not solved again: decks count as equal by their digests.
+    Raises InputError where CalculiX is missing or fails.
     """
-    runs = []
+    runs, known = [], {r.deck: r for r in stored}
     for options in STUDIES[scene.name]:
         made = build_deck(scene, options)
         text = write(made.deck, UNIT)
+        if digest(text) in known:
+            runs.append(known[digest(text)])
+            step(f"{label(options)}: stored")
+            continue
         try:
             outcome = run(text, work / scene.name / label(options))
             runs.append(record(made, options, digest(text), outcome))

@@ -15,6 +15,7 @@ from compare.commands.deck import DeckChoices, run_deck
 from compare.crosscheck.calculix import find_ccx, run
 from compare.crosscheck.deck import DeckOptions, build_deck, without_turning
 from compare.crosscheck.deck_cut import cut_scene, parse_balls
+from compare.crosscheck.nut import check_nut, load_nut, save_nut
 from compare.errors import InputError
 from compare.scenes import catalogue
 from meshes.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
@@ -143,6 +144,18 @@ def test_calculix_finds_what_a_stack_of_cubes_must(unit, tmp_path: Path):
     assert re.fullmatch(r"\d+\.\d+", found.version)
     again = run(write(replace(stack(), heading=("another comment",)), unit), tmp_path)
     assert again == found  # read, not run again
+
+
+@CCX
+def test_two_programs_find_one_compliance_of_the_nut(tmp_path: Path):
+    found = check_nut(cut_scene(catalogue.scene("lin-case1"), 16, 16), tmp_path, DeckOptions(b_over_h=0.5, growth=0.9))
+    assert np.ravel(found.theirs) == pytest.approx(3.3e-9, rel=0.2)  # m/N, one ball
+    assert found.difference < 0.1
+    assert "within 0.1 %" in found.sentence()
+    wrong = replace(found, ours=(1.002 * np.array(found.ours)).tolist())
+    assert "NOT within 0.1 %" in wrong.sentence()
+    save_nut(tmp_path, found)
+    np.testing.assert_allclose(load_nut(tmp_path).ours, found.ours, rtol=1e-7)
 
 
 @CCX
