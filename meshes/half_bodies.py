@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.grooved_body import FLANK, BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
 from meshes.groove_map import GrooveMap
+from meshes.grooved_body import FLANK, BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
 from meshes.parts import SIDES
 from meshes.shell import BEND, WALL, Curve, Placing, Shell, Side
 

@@ -37,7 +37,8 @@ def run_crosscheck(
     """Print a scene's contact loads by the 3D reference and by CalculiX.
 
     run: solve the decks with CalculiX first that have no stored result (fresh: all of them) and rewrite the results in the
-    folder ``data`` (None: that of the package); work: folder of the decks; store: folder of the reference's runs, computed where none is stored.
+    folder ``data`` (None: that of the package); work: folder of the decks; store: folder of the reference's runs, computed
+    where none is stored.
     Raises InputError for a scene without results, results of another scene of that name, and where CalculiX fails.
     """
     scene, folder = checked_scene(name), data or shipped()

@@ -49,9 +49,9 @@ COVERED, LEAST = 2.0, 0.1
 
 @dataclass(frozen=True)
 class Extrapolation:
-    """Loads ``(n, 4)`` [N] extrapolated, their uncertainty ``(n, 4)`` [N], order p and length lambda, RMS misfit at the
-    finest mesh [N], and what elements and contact law add to the limit in the run nearest to it ``(n, 4)`` [N]; choices that
-    no run varies."""
+    """Loads ``(n, 4)`` [N] extrapolated, their uncertainty ``(n, 4)`` [N], order p and length lambda, RMS misfit as at the
+    finest mesh [N], and what elements and contact law add to the limit in the run nearest to it ``(n, 4)`` [N]; choices
+    that no run varies."""
 
     load: Array
     uncertainty: Array
@@ -143,8 +143,8 @@ def _errors(h: Array, g: Array, half: Array, order: float, length: float) -> Arr
 
 @dataclass(frozen=True)
 class _Fit:
-    """Weighted least squares with one order and length: RMS misfit of all contacts and of each ``(contacts,)``; limit and its
-    standard error ``(contacts,)``; what elements add ``(meshes, contacts)`` [N]."""
+    """Weighted least squares with one order and length: RMS misfit of all contacts and of each ``(contacts,)``; limit and
+    its standard error ``(contacts,)``; what elements add ``(meshes, contacts)`` [N]."""
 
     order: float
     length: float

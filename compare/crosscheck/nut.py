@@ -59,8 +59,9 @@ class NutCheck:
         """What was found."""
         met = "within" if self.difference <= TARGET else "NOT within"
         return (
-            f"{self.scene}: the nut's compliance between {len(self.ours)} contacts on one mesh of {self.nodes} nodes differs "
-            f"by at most {self.difference:.3f} % between the reference's elements and {self.program}, {met} {TARGET} %."
+            f"{self.scene}: the nut's compliance between {len(self.ours)} contacts on one mesh of {self.nodes} nodes "
+            f"differs by at most {self.difference:.3f} % between the reference's elements and {self.program}, "
+            f"{met} {TARGET} %."
         )
 
 
@@ -122,7 +123,9 @@ def _transform(
 
 
 def check_nut(scene: Scene, work: Path, options: DeckOptions = MESH, key: str = "") -> NutCheck:
-    """Both programs on one mesh of a scene's nut; key: of the scene's content, stored with the result. Raises InputError where CalculiX is missing or fails."""
+    """Both programs on one mesh of a scene's nut; key: of the scene's content, stored with the result.
+
+    Raises InputError where CalculiX is missing or fails."""
     decks, normals = nut_decks(scene, options)
     ours = linear_motions(decks)
     theirs, date, version = np.zeros_like(ours), "", ""

@@ -23,8 +23,8 @@ ABOUT = (
     "reference are the exact surfaces and gmsh; elements, integration, contact and solver are not."
 )
 EXTRAPOLATED = (
-    "One mesh of another program proves nothing: element size h at the contacts and growth g of the elements away from them "
-    "are refined together, and all contacts of all meshes fitted at once by F0 + A e + B / k. With the size of "
+    "One mesh of another program proves nothing: element size h at the contacts and growth g of the elements away from "
+    "them are refined together, and all contacts of all meshes fitted at once by F0 + A e + B / k. With the size of "
     "elements over the distance in which a contact's field changes there, (h + g d) / (c + d), and the field's energy "
     "spread evenly over x = c / (c + d), e is the mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and the length "
     "c over the short half axis are common to all contacts; B is from two runs on one mesh with two contact stiffnesses k. "

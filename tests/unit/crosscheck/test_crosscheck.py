@@ -157,7 +157,7 @@ FAMILY = ((0.6, 0.8), (0.8, 0.6), (1.2, 0.4), (1.6, 0.3))
 
 def manufactured(noise: float) -> tuple[np.ndarray, list[CrossRun]]:
     """Limits of 64 contacts and runs of another law than the fit's: an error of order 3 at the contacts, one of order 4 of
-    the growth and their product, in shares of every contact's own; meshes of one size differ by ``noise`` of their error."""
+    the growth and their product, in shares of every contact's own; meshes of one size differ by ``noise`` of their e."""
     rng = np.random.default_rng(7)
     limit = rng.uniform(40.0, 500.0, (16, 4))
     share, size = rng.uniform(0.0, 1.0, (16, 4)), np.cbrt(limit / limit.mean())
@@ -291,6 +291,10 @@ def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
     assert data.runs[0].weak == pytest.approx(0.001)
     assert data.runs[0].unbalanced == pytest.approx(0.0, abs=1e-12)
     assert [m.name for m in data.runs[0].meshes] == ["SCREW", "NUT", "BALL1", "BALL2"]
+    monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8, half=True)])
+    (half,) = run_study(checked_scene("two-balls"), tmp_path, lambda _: None).runs
+    np.testing.assert_allclose(half.load, [[10.0, 2.0, 2.0, 10.0]] * 2, rtol=1e-6)  # both halves
+    assert (half.half, half.weak) == (True, pytest.approx(0.002))
 
 
 def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path: Path, monkeypatch):
