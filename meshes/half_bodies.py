@@ -6,6 +6,8 @@ y >= 0 says it all, with as fine a mesh for half the nodes. Faces are as exact a
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -71,9 +73,12 @@ class HalfRing:
             begin, end = self._gamma(k)
             return self.shell.curve(lambda t: self._flank(k, t, phi), begin, end, self.flank_limit, ends)
         limit = self.behind_limit if k == 0 else self.land_limit
-        return self.shell.curve(
-            lambda t: cylindrical(*self._straight(k, t)[:1], phi, self._straight(k, t)[1]), 0.0, 1.0, limit, ends
-        )
+
+        def space(t: Array) -> Array:
+            r, z = self._straight(k, t)
+            return cylindrical(r, phi, z)
+
+        return self.shell.curve(space, 0.0, 1.0, limit, ends)
 
     def _gamma(self, k: int) -> tuple[float, float]:
         g = self.groove
@@ -114,46 +119,51 @@ class HalfRing:
         ]
 
     def _faces(self) -> None:
-        spec, shell = self.spec, self.shell
-        for k, name in ((0, "bore" if spec.outer else "outside"), (2, "land"), (5, "land")):
+        """Triangulate what the edges sweep, the flat ends, and the cut."""
+        outer = self.spec.outer
+        for k, name in ((0, "bore" if outer else "outside"), (2, "land"), (5, "land")):
             r, begin, end = self.corners[k, 0], self.corners[k, 1], self.corners[(k + 1) % 7, 1]
-            self._swept(
-                name, k, (begin, end), np.array([r, 1.0]), self._cylinder(r), (self.behind_limit, self.land_limit)[k > 0]
-            )
+            limit = self.behind_limit if k == 0 else self.land_limit
+            self._swept(name, k, (begin, end), np.array([r, 1.0]), _cylinder(r), limit)
         for k in (3, 4):
             side = self._side(k)
             scale = np.array([self.corners[4, 0], float(self.groove.m.radius[side])])
-
-            def space(x: Array, k: int = k, scale: Array = scale) -> Array:
-                return self._flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
-
-            self._swept(f"flank {SIDES[side]}", k, self._gamma(k), scale, space, self.flank_limit)
+            self._swept(f"flank {SIDES[side]}", k, self._gamma(k), scale, self._flank_space(k, scale), self.flank_limit)
         for k, name in ((1, "high end"), (6, "low end")):
-            z = float(self.corners[k, 1])
-            a, b = k, (k + 1) % 7
-            first, last = (own[k] for own in self.cuts)
-
-            def edge(t: Array, sign: float, k: int = k) -> Array:
-                return np.stack([sign * self._straight(k, t)[0], np.zeros(t.size)], axis=1)
-
-            loop = [
-                self.arcs[a].on(seen(float(self.corners[a, 0]))),
-                last.on(lambda t, edge=edge: edge(t, -1.0)),
-                self.arcs[b].back(seen(float(self.corners[b, 0]))),
-                first.back(lambda t, edge=edge: edge(t, 1.0)),
-            ]
-            shell.face(name, [loop], flat(z), np.inf)
+            self._end(name, k)
         for phi, own in zip(CUT, self.cuts, strict=True):
-            loop = [own[k].on(lambda t, k=k: self._section(k, t)) for k in range(7)]
-            shell.face("cut", [loop], lambda x, phi=phi: cylindrical(x[:, 0], phi, x[:, 1]), np.inf)
+            loop = [own[k].on(partial(self._section, k)) for k in range(7)]
+            self.shell.face("cut", [loop], _section_space(phi), np.inf)
 
-    @staticmethod
-    def _cylinder(r: float) -> Placing:
-        return lambda x: cylindrical(r, x[:, 0] / r, x[:, 1])
+    def _flank_space(self, k: int, scale: Array) -> Placing:
+        return lambda x: self._flank(k, x[:, 1] / scale[1], x[:, 0] / scale[0])
+
+    def _end(self, name: str, k: int) -> None:
+        """A flat end, which edge k sweeps."""
+        first, last = (own[k] for own in self.cuts)
+
+        def edge(sign: float) -> Placing:
+            return lambda t: np.stack([sign * self._straight(k, t)[0], np.zeros(t.size)], axis=1)
+
+        loop = [
+            self.arcs[k].on(seen(float(self.corners[k, 0]))),
+            last.on(edge(-1.0)),
+            self.arcs[(k + 1) % 7].back(seen(float(self.corners[(k + 1) % 7, 0]))),
+            first.back(edge(1.0)),
+        ]
+        self.shell.face(name, [loop], flat(float(self.corners[k, 1])), np.inf)
 
     def _swept(self, name: str, k: int, ends: tuple[float, float], scale: Array, space: Placing, limit: float) -> None:
         loop = [(n, x * scale) for n, x in self._around(k, *ends)]
         self.shell.face(name, [loop], space, limit)
+
+
+def _cylinder(r: float) -> Placing:
+    return lambda x: cylindrical(r, x[:, 0] / r, x[:, 1])
+
+
+def _section_space(phi: float) -> Placing:
+    return lambda x: cylindrical(x[:, 0], phi, x[:, 1])
 
 
 def half_sphere(radius: float, shell: Shell, share: float, sign: float) -> None:
