@@ -34,7 +34,7 @@ class CrossRun:
     [Pa/m], weak springs [N/m], large displacements), element size at the contacts [m], digest of the deck, meshes; contact
     loads ``(n, 4)`` [N]; largest force of a weak spring on a ball [N], largest unbalanced force of a ball beyond it [N];
     iterations, last correction of the displacements [%], seconds of processor time, date, program; whether only the half at
-    y >= 0 was meshed (meshes count its nodes, loads are of the whole)."""
+    y >= 0 was meshed (meshes count its nodes, loads are of the whole), and whether balls have one mesh."""
 
     b_over_h: float
     growth: float
@@ -53,6 +53,7 @@ class CrossRun:
     date: str
     program: str
     half: bool = False
+    alike: bool = False
 
     @property
     def nodes(self) -> int:

@@ -68,7 +68,8 @@ class DeckOptions:
     b_over_h: elements across the short half axis of a contact of mean load, the same element size at all contacts; growth:
     of element sizes per distance from the contacts; stiffness: contact pressure per overclosure [Pa/m]; spring: weak
     springs at every ball and free freedom of the screw [N/m]; nlgeom: large displacements; half: only what is at y >= 0 of
-    a ring pair that this plane parts into mirror images.
+    a ring pair that this plane parts into mirror images; alike: one mesh for all balls of one radius, so that their loads do
+    not scatter by what meshes of one size differ (halves: always).
     """
 
     b_over_h: float = 1.5
@@ -77,6 +78,7 @@ class DeckOptions:
     spring: float = 1e3
     nlgeom: bool = False
     half: bool = False
+    alike: bool = False
 
 
 @dataclass(frozen=True)
@@ -247,19 +249,19 @@ def _rings(
 def _balls(
     scene: Scene, drawn: Specimen, m: GrooveMap, layout: BallLayout, places: list[Place], fine: float, options: DeckOptions
 ) -> list[tuple[DeckBody, float]]:
-    """Every ball with its own radius, where the scene puts it; balls of one radius have one mesh.
-
-    A mesh of its own for every ball would scatter their loads by what meshes of the same size differ.
-    """
+    """Every ball with its own radius, where the scene puts it."""
     bodies, meshed = [], dict[tuple[float, float], WholeBody]()
     for i, radius in enumerate(drawn.ball_radius.tolist()):
-        own, sign = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i]))) if options.half else 0.0
-        if (radius, sign) not in meshed:
-            equal = [p for p in places if drawn.ball_radius[p.ball] == radius]
-            near = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in equal]
-            size = _refined(near, fine, FAR[1] * options.growth * m.ball, options)
-            meshed[radius, sign] = half_ball(radius, size, sign) if options.half else whole_ball(m, radius, size)
-        made = meshed[radius, sign]
+        own, side = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
+        made = meshed.get((radius, side if options.half else 0.0))
+        if made is None:
+            shared = options.half or options.alike
+            near = [p for p in places if drawn.ball_radius[p.ball] == radius] if shared else own
+            zones = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in near]
+            size = _refined(zones, fine, FAR[1] * options.growth * m.ball, options)
+            made = half_ball(radius, size, side) if options.half else whole_ball(m, radius, size)
+            if shared:
+                meshed[radius, side if options.half else 0.0] = made
         faces = {ball_faces(p): sphere_faces(m, made, p, radius, fine) for p in own}
         name = f"BALL{i + 1}"
         points = place_ball(m, (float(layout.azimuth[i]), float(layout.z[i])), made.points)

@@ -84,8 +84,8 @@ def softness(runs: Sequence[CrossRun]) -> Array | None:
     )
 
 
-def _mesh(run: CrossRun) -> tuple[float, float, bool]:
-    return run.b_over_h, run.growth, run.half
+def _mesh(run: CrossRun) -> tuple[float, float, bool, bool]:
+    return run.b_over_h, run.growth, run.half, run.alike
 
 
 def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
@@ -102,7 +102,7 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
     if law is None and len({r.stiffness for r in own}) > 1:
         raise ValueError("the contact stiffness varies, but on no mesh: add a run that differs in it alone")
     law = np.zeros(own[0].load.size) if law is None else law
-    groups: dict[tuple[float, float, bool], list[CrossRun]] = {}
+    groups: dict[tuple[float, float, bool, bool], list[CrossRun]] = {}
     for r in own:
         groups.setdefault(_mesh(r), []).append(r)
     if len({m[:2] for m in groups}) < 2:

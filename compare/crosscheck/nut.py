@@ -30,7 +30,7 @@ from meshes.parts import Scene
 Array = NDArray[np.float64]
 
 #: Scene whose nut is compared, and the mesh.
-SCENE, MESH = "lin-case1-cut", DeckOptions(b_over_h=0.8, growth=0.6)
+SCENE, MESH = "lin-case1-cut", DeckOptions(b_over_h=0.7, growth=0.8)
 #: Agreement aimed at, in per cent.
 TARGET = 0.1
 FORCE = 1000.0

@@ -27,34 +27,38 @@ Array = NDArray[np.float64]
 UNIT = "mm"
 
 
-def _choices(*rows: tuple[float, float, float], large: tuple[float, float, float] | None = None) -> list[DeckOptions]:
-    """Rows of elements across, growth and stiffness [N/mm3]; ``large``: one more with large displacements."""
-    found = [DeckOptions(b, g, 1e9 * k) for b, g, k in rows]
-    if large is not None:
-        found.append(DeckOptions(large[0], large[1], 1e9 * large[2], nlgeom=True))
-    return found
+def _choices(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
+    """Rows of elements across, growth and stiffness [N/mm3]."""
+    return [DeckOptions(b, g, 1e9 * k, half=half, alike=alike) for b, g, k in rows]
 
 
-#: Decks of every scene that is checked: element size at the contacts, growth and contact stiffness varied.
+#: Decks of every scene that is checked. Element size at the contacts and growth are varied one by one on coarse meshes, and
+#: refined together (b/h times growth 0.48) on halves and on balls of one mesh; contact stiffness, large displacements.
 STUDIES: dict[str, list[DeckOptions]] = {
-    "two-balls": _choices(
-        (0.6, 0.8, 2e8),
-        (0.8, 0.6, 2e8),
-        (1.2, 0.4, 2e8),
-        (1.1, 0.6, 2e8),
-        (1.5, 0.6, 2e8),
-        (1.1, 0.8, 2e8),
-        (0.8, 0.4, 2e8),
-        (0.8, 0.6, 1e9),
-        large=(0.6, 0.8, 2e8),
-    ),
-    "lin-case1-cut": _choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
+    "two-balls": [
+        *_choices(
+            (0.6, 0.8, 2e8),
+            (0.8, 0.6, 2e8),
+            (1.2, 0.4, 2e8),
+            (1.1, 0.6, 2e8),
+            (1.5, 0.6, 2e8),
+            (1.1, 0.8, 2e8),
+            (0.8, 0.4, 2e8),
+            (0.8, 0.6, 1e9),
+        ),
+        DeckOptions(0.6, 0.8, 2e17, nlgeom=True),
+        *_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), half=True),
+    ],
+    "lin-case1-cut": [
+        *_choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
+        *_choices((1.2, 0.4, 2e8), alike=True),
+    ],
 }
 
 
 def label(options: DeckOptions) -> str:
     """Name of a deck's folder."""
-    tail = "-nlgeom" * options.nlgeom + "-half" * options.half
+    tail = "-nlgeom" * options.nlgeom + "-half" * options.half + "-alike" * options.alike
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
 
 
@@ -131,4 +135,5 @@ def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> Cro
         outcome.date,
         f"CalculiX {outcome.version}",
         options.half,
+        options.alike,
     )
