@@ -40,7 +40,7 @@ class Dimensions:
         """
         half = scene.nut.length / 2.0 + self.shaft
         ends = max(scene.nut.position - half, 0.0), min(scene.nut.position + half, scene.screw.length)
-        stations = [x.at for x in (*scene.supports, *scene.loads)]
+        stations = [*(s.at for s in scene.supports), *(x.at for x in scene.loads)]
         low, high = (next((z for z in stations if abs(z - end) <= SAME), end) for end in ends)
         return low, high
 
