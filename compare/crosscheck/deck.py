@@ -68,8 +68,8 @@ class DeckOptions:
     b_over_h: elements across the short half axis of a contact of mean load, the same element size at all contacts; growth:
     of element sizes per distance from the contacts; stiffness: contact pressure per overclosure [Pa/m]; spring: weak
     springs at every ball and free freedom of the screw [N/m]; nlgeom: large displacements; half: only what is at y >= 0 of
-    a ring pair that this plane parts into mirror images; alike: one mesh for all balls of one radius, so that their loads do
-    not scatter by what meshes of one size differ (halves: always).
+    a ring pair that this plane parts into mirror images; alike: one mesh for all balls of one radius, so that their loads
+    do not scatter by what meshes of one size differ (halves: always).
     """
 
     b_over_h: float = 1.5

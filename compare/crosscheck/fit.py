@@ -76,7 +76,7 @@ def element_error(size: Array, growth: Array, order: float) -> Array:
 
 def softness(runs: Sequence[CrossRun]) -> Array | None:
     """B ``(contacts,)`` [N Pa/m] of the contact law: mean over pairs of runs on one mesh, None without such a pair."""
-    pairs = [(a, b) for a, b in combinations(runs, 2) if _mesh(a) == _mesh(b) and a.stiffness != b.stiffness]
+    pairs = [(a, b) for a, b in combinations(runs, 2) if mesh_of(a) == mesh_of(b) and a.stiffness != b.stiffness]
     if not pairs:
         return None
     return np.asarray(
@@ -84,15 +84,17 @@ def softness(runs: Sequence[CrossRun]) -> Array | None:
     )
 
 
-def _mesh(run: CrossRun) -> tuple[float, float, bool, bool]:
+def mesh_of(run: CrossRun) -> tuple[float, float, bool, bool]:
+    """What tells a run's mesh from those of other runs: elements across, growth, half, equal balls."""
     return run.b_over_h, run.growth, run.half, run.alike
 
 
 def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
     """Limit of the runs with small displacements.
 
-    The uncertainty of a contact is the largest change of its limit over all pairs of order and length that fit it no worse
-    than the best pair fits all contacts, joined by root of squares with two standard errors of the limit, of its own
+    The uncertainty of a contact is the largest change of its limit over all pairs of order and length whose sum of squares
+    there is within two standard deviations of the best pair's (four times the variance of a residual, its own or of all
+    contacts, whichever is larger), joined by root of squares with two standard errors of the limit, of its own
     residuals or of all contacts', whichever are larger, and with a tenth of what lies between the finest mesh and the
     limit. Where two meshes are all, every pair fits and the uncertainty is the whole range of limits. Raises ValueError
     with one mesh only, and where the contact stiffness varies, but on no mesh.
@@ -104,7 +106,7 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
     law = np.zeros(own[0].load.size) if law is None else law
     groups: dict[tuple[float, float, bool, bool], list[CrossRun]] = {}
     for r in own:
-        groups.setdefault(_mesh(r), []).append(r)
+        groups.setdefault(mesh_of(r), []).append(r)
     if len({m[:2] for m in groups}) < 2:
         raise ValueError("one mesh only: two are needed to extrapolate")
     h, g = (np.array([x[k] for x in groups]) for k in (0, 1))
@@ -116,7 +118,9 @@ def extrapolate(runs: Sequence[CrossRun]) -> Extrapolation:
     weight = weight / weight.max(axis=0)
     fits = [_fit(loads, _errors(h, g, half, p, s), weight, p, s) for p, s in product(ORDERS, LENGTHS)]
     best = min(fits, key=lambda fit: fit.misfit)
-    enough = best.misfit + EXACT * float(np.abs(loads).max())
+    free = max(1, len(loads) - 2)
+    enough = np.hypot(best.own, COVERED * np.maximum(best.own, best.misfit) / np.sqrt(free))
+    enough = enough + EXACT * float(np.abs(loads).max())
     change = np.abs(np.stack([f.limit for f in fits]) - best.limit)
     spread = np.where(np.stack([f.own for f in fits]) <= enough, change, 0.0).max(axis=0)
     near = int(np.argmin(np.abs(best.elements).sum(axis=1)))

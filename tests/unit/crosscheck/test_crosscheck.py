@@ -178,7 +178,7 @@ def test_the_uncertainty_covers_what_the_law_leaves_out(noise):
     off, finest = np.abs(found.load - limit), np.abs(runs[-1].load - limit)
     assert np.mean(off <= found.uncertainty) >= 0.95
     assert off.mean() < 0.8 * finest.mean()
-    assert found.uncertainty.mean() < (1.5 if noise < 0.05 else 3.5) * finest.mean()
+    assert found.uncertainty.mean() < (2.5 if noise < 0.05 else 5.0) * finest.mean()
     # the law's share was measured on a mesh whose loads are up to 14 % larger
     np.testing.assert_allclose(found.by_stiffness, -0.002 * limit, rtol=0.15)
 
