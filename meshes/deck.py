@@ -86,7 +86,8 @@ class Contact:
 @dataclass(frozen=True)
 class Deck:
     """All that a deck says. stiffness: contact pressure per overclosure [Pa/m]; spring: of every weak spring [N/m];
-    fixed: sets of nodes held in all directions; heading: lines of comment; nlgeom: large displacements."""
+    fixed: sets of nodes held in all directions; mirrored: sets held across the plane y = 0; heading: lines of comment;
+    nlgeom: large displacements."""
 
     bodies: tuple[DeckBody, ...]
     sections: tuple[RigidSection, ...]
@@ -97,6 +98,7 @@ class Deck:
     heading: tuple[str, ...]
     title: str
     nlgeom: bool = False
+    mirrored: tuple[str, ...] = ()
 
     @property
     def node_count(self) -> int:
@@ -193,6 +195,7 @@ def _write(deck: Deck, units: Units) -> Iterator[str]:
     yield from _contacts(deck, units)
     yield "*BOUNDARY"
     yield from (f"{name}, 1, 3" for name in deck.fixed)
+    yield from (f"{name}, 2, 2" for name in deck.mirrored)
     yield from _held(deck, references, units, moved=False)
     yield from _step(deck, references, units)
 

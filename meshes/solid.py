@@ -11,6 +11,8 @@ from meshes.parts import Scene
 #: Hole assumed along the axis of a solid screw, over the pitch radius: the mesh needs one; its effect is part of the
 #: modelling spread.
 HOLE = 1.0 / 11.0
+#: Stations [m] nearer to each other are one.
+SAME = 1e-9
 #: 3D stretch of shaft assumed beyond each face of the nut, over the pitch radius.
 SHAFT = 1.5
 #: Of a nut's groove that is filled beyond the loaded balls: length of whole groove beyond the middle of the outermost ball,
@@ -35,9 +37,16 @@ class Dimensions:
     assumed: tuple[str, ...]
 
     def ends(self, scene: Scene) -> tuple[float, float]:
-        """Stations [m] of the flat ends of the 3D stretch of the screw."""
+        """Stations [m] of the flat ends of the 3D stretch of the screw.
+
+        A support or load within `SAME` of an end is at that end, though their numbers differ by rounding: what acts on the
+        whole flat end would else act on the hole's surface just inside it.
+        """
         half = scene.nut.length / 2.0 + self.shaft
-        return max(scene.nut.position - half, 0.0), min(scene.nut.position + half, scene.screw.length)
+        ends = max(scene.nut.position - half, 0.0), min(scene.nut.position + half, scene.screw.length)
+        stations = [*(s.at for s in scene.supports), *(x.at for x in scene.loads)]
+        low, high = (next((z for z in stations if abs(z - end) <= SAME), end) for end in ends)
+        return low, high
 
 
 def dimensions(scene: Scene) -> Dimensions:

@@ -18,6 +18,7 @@ from meshes.ball_body import directions, sphere
 from meshes.fem import cells_of, nodes_on, points_of
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec, Surface
+from meshes.half_bodies import HalfRing, half_sphere
 from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
 from meshes.shell import POOREST, STRAIGHTENED, Placing, Shell, best_of, fill
 from meshes.sockets import SocketSize, socket_points
@@ -103,6 +104,21 @@ def whole_ball(m: GrooveMap, radius: float, refinement: Refinement) -> WholeBody
     """
     own = replace(m, ball=radius)
     return _meshed("ball", lambda shell, share: sphere(own, shell, [], share), refinement)
+
+
+def half_body(m: GrooveMap, spec: BodySpec, refinement: Refinement) -> WholeBody:
+    """The half of a ring at y >= 0; the plane y = 0 is its part "cut". Raises ValueError as ``whole_body`` does, and for a
+    helix or a ring without bore."""
+    name = "inner ring" if spec.outer else "outer ring"
+    return _meshed(name, lambda shell, share: HalfRing(shell, m, spec, share), refinement)
+
+
+def half_ball(radius: float, refinement: Refinement, sign: float) -> WholeBody:
+    """The half at sign * y >= 0 of a ball of a radius [m] about the origin; the plane y = 0 is its part "cut".
+
+    Raises ValueError where no attempt gives a good mesh.
+    """
+    return _meshed("ball", lambda shell, share: half_sphere(radius, shell, share, sign), refinement)
 
 
 def _meshed(name: str, surface: Callable[[Shell, float], object], refinement: Refinement) -> WholeBody:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from compare.commands.study import on_terminal
+from compare.crosscheck import nut
 from compare.crosscheck.data import CrossData, load, save, shipped
 from compare.crosscheck.rows import ContactRow, agreement, columns, contact_rows
 from compare.crosscheck.study import STUDIES, checked_scene, run_study, scene_key
@@ -24,6 +25,7 @@ def run_crosscheck(
     name: str,
     *,
     run: bool,
+    fresh: bool,
     data: Path | None,
     work: Path,
     store: Path,
@@ -34,14 +36,19 @@ def run_crosscheck(
 ) -> int:
     """Print a scene's contact loads by the 3D reference and by CalculiX.
 
-    run: solve the decks with CalculiX first and rewrite the stored results in the folder ``data`` (None: that of the
-    package); work: folder of the decks; store: folder of the reference's runs, computed where none is stored.
+    run: solve the decks with CalculiX first that have no stored result (fresh: all of them) and rewrite the results in the
+    folder ``data`` (None: that of the package); work: folder of the decks; store: folder of the reference's runs, computed
+    where none is stored.
     Raises InputError for a scene without results, results of another scene of that name, and where CalculiX fails.
     """
     scene, folder = checked_scene(name), data or shipped()
     if run:
         need_gmsh()
-        show(f"wrote {save(folder, run_study(scene, work, on_terminal))}")
+        kept = None if fresh else load(folder, scene.name)
+        stored_runs = kept.runs if kept is not None and kept.key == scene_key(scene.name) else ()
+        show(f"wrote {save(folder, run_study(scene, work, on_terminal, stored_runs))}")
+        if scene.name == nut.SCENE and (fresh or nut.load_nut(folder) is None):
+            show(f"wrote {nut.save_nut(folder, nut.check_nut(scene, work, key=scene_key(scene.name)))}")
     found = stored(folder, scene)
     ours = _ours(scene, store, engine)
     rows = contact_rows(found, ours)
@@ -49,6 +56,9 @@ def run_crosscheck(
         print_json({"scene": scene.name, "agreement": agreement(scene.name, rows), "contacts": [r.cells() for r in rows]})
         return 0
     show(_table(scene, found, ours, rows), agreement(scene.name, rows))
+    alone = nut.load_nut(folder)
+    if alone is not None and alone.key == scene_key(scene.name):
+        show(alone.sentence())
     return 0
 
 

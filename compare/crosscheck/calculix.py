@@ -154,6 +154,7 @@ def read_dat(text: str) -> tuple[list[ContactForce], dict[str, dict[int, tuple[f
 
 
 def read_cvg(text: str) -> tuple[int, float]:
-    """Iterations of all increments, and the last correction of the displacements over the largest [%]."""
+    """Iterations of all increments, and the last correction of the displacements over the largest [%]; a linear step,
+    which prints none, has one iteration."""
     rows = [line.split() for line in text.splitlines() if re.match(r"\s+\d+\s+\d+\s+\d+\s+\d+", line)]
-    return len(rows), float(rows[-1][6])
+    return (len(rows), float(rows[-1][6])) if rows else (1, 0.0)

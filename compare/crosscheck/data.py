@@ -33,7 +33,8 @@ class CrossRun:
     """One run: choices of the deck (elements across the short half axis at mean load, growth, pressure per overclosure
     [Pa/m], weak springs [N/m], large displacements), element size at the contacts [m], digest of the deck, meshes; contact
     loads ``(n, 4)`` [N]; largest force of a weak spring on a ball [N], largest unbalanced force of a ball beyond it [N];
-    iterations, last correction of the displacements [%], seconds of processor time, date, program."""
+    iterations, last correction of the displacements [%], seconds of processor time, date, program; whether only the half at
+    y >= 0 was meshed (meshes count its nodes, loads are of the whole), and whether balls have one mesh."""
 
     b_over_h: float
     growth: float
@@ -51,6 +52,8 @@ class CrossRun:
     seconds: float
     date: str
     program: str
+    half: bool = False
+    alike: bool = False
 
     @property
     def nodes(self) -> int:

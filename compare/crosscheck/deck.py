@@ -32,7 +32,17 @@ from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_groove_c
 from meshes.parts import FREEDOMS, SIDES, Scene
 from meshes.sockets import SocketSize
 from meshes.solid import Dimensions, dimensions
-from meshes.whole_bodies import Refinement, groove_points, place_ball, sphere_points, whole_ball, whole_body
+from meshes.whole_bodies import (
+    Refinement,
+    WholeBody,
+    groove_points,
+    half_ball,
+    half_body,
+    place_ball,
+    sphere_points,
+    whole_ball,
+    whole_body,
+)
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -57,7 +67,9 @@ class DeckOptions:
 
     b_over_h: elements across the short half axis of a contact of mean load, the same element size at all contacts; growth:
     of element sizes per distance from the contacts; stiffness: contact pressure per overclosure [Pa/m]; spring: weak
-    springs at every ball and free freedom of the screw [N/m]; nlgeom: large displacements.
+    springs at every ball and free freedom of the screw [N/m]; nlgeom: large displacements; half: only what is at y >= 0 of
+    a ring pair that this plane parts into mirror images; alike: one mesh for all balls of one radius, so that their loads
+    do not scatter by what meshes of one size differ (halves: always).
     """
 
     b_over_h: float = 1.5
@@ -65,6 +77,8 @@ class DeckOptions:
     stiffness: float = 2e17
     spring: float = 1e3
     nlgeom: bool = False
+    half: bool = False
+    alike: bool = False
 
 
 @dataclass(frozen=True)
@@ -87,6 +101,21 @@ def refuse_large(scene: Scene) -> None:
             str(scene.ball_count),
             f"1 to {MOST_BALLS} balls in a deck of whole bodies",
             "cut the screw to a few neighbouring balls: --balls 3:5 keeps balls 3 to 5",
+        )
+
+
+def refuse_unlike(scene: Scene) -> None:
+    """Raise InputError where the plane y = 0 does not part a scene into mirror images: a helix, balls beside the plane,
+    loads, or the screw not held along y and about x and z."""
+    azimuth = ball_layout(scene).azimuth
+    held = {n for s in scene.supports for n, v in s.fixed if v == 0.0}
+    if scene.track.lead or np.abs(np.sin(azimuth)).max() > 1e-9 or scene.loads or not {"uy", "rx", "rz"} <= held:
+        raise InputError(
+            scene.name,
+            "half",
+            "not its own mirror image",
+            "a ring pair with balls at 0 and 180 deg, moved by supports that hold uy, rx, rz",
+            "mesh whole bodies",
         )
 
 
@@ -145,6 +174,8 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
             '"through"',
             "leave it out: a deck has whole grooves",
         )
+    if options.half:
+        refuse_unlike(scene)
     drawn, found, sides = exact_errors(scene), expected(scene), needed_sides(scene)
     m, layout = GrooveMap.of(scene), ball_layout(scene)
     places, short = places_of(scene, found.load, sides)
@@ -179,6 +210,7 @@ def build_deck(scene: Scene, options: DeckOptions | None = None) -> Made:
         _heading(scene, dims, found, fine, count, options),
         f"{scene.name}: {scene.title}",
         options.nlgeom,
+        tuple(f"{b.name}_CUT" for b in bodies if options.half),
     )
     return Made(deck, found.load, fine, quality)
 
@@ -204,7 +236,8 @@ def _rings(
         groove = body_map(m, drawn, scene, screw)
         near = [groove_points(groove, p.at, fine_zone(p, fine)) for p in own]
         size = _refined(near, fine, FAR[0] * options.growth * m.ball, options)
-        made = whole_body(groove, BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse), size)
+        spec = BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse)
+        made = (half_body if options.half else whole_body)(groove, spec, size)
         faces = {groove_faces(p): flank_faces(groove, made, p, fine) for p in own}
         if screw:
             held = (
@@ -214,6 +247,8 @@ def _rings(
             )
         else:
             held = {"NUT_HELD": np.unique(np.concatenate([made.named[x] for x in HELD[dims.nut_held]]))}
+        if options.half:  # nodes that are held or move with a rigid section stay in the plane by that
+            held[f"{name}_CUT"] = np.setdiff1d(made.named["cut"], np.concatenate(list(held.values())))
         body = DeckBody(name, made.points, made.cells, part.material, held, faces)
         bodies.append((body, made.quality.smallest))
     return bodies
@@ -223,22 +258,39 @@ def _balls(
     scene: Scene, drawn: Specimen, m: GrooveMap, layout: BallLayout, places: list[Place], fine: float, options: DeckOptions
 ) -> list[tuple[DeckBody, float]]:
     """Every ball with its own radius, where the scene puts it."""
-    bodies = []
+    bodies, meshed = [], dict[tuple[float, float], WholeBody]()
     for i, radius in enumerate(drawn.ball_radius.tolist()):
-        own = [p for p in places if p.ball == i]
-        near = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in own]
-        made = whole_ball(m, radius, _refined(near, fine, FAR[1] * options.growth * m.ball, options))
+        own, side = [p for p in places if p.ball == i], float(np.sign(np.cos(layout.azimuth[i])))
+        made = meshed.get((radius, side if options.half else 0.0))
+        if made is None:
+            shared = options.half or options.alike
+            near = [p for p in places if drawn.ball_radius[p.ball] == radius] if shared else own
+            zones = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in near]
+            size = _refined(zones, fine, FAR[1] * options.growth * m.ball, options)
+            made = half_ball(radius, size, side) if options.half else whole_ball(m, radius, size)
+            if shared:
+                meshed[radius, side if options.half else 0.0] = made
         faces = {ball_faces(p): sphere_faces(m, made, p, radius, fine) for p in own}
         name = f"BALL{i + 1}"
         points = place_ball(m, (float(layout.azimuth[i]), float(layout.z[i])), made.points)
-        away = np.stack([sign * x for x in (parting(m), directions(m, 0)[2]) for sign in (1.0, -1.0)])
-        poles = np.argmax(made.points @ away.T, axis=0)
-        alike = without_turning(points, poles.reshape(2, 2))
+        axes = [parting(m)] if options.half else [parting(m), directions(m, 0)[2]]
+        poles = np.argmax(made.points @ np.stack([sign * x for x in axes for sign in (1.0, -1.0)]).T, axis=0)
+        pairs = poles.reshape(-1, 2)
+        alike = without_spinning(points, pairs[0]) if options.half else without_turning(points, pairs)
         weak = poles[:1]
         nodes = {f"{name}_WEAK": weak}
+        if options.half:
+            nodes[f"{name}_CUT"] = made.named["cut"]
         body = DeckBody(name, points, made.cells, scene.balls.material, nodes, faces, weak, alike)
         bodies.append((body, made.quality.smallest))
     return bodies
+
+
+def without_spinning(points: Array, pair: Index) -> Index:
+    """The row ``(1, 3)`` of a pair of nodes and an axis along which they move alike, so that a half ball, whose cut stays
+    in the plane y = 0, cannot turn about y."""
+    arms = [abs(float(np.cross(points[pair[0]] - points[pair[1]], np.eye(3)[k])[1])) for k in range(3)]
+    return np.array([(*pair, int(np.argmax(arms)))], dtype=np.int64)
 
 
 def without_turning(points: Array, pairs: Index) -> Index:

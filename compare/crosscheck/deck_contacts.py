@@ -96,7 +96,7 @@ def flank_faces(m: GrooveMap, made: WholeBody, place: Place, fine: float) -> Ind
     )
     half = _zone(place, fine, MASTER)
     inside = (radius * xi[:, 0] / half[0]) ** 2 + (m.R * xi[:, 2] / half[1]) ** 2 <= 1.0
-    return _faces_within(made.cells, flank[inside])
+    return _faces_within(made, flank[inside])
 
 
 def sphere_faces(m: GrooveMap, made: WholeBody, place: Place, radius: float, fine: float) -> Index:
@@ -106,13 +106,16 @@ def sphere_faces(m: GrooveMap, made: WholeBody, place: Place, radius: float, fin
     height = np.where(x @ n > 0.0, x @ n, 1e-9 * radius)  # nodes behind are far outside
     across, along = radius * (x @ t1) / height, radius * (x @ t2) / height
     inside = (x @ n > 0.0) & ((across / half[0]) ** 2 + (along / half[1]) ** 2 <= 1.0)
-    return _faces_within(made.cells, sphere[inside])
+    return _faces_within(made, sphere[inside])
 
 
-def _faces_within(cells: Index, nodes: Index) -> Index:
-    """Corners of the outer faces all of whose corners are among ``nodes``. Raises ValueError where there is none."""
-    faces = outer_faces(cells)
-    own = faces[np.isin(faces, nodes).all(axis=1)]
+def _faces_within(made: WholeBody, nodes: Index) -> Index:
+    """Corners of the outer faces all of whose corners are among ``nodes``, those of a half's cut left out.
+
+    Raises ValueError where there is none.
+    """
+    faces = outer_faces(made.cells)
+    own = faces[np.isin(faces, nodes).all(axis=1) & ~np.isin(faces, made.named.get("cut", [])).all(axis=1)]
     if not len(own):
         raise ValueError("no face of the mesh lies within an expected contact: raise --b-over-h or lower --growth")
     return own

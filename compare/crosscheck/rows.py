@@ -57,8 +57,8 @@ def series(data: CrossData) -> list[CrossRun]:
 
 
 def deck_label(run: CrossRun) -> str:
-    """Short name of a deck in a series: elements across the short half axis, growth."""
-    return f"b/h {run.b_over_h:g}, g {run.growth:g}"
+    """Short name of a deck in a series: elements across the short half axis, growth, half or equal balls."""
+    return f"b/h {run.b_over_h:g}, g {run.growth:g}" + ", half" * run.half + ", equal balls" * run.alike
 
 
 def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None = None) -> list[ContactRow]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import metadata
 from pathlib import Path
 
@@ -27,34 +27,38 @@ Array = NDArray[np.float64]
 UNIT = "mm"
 
 
-def _choices(*rows: tuple[float, float, float], large: tuple[float, float, float] | None = None) -> list[DeckOptions]:
-    """Rows of elements across, growth and stiffness [N/mm3]; ``large``: one more with large displacements."""
-    found = [DeckOptions(b, g, 1e9 * k) for b, g, k in rows]
-    if large is not None:
-        found.append(DeckOptions(large[0], large[1], 1e9 * large[2], nlgeom=True))
-    return found
+def _choices(*rows: tuple[float, float, float], half: bool = False, alike: bool = False) -> list[DeckOptions]:
+    """Rows of elements across, growth and stiffness [N/mm3]."""
+    return [DeckOptions(b, g, 1e9 * k, half=half, alike=alike) for b, g, k in rows]
 
 
-#: Decks of every scene that is checked: element size at the contacts, growth and contact stiffness varied.
+#: Decks of every scene that is checked. Element size at the contacts and growth are varied one by one on coarse meshes, and
+#: refined together (b/h times growth 0.48) on halves and on balls of one mesh; contact stiffness, large displacements.
 STUDIES: dict[str, list[DeckOptions]] = {
-    "two-balls": _choices(
-        (0.6, 0.8, 2e8),
-        (0.8, 0.6, 2e8),
-        (1.2, 0.4, 2e8),
-        (1.1, 0.6, 2e8),
-        (1.5, 0.6, 2e8),
-        (1.1, 0.8, 2e8),
-        (0.8, 0.4, 2e8),
-        (0.8, 0.6, 1e9),
-        large=(0.6, 0.8, 2e8),
-    ),
-    "lin-case1-cut": _choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
+    "two-balls": [
+        *_choices(
+            (0.6, 0.8, 2e8),
+            (0.8, 0.6, 2e8),
+            (1.2, 0.4, 2e8),
+            (1.1, 0.6, 2e8),
+            (1.5, 0.6, 2e8),
+            (1.1, 0.8, 2e8),
+            (0.8, 0.4, 2e8),
+            (0.8, 0.6, 1e9),
+        ),
+        DeckOptions(0.6, 0.8, 2e17, nlgeom=True),
+        *_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), half=True),
+    ],
+    "lin-case1-cut": [
+        *_choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
+        *_choices((1.2, 0.4, 2e8), alike=True),
+    ],
 }
 
 
 def label(options: DeckOptions) -> str:
     """Name of a deck's folder."""
-    tail = "-nlgeom" if options.nlgeom else ""
+    tail = "-nlgeom" * options.nlgeom + "-half" * options.half + "-alike" * options.alike
     return f"bh{options.b_over_h:g}-g{options.growth:g}-k{1e-9 * options.stiffness:g}{tail}"
 
 
@@ -71,15 +75,20 @@ def checked_scene(name: str) -> Scene:
     return catalogue.scene(name)
 
 
-def run_study(scene: Scene, work: Path, step: Callable[[str], None]) -> CrossData:
+def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Sequence[CrossRun] = ()) -> CrossData:
     """Solve all decks of a scene with CalculiX, one after the other, in folders of their own below ``work``.
 
-    A deck whose result is there is not solved again. Raises InputError where CalculiX is missing or fails.
+    A deck whose result is there or among the ``stored`` runs is not solved again: decks count as equal by their digests.
+    Raises InputError where CalculiX is missing or fails.
     """
-    runs = []
+    runs, known = [], {r.deck: r for r in stored}
     for options in STUDIES[scene.name]:
         made = build_deck(scene, options)
         text = write(made.deck, UNIT)
+        if digest(text) in known:
+            runs.append(known[digest(text)])
+            step(f"{label(options)}: stored")
+            continue
         try:
             outcome = run(text, work / scene.name / label(options))
             runs.append(record(made, options, digest(text), outcome))
@@ -93,7 +102,8 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None]) -> CrossDat
 
 def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> CrossRun:
     """A run as it is stored. Raises ValueError where a contact is missing."""
-    forces = {c.slave: np.array(c.force) for c in outcome.contacts}
+    both = np.array([2.0, 0.0, 2.0]) if options.half else np.ones(3)  # with its mirror image
+    forces = {c.slave: both * c.force for c in outcome.contacts}
     count = len(made.expected)
     load, resultant = np.zeros((count, len(SIDES))), np.zeros((count, 3))
     for contact in made.deck.contacts:
@@ -105,7 +115,7 @@ def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> Cro
     spring = options.spring * UNITS[UNIT].length
     held = np.zeros((count, 3))
     for i in range(count):
-        held[i] = spring * np.sum(list(outcome.moved[f"BALL{i + 1}_WEAK"].values()), axis=0)
+        held[i] = both * spring * np.sum(list(outcome.moved[f"BALL{i + 1}_WEAK"].values()), axis=0)
     loose = np.linalg.norm(resultant - held, axis=1)  # what is printed acts on the slave, the ball
     return CrossRun(
         options.b_over_h,
@@ -124,4 +134,6 @@ def record(made: Made, options: DeckOptions, deck: str, outcome: Outcome) -> Cro
         outcome.seconds,
         outcome.date,
         f"CalculiX {outcome.version}",
+        options.half,
+        options.alike,
     )

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from compare.crosscheck.data import CrossData, load, shipped
-from compare.crosscheck.fit import Extrapolation, extrapolate
+from compare.crosscheck.fit import Extrapolation, extrapolate, mesh_of
+from compare.crosscheck.nut import load_nut
 from compare.crosscheck.rows import agreement, columns, contact_rows
 from compare.crosscheck.study import STUDIES, scene_key
 from compare.measure import error_percent, load_error
@@ -22,22 +23,29 @@ ABOUT = (
     "reference are the exact surfaces and gmsh; elements, integration, contact and solver are not."
 )
 EXTRAPOLATED = (
-    "One mesh of another program proves nothing: element size h at the contacts, growth g of the elements away from them "
-    "and contact stiffness k are varied, and all contacts of all runs fitted at once by F0 + A e + B / k. With the size of "
+    "One mesh of another program proves nothing: element size h at the contacts and growth g of the elements away from "
+    "them are refined together, and all contacts of all meshes fitted at once by F0 + A e + B / k. With the size of "
     "elements over the distance in which a contact's field changes there, (h + g d) / (c + d), and the field's energy "
     "spread evenly over x = c / (c + d), e is the mean of (x h / c + (1 - x) g)^p over x. Order p (2 to 4) and the length "
-    "c over the short half axis are common to all contacts. The uncertainty of a contact is the change of its limit over "
-    "all orders and lengths that fit nearly as well as the best, joined with its own scatter."
+    "c over the short half axis are common to all contacts; B is from two runs on one mesh with two contact stiffnesses k. "
+    "A mesh counts by its e: what the law leaves out and what meshes of one size differ by shrink with it. The uncertainty "
+    "of a contact is the change of its limit over all orders and lengths that fit it nearly as well as the best (two "
+    "standard deviations), joined with two standard errors and a tenth of what is extrapolated. Runs named half mesh one half "
+    "of a ring pair that the plane through its balls parts into mirror images; equal balls have one mesh in those named so."
+)
+NUT = (
+    "The nut alone, by the reference's elements and by CalculiX on the same cells: forces of 1 kN on one contact after the "
+    "other, the corners of its faces a rigid section."
 )
 
 
 def run_table(data: CrossData) -> Table:
     """Every run: choices, meshes, effort, and what the weak springs and the last correction change."""
     rows: list[dict[str, Cell]] = []
-    base = {(r.b_over_h, r.growth, r.stiffness): r for r in data.runs if not r.nlgeom}
+    base = {(mesh_of(r), r.stiffness): r for r in data.runs if not r.nlgeom}
     for run in data.runs:
         mean = float(run.load[run.load > 0.0].mean())
-        twin = base.get((run.b_over_h, run.growth, run.stiffness))
+        twin = base.get((mesh_of(run), run.stiffness))
         rows.append(
             {
                 "across": run.b_over_h,
@@ -45,6 +53,7 @@ def run_table(data: CrossData) -> Table:
                 "growth": run.growth,
                 "stiffness": 1e-9 * run.stiffness,
                 "large": "large" if run.nlgeom else "small",
+                "bodies": "half" if run.half else "equal balls" if run.alike else "whole",
                 "nodes": run.nodes,
                 "cells": sum(m.cells for m in run.meshes),
                 "jacobian": min(m.smallest for m in run.meshes),
@@ -62,6 +71,7 @@ def run_table(data: CrossData) -> Table:
         Column("growth", "growth", "", ".2f"),
         Column("stiffness", "contact stiffness", "N/mm3", "g2"),
         Column("large", "displacements", "", "s"),
+        Column("bodies", "bodies", "", "s"),
         Column("nodes", "nodes", "", "s"),
         Column("cells", "tetrahedra", "", "s"),
         Column("jacobian", "smallest scaled Jacobian", "", ".2f"),
@@ -108,4 +118,7 @@ def section(study: Study, step: Callable[[str], None], folder: Path | None = Non
         else:
             items.append(contact_table(data, ours, extrapolate(data.runs)))
         items.append(run_table(data))
+    alone = load_nut(folder or shipped())
+    if alone is not None and alone.key == scene_key(alone.scene):
+        items.append(Text((NUT, alone.sentence())))
     return Section("crosscheck", "The 3D reference checked by another program", tuple(items))

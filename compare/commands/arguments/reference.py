@@ -185,6 +185,7 @@ def crosscheck(
     scene: str,
     *,
     run: Annotated[bool, Parameter(negative="")] = False,
+    fresh: Annotated[bool, Parameter(negative="")] = False,
     data: Path | None = None,
     work: Path = Path("rollbench-crosscheck"),
     store: Path = Path("rollbench-reference"),
@@ -197,7 +198,9 @@ def crosscheck(
     scene
         Name of a shipped scene that was solved by CalculiX.
     run
-        Solve its decks with CalculiX (ccx) now, 10 to 20 min of one core, and rewrite the stored results.
+        Solve with CalculiX (ccx) now those of its decks that have no stored result, and rewrite the stored results.
+    fresh
+        With --run: solve all of its decks anew, up to an hour of one core.
     data
         Folder of the stored results; that of the package unless given.
     work
@@ -211,6 +214,7 @@ def crosscheck(
     return run_crosscheck(
         scene,
         run=run,
+        fresh=fresh,
         data=data,
         work=work,
         store=store,

@@ -15,6 +15,7 @@ from compare.commands.deck import DeckChoices, run_deck
 from compare.crosscheck.calculix import find_ccx, run
 from compare.crosscheck.deck import DeckOptions, build_deck, without_turning
 from compare.crosscheck.deck_cut import cut_scene, parse_balls
+from compare.crosscheck.nut import check_nut, load_nut, save_nut
 from compare.errors import InputError
 from compare.scenes import catalogue
 from meshes.deck import Contact, Deck, DeckBody, RigidSection, element_faces, number, outer_faces, write
@@ -143,6 +144,18 @@ def test_calculix_finds_what_a_stack_of_cubes_must(unit, tmp_path: Path):
     assert re.fullmatch(r"\d+\.\d+", found.version)
     again = run(write(replace(stack(), heading=("another comment",)), unit), tmp_path)
     assert again == found  # read, not run again
+
+
+@CCX
+def test_two_programs_find_one_compliance_of_the_nut(tmp_path: Path):
+    found = check_nut(cut_scene(catalogue.scene("lin-case1"), 16, 16), tmp_path, DeckOptions(b_over_h=0.5, growth=0.9))
+    assert np.ravel(found.theirs) == pytest.approx(3.3e-9, rel=0.2)  # m/N, one ball
+    assert found.difference < 0.1
+    assert "within 0.1 %" in found.sentence()
+    wrong = replace(found, ours=(1.002 * np.array(found.ours)).tolist())
+    assert "NOT within 0.1 %" in wrong.sentence()
+    save_nut(tmp_path, found)
+    np.testing.assert_allclose(load_nut(tmp_path).ours, found.ours, rtol=1e-7)
 
 
 @CCX
@@ -312,3 +325,36 @@ def test_the_command_writes_a_deck(tmp_path: Path, capsys):
         with pytest.raises(SystemExit) as code:
             cli.main(["export", "lin-case1", *tokens])
         assert code.value.code == 2
+
+
+def test_a_half_is_held_in_its_plane():
+    whole, half = (build_deck(catalogue.scene("two-balls"), replace(COARSE, half=x)) for x in (False, True))
+    assert half.deck.mirrored == ("SCREW_CUT", "NUT_CUT", "BALL1_CUT", "BALL2_CUT")
+    assert not whole.deck.mirrored
+    text = write(half.deck)
+    held = [line for key, data in blocks(text) if key == "*BOUNDARY" for line in data]
+    assert [line for line in held if "_CUT" in line] == [f"{name}, 2, 2" for name in half.deck.mirrored]
+    for body in half.deck.bodies:
+        cut = body.nodes[f"{body.name}_CUT"]
+        assert np.abs(body.points[cut][:, 1]).max() < 1e-12
+        assert body.points[:, 1].min() > -1e-12
+        led = [n for name, n in body.nodes.items() if name in ("SCREW_BORE", "NUT_HELD")]
+        assert not any(np.intersect1d(cut, n).size for n in led)  # these follow their section, which stays in the plane
+        for corners in body.faces.values():
+            assert not np.isin(corners, cut).all(axis=1).any()
+        for one, two, axis in body.alike:
+            arm = body.points[one] - body.points[two]
+            assert abs(np.cross(arm, np.eye(3)[axis])[1]) > 1e-3  # a turn about y parts the two nodes
+    assert [len(b.alike) for b in half.deck.bodies] == [0, 0, 1, 1]
+    assert 1.4 < whole.deck.node_count / half.deck.node_count < 2.0
+
+
+def test_only_a_mirror_image_of_itself_is_halved():
+    scene = catalogue.scene("two-balls")
+    aside = replace(scene, balls=replace(scene.balls, azimuths=(0.0, 3.0)))
+    loose = replace(
+        scene, supports=(replace(scene.supports[0], fixed=tuple(x for x in scene.supports[0].fixed if x[0] != "uy")),)
+    )
+    for other in (catalogue.scene("lin-case1-cut"), aside, loose):
+        with pytest.raises(InputError, match="not its own mirror image"):
+            build_deck(other, DeckOptions(half=True))

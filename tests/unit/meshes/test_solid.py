@@ -75,3 +75,13 @@ def test_compliance_of_many_rows():
     wanted = rows @ np.linalg.solve(K.toarray(), rows.toarray().T)
     np.testing.assert_allclose(response.compliance(K, rows), wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
     assert response.compliance(K, rows[:0]).shape == (0, 0)
+
+
+def test_a_station_at_an_end_is_the_end():
+    """Rounded apart by 6e-17 m, the support held the hole's surface in place of the flat end."""
+    scene = catalogue.scene("lin-case1-cut")
+    low, high = dimensions(scene).ends(scene)
+    assert low == scene.supports[0].at == scene.loads[0].at
+    assert high == pytest.approx(scene.nut.position + 18e-3)
+    moved = replace(scene, supports=(replace(scene.supports[0], at=low + 1e-6),), loads=())
+    assert dimensions(moved).ends(moved)[0] == pytest.approx(low, abs=1e-12)

@@ -1,0 +1,74 @@
+"""Halves of rings and balls: as exact as whole ones, and half of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.scenes import catalogue
+from meshes.fem import mesh_of
+from meshes.groove_map import GrooveMap
+from meshes.grooved_body import BodySpec
+from meshes.half_bodies import HalfRing
+from meshes.quality import arc_deviation
+from meshes.shell import Shell
+from meshes.sockets import SocketSize
+from meshes.whole_bodies import Refinement, groove_points, half_ball, half_body, sphere_points, whole_ball, whole_body
+
+SCENE = catalogue.scene("two-balls")
+MAP = GrooveMap.of(SCENE)
+FLAT = np.array([[0.0, 0.0]])
+
+
+def volume(made) -> float:
+    """Volume [m3] of the curved cells."""
+    mesh = mesh_of(made.points, made.cells, "P2")[0]
+    from hifi.assembly import cells
+
+    return float(cells(mesh).dx.sum())
+
+
+def ring(outer: bool) -> tuple[BodySpec, Refinement]:
+    """Spec and sizes of the scene's screw or nut with coarse elements."""
+    radii = (
+        (SCENE.screw.bore / 2.0, SCENE.screw.outer_diameter / 2.0) if outer else (21.6e-3, SCENE.nut.outer_diameter / 2.0)
+    )
+    near = groove_points(MAP, (0.0, SCENE.nut.position, 0 if outer else 2), FLAT)
+    size = Refinement(near, 5e-4, 0.8, 5e-3)
+    return BodySpec(*radii, 0.0, 14e-3, outer, (), SocketSize(1.0, MAP.ball, 1.0), size.fine, size.coarse), size
+
+
+@pytest.mark.parametrize("outer", [True, False])
+def test_a_half_ring_is_half_of_the_ring(outer):
+    spec, size = ring(outer)
+    made = half_body(MAP, spec, size)
+    assert 2.0 * volume(made) == pytest.approx(volume(whole_body(MAP, spec, size)), rel=3e-4)
+    assert np.ptp(made.points[made.named["cut"]][:, 1]) < 1e-15
+    assert made.points[:, 1].min() > -1e-15
+    for side in (0, 1) if outer else (2, 3):
+        x = made.points[made.named[f"flank {('SL', 'SR', 'NL', 'NR')[side]}"]]
+        section = np.hypot(x[:, 0], x[:, 1]) - MAP.R, x[:, 2] - MAP.z0
+        assert arc_deviation(*section, MAP.centre[side], float(MAP.radius[side])) < 1e-9
+    behind = made.points[made.named["bore" if outer else "outside"]]
+    np.testing.assert_allclose(np.hypot(behind[:, 0], behind[:, 1]), spec.r_in if outer else spec.r_out, rtol=1e-9)
+    corners = {"land", "low end", "high end"}
+    assert corners <= set(made.named)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_half_ball_is_half_of_the_ball(sign):
+    size = Refinement(sphere_points(MAP, 0, MAP.ball, FLAT), 2e-4, 0.8, 2e-3)
+    made = half_ball(MAP.ball, size, sign)
+    assert volume(made) == pytest.approx(2.0 / 3.0 * np.pi * MAP.ball**3, rel=2e-3)
+    assert 2.0 * volume(made) == pytest.approx(volume(whole_ball(MAP, MAP.ball, size)), rel=2e-3)
+    assert (sign * made.points[:, 1]).min() > -1e-15
+    assert np.abs(made.points[made.named["cut"]][:, 1]).max() < 1e-15
+    np.testing.assert_allclose(np.linalg.norm(made.points[made.named["sphere"]], axis=1), MAP.ball, rtol=1e-12)
+
+
+def test_a_helix_and_a_ring_without_bore_are_not_halved():
+    spec, _ = ring(True)
+    shell = Shell(None, lambda x: np.ones(len(x)), 1e-3, 6)
+    for m, own in ((replace(MAP, rg=1e-3), spec), (MAP, replace(spec, r_in=0.0))):
+        with pytest.raises(ValueError, match="only a ring with a bore"):
+            HalfRing(shell, m, own)
