@@ -76,7 +76,11 @@ def free_motions(problem: Problem) -> Mechanism:
     text = _name(free, track.lead, track.pitch_radius)
     if float(np.abs(drive).max()) > 1e-9 * total and total > 0.0:
         return Mechanism(True, f"{text}: no support and no contact resists it, and the loads drive it")
-    _, _, order = qr(free.T, pivoting=True)
+    if problem.basis is not None:  # freedoms are the columns of the basis that the supports leave
+        _, _, order = qr(null, pivoting=True)
+        order = np.flatnonzero(~problem.fixed[0])[order]
+    else:
+        _, _, order = qr(free.T, pivoting=True)
     pins = tuple(int(k) for k in order[: null.shape[0]])
     return Mechanism(False, text, pins, no_torsion)
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from lowfi import jit
 from lowfi.statics.mechanism import Mechanism, free_motions
 from lowfi.statics.problem import SIGNS, Problem, actual_hertz, build
+from lowfi.statics.proof import opening_motion, words_of
 from lowfi.statics.records import BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 from lowfi.statics.result import SolverReport, StaticResult
 from lowfi.statics.selection import choose_sides, describe_left_out, flank_motions, shifts_of_beam, touched_sides
@@ -32,6 +33,10 @@ MAX_ITERATIONS = 200
 NO_LOADS = (2, 3)
 #: Above this many balls the compiled engine pays even for a single solve.
 COMPILE_ABOVE = 120
+#: The same where flanks are no arcs: every contact is a search for its place on the profile.
+COMPILE_UNEVEN = 24
+#: Relative residual of a run above which its constants or lever arms are not followed any further.
+LOST = 1e-6
 
 
 @dataclass
@@ -58,9 +63,10 @@ class Prepared:
         return np.asarray(self.state.contact[..., 1:3])
 
 
-def pick_engine(engine: Engine, balls: int) -> ModuleType:
-    """Interpreted kernels for one small solve, compiled ones for large or many."""
-    if engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or balls > COMPILE_ABOVE)):
+def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
+    """Interpreted kernels for one small solve, compiled ones for large or many; uneven: flanks that are no arcs."""
+    most = COMPILE_UNEVEN if uneven else COMPILE_ABOVE
+    if engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or balls > most)):
         return jit.kernels(jit.STATICS, compiled=True)
     return jit.kernels(jit.STATICS, compiled=False)
 
@@ -182,7 +188,7 @@ def solve_static(
     start = perf_counter()
     layout = ball_layout(scene) if layout is None else layout
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
-    kernels = pick_engine(engine, layout.z.size)
+    kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
     notes: tuple[str, ...] = ()
     while True:
@@ -201,7 +207,7 @@ def solve_static(
             break
         notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)
         use = np.ones(4, dtype=bool)
-    status = verdict(outcome, round_off_bound(prepared, outcome.scale))
+    status = verdict(outcome, round_off_bound(prepared, outcome.scale), problem)
     if outcome.status in NO_LOADS:
         return failed_result(problem, "lin", status, perf_counter() - start)
     report = SolverReport(
@@ -252,14 +258,19 @@ def pin(problem: Problem, mechanism: Mechanism) -> Problem:
         if held.size:  # an untwisted shaft turns as a whole, and in proportion to its length between two supports
             prescribed[:, 5] = np.interp(problem.nodes, problem.nodes[held], prescribed[held, 5])
         fixed[:, 5] = True
-    return replace(problem, fixed=fixed, prescribed=prescribed)
+    return replace(problem, fixed=fixed, prescribed=prescribed, pins=mechanism.pins)
+
+
+def lost(outcome: Outcome) -> bool:
+    """Whether a run found no state that changed constants or lever arms could start from."""
+    return outcome.status not in (0, 1) or outcome.residual > LOST
 
 
 def solve_with_hertz(prepared: Prepared) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
     outcome = run(prepared)
     problem = prepared.problem
-    if problem.scene.ingredients.hertz != "actual" or outcome.status not in (0, 1):
+    if problem.scene.ingredients.hertz != "actual" or lost(outcome):
         return outcome
     iterations, evaluations = outcome.iterations, outcome.evaluations
     nominal = np.full(problem.C.shape, problem.scene.track.contact_angle)
@@ -270,7 +281,7 @@ def solve_with_hertz(prepared: Prepared) -> Outcome:
         problem.C[:] = updated
         outcome = run(prepared, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
-        if change < 1e-13:
+        if change < 1e-13 or lost(outcome):
             break
     return outcome._replace(iterations=iterations, evaluations=evaluations)
 
@@ -283,7 +294,7 @@ def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, 
     more = np.zeros((layout.z.size, 4, 2))
     iterations, evaluations = outcome.iterations, outcome.evaluations
     for _ in range(6):
-        if outcome.status not in (0, 1):
+        if lost(outcome):
             break
         problem = prepared.problem
         moved = np.zeros((layout.z.size, 4, 2))
@@ -296,13 +307,13 @@ def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, 
         change = float(np.abs(new - more).max())
         more = new
         rebuilt = build(problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more)
-        rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed)
+        rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed, pins=problem.pins)
         rebuilt.C[:] = problem.C
         prepared.problem = rebuilt
         prepared.contacts = prepared.contacts._replace(B=rebuilt.B, geometry=rebuilt.geometry)
         outcome = run(prepared, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
-        if change < 1e-13:
+        if change < 1e-13 or lost(outcome):
             break
     return outcome._replace(iterations=iterations, evaluations=evaluations)
 
@@ -312,16 +323,30 @@ def contact_angles(normal: Array) -> Array:
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
 
-def verdict(outcome: Outcome, bound: float) -> str:
+def verdict(outcome: Outcome, bound: float, problem: Problem) -> str:
     """Status sentence of a solver outcome."""
     code, residual = outcome.status, outcome.residual
     if residual <= max(ACCEPTED, bound) and code in (0, 1):
         return "converged"
     if code == 2:
-        return "not held: the load opens every contact that could carry it, so the screw moves without limit"
+        return unheld(problem)
     if code == 3:
         return "stopped: the stiffness matrix is not positive definite"
     return f"not converged: relative residual {residual:.1e} after {outcome.iterations} iterations"
+
+
+def unheld(problem: Problem) -> str:
+    """Status sentence of a screw that ran away: not held only where a linear program proves it."""
+    try:
+        motion = opening_motion(problem)
+    except ArithmeticError as error:
+        return f"not converged: the screw ran away, and whether its contacts can hold it is not known: {error}"
+    if motion is None:
+        return "not converged: the screw ran away, though contact forces that push can balance the load (linear program)"
+    return (
+        "not held: the load opens every contact that could carry it, so the screw moves without limit (linear program: "
+        f"{words_of(motion)})"
+    )
 
 
 def with_discretisation(
