@@ -51,7 +51,7 @@ def kernel(function: F) -> F:
     import numba
 
     keep = code_folder() is not None
-    compiled_function: F = numba.njit(cache=keep, error_model="numpy", fastmath=False)(function)
+    compiled_function: F = numba.njit(cache=keep, nogil=True, error_model="numpy", fastmath=False)(function)
     return compiled_function
 
 

@@ -174,8 +174,8 @@ def as_table(scene: Scene, result: StaticResult, worth: ModelForm | None = None)
         )
         if e.pin_share > 0.0:
             parts.append(
-                f"no support of the scene holds a free motion: its pin takes {100.0 * e.pin_share:.2g} % of the largest force "
-                "or moment, by which the balance of what the supports can carry is open"
+                f"no support of the scene holds a free motion: its pin takes {100.0 * e.pin_share:.2g} % of the largest "
+                "force or moment, by which the balance of what the supports can carry is open"
             )
     s = result.solver
     error = discretisation_percent(result)

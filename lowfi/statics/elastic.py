@@ -24,7 +24,18 @@ from lowfi.statics.result import SolverReport, StaticResult
 from lowfi.statics.selection import choose_sides, describe_left_out
 from lowfi.statics.shaft import flank_loads, node_motions
 from lowfi.statics.solved import SolvedState
-from lowfi.statics.static import ACCEPTED, NO_LOADS, Engine, contact_angles, lost, pick_engine, pin, verdict
+from lowfi.statics.static import (
+    ACCEPTED,
+    NO_LOADS,
+    PIN_SHOWN,
+    Engine,
+    contact_angles,
+    lost,
+    pick_engine,
+    pin,
+    verdict,
+    with_other_pin,
+)
 from lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
@@ -258,7 +269,18 @@ def _solve(
     source = idealised(backend, scene) if condensed is None else (condensed.describe(),)
     assumed = (*ELASTIC_ASSUMPTIONS, *source, *elastic.assumed)
     status = verdict(outcome, max(bound, ACCEPTED), problem)
-    return assemble_result(solved_state(elastic), name, status, report, left, assumed)
+    result = assemble_result(solved_state(elastic), name, status, report, left, assumed)
+    if (
+        result.equilibrium is not None
+        and result.equilibrium.pin_share > PIN_SHOWN
+        and result.converged
+        and mechanism.others
+    ):
+        again = pin(problem, mechanism, True)
+        other = replace(rebuild, held=(again.fixed, again.prescribed, again.pins))()
+        found = solve_with_hertz(other)
+        result = with_other_pin(result, mechanism, None if lost(found) else contacts_of(other)[1][..., 0])
+    return result
 
 
 def _cut(elastic: Elastic) -> tuple[str, ...]:

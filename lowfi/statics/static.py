@@ -21,7 +21,7 @@ from lowfi.statics.solved import SolvedState
 from lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
-from meshes.parts import Scene
+from meshes.parts import FREEDOMS, Scene
 
 Array = NDArray[np.float64]
 Engine = Literal["auto", "interpreted", "compiled"]
@@ -35,6 +35,8 @@ NO_LOADS = (2, 3)
 COMPILE_ABOVE = 120
 #: The same where flanks are no arcs: every contact is a search for its place on the profile.
 COMPILE_UNEVEN = 24
+#: Share of the largest force or moment from which on what a pin takes is looked into.
+PIN_SHOWN = 1e-9
 #: Relative residual of a run above which its constants or lever arms are not followed any further.
 LOST = 1e-6
 
@@ -225,6 +227,17 @@ def solve_static(
     )
     left_out = describe_left_out(problem, mechanism, everything=everything)
     result = assemble_result(solved_state(prepared), "lin", status, report, left_out, model_assumptions(scene))
+    if (
+        result.equilibrium is not None
+        and result.equilibrium.pin_share > PIN_SHOWN
+        and result.converged
+        and mechanism.others
+    ):
+        other = prepare(
+            pin(build(scene, drawn, layout, use, everything=everything, refine=refine), mechanism, True), kernels
+        )
+        found = solve_with_hertz(other)
+        result = with_other_pin(result, mechanism, other.force if not lost(found) else None)
     if discretisation and result.converged:
         result = with_discretisation(scene, result, engine=engine, member=member, drawn=drawn)
     return result
@@ -246,19 +259,37 @@ def _names(mask: NDArray[np.bool_]) -> list[str]:
     return [n for n, m in zip(("SL", "SR", "NL", "NR"), mask, strict=True) if m]
 
 
-def pin(problem: Problem, mechanism: Mechanism) -> Problem:
-    """Hold motions that nothing resists and nothing drives, and torsion where no contact can twist the shaft."""
+def with_other_pin(result: StaticResult, mechanism: Mechanism, load: Array | None) -> StaticResult:
+    """The result with a note on how much the choice of the pin moves its loads; load: ``(N, 4)`` [N] with the other one."""
+    pins, others = (" and ".join(FREEDOMS[k] for k in x) for x in (mechanism.pins, mechanism.others))
+    words = f"{mechanism.text} is held by {pins} of the first node; held by {others} instead, "
+    if load is None:
+        words += "no loads are found"
+    else:
+        loaded = result.load[result.load > 0.0]
+        change = float(np.abs(load - result.load).max())
+        mean = f", {100.0 * change / float(loaded.mean()):.2g} % of the mean" if loaded.size else ""
+        words += f"loads change by up to {change:.2g} N{mean}"
+    return replace(result, solver=replace(result.solver, notes=(*result.solver.notes, words)))
+
+
+def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
+    """Hold motions that nothing resists and nothing drives, and torsion where no contact can twist the shaft.
+
+    other: by the freedoms that the mechanism names besides its pins.
+    """
+    chosen = mechanism.others if other else mechanism.pins
     if not mechanism.pins and not mechanism.no_torsion:
         return problem
     fixed, prescribed = problem.fixed.copy(), problem.prescribed.copy()
-    for k in mechanism.pins:
+    for k in chosen:
         fixed[0, k] = True
     if mechanism.no_torsion and problem.basis is None:
         held = np.flatnonzero(problem.fixed[:, 5])
         if held.size:  # an untwisted shaft turns as a whole, and in proportion to its length between two supports
             prescribed[:, 5] = np.interp(problem.nodes, problem.nodes[held], prescribed[held, 5])
         fixed[:, 5] = True
-    return replace(problem, fixed=fixed, prescribed=prescribed, pins=mechanism.pins)
+    return replace(problem, fixed=fixed, prescribed=prescribed, pins=chosen)
 
 
 def lost(outcome: Outcome) -> bool:

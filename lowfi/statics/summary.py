@@ -143,7 +143,8 @@ def judged(status: str, balance: Equilibrium, frozen: bool) -> str:
     if status != "converged" or (balance.ball_residual if frozen else balance.largest) <= BALANCE:
         return status
     if balance.ball_residual == balance.largest:
-        return f"not converged: ball {balance.worst_ball} is out of balance by {balance.ball_residual:.1e} of the largest force"
+        size = f"{balance.ball_residual:.1e} of the largest force"
+        return f"not converged: ball {balance.worst_ball} is out of balance by {size}"
     return f"not converged: the screw is out of balance by {balance.largest:.1e} of the largest force or moment"
 
 

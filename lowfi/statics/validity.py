@@ -1,4 +1,4 @@
-"""Where a solution leaves the range in which the static models hold: one sentence for each, for the result and its table."""
+"""Where a solution leaves the range in which the static models hold: one sentence for each."""
 
 from __future__ import annotations
 
@@ -80,8 +80,8 @@ def _pressure(problem: Problem, force: Array) -> list[str]:
     ball = int(pressure.argmax()) // 4 + 1
     count = int((pressure > YIELD_PRESSURE).sum())
     return [
-        f"{count} contact(s) above {1e-9 * YIELD_PRESSURE:g} GPa, up to {1e-9 * most:.3g} GPa on ball {ball}: hardened steel "
-        "yields, and the loads are those of elastic bodies"
+        f"{count} contact(s) above {1e-9 * YIELD_PRESSURE:g} GPa, up to {1e-9 * most:.3g} GPa on ball {ball}: hardened "
+        "steel yields, and the loads are those of elastic bodies"
     ]
 
 
@@ -105,8 +105,8 @@ def _wedged(problem: Problem, shift: Array) -> list[str]:
         return []
     i, j = sorted((int(a[worst]) + 1, int(b[worst]) + 1))
     return [
-        f"balls {i} and {j} overlap by {1e6 * overlap[worst]:.3g} um ({int((overlap > OVERLAP).sum())} pair(s) in all): they "
-        "are wedged against one another, and contact between balls is left out"
+        f"balls {i} and {j} overlap by {1e6 * overlap[worst]:.3g} um ({int((overlap > OVERLAP).sum())} pair(s) in all): "
+        "they are wedged against one another, and contact between balls is left out"
     ]
 
 
@@ -135,8 +135,8 @@ def profile_warning(solved: SolvedState, gamma: Array) -> list[str]:
     if found is None or found[2] <= PROFILE_SHARE:
         return []
     return [
-        f"the contact pattern is not unique: at ball {found[0] + 1} the groove's profile error shifts the flank's centre of "
-        f"curvature by {100.0 * found[2]:.3g} % of its distance from the ball's, so that the ball may touch that flank in "
+        f"the contact pattern is not unique: at ball {found[0] + 1} the groove's profile error shifts the flank's centre "
+        f"of curvature by {100.0 * found[2]:.3g} % of its distance from the ball's, so that the ball may touch that flank in "
         "more than one place, of which the model has one"
     ]
 

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from compare.scenes.scene_file import load
+from lowfi.statics.elastic import solve_elastic
 from lowfi.statics.problem import build
 from lowfi.statics.proof import opening_motion, words_of
 from lowfi.statics.static import solve_static, unheld
 from meshes.errors import specimen
 from meshes.helix import ball_layout
-from meshes.parts import Load
+from meshes.parts import Load, Support
 from tests.helpers import small_screw
 
 SCENES = Path(__file__).parent / "scenes"
@@ -72,3 +73,19 @@ def test_a_ball_on_one_contact_is_no_equilibrium():
     assert not result.converged
     assert "contact pattern is not unique" in result.status
     assert result.equilibrium.ball_residual > 1e-5
+
+
+@pytest.mark.parametrize("solve", [solve_static, solve_elastic])
+def test_a_pin_is_no_support(solve):
+    """A screw free along its helix under lateral load: no support of the scene carries what the pin takes."""
+    scene = small_screw(9, 1.5, fixed=(), force=(0.0, 0.0, 0.0), oversize=3e-6)
+    held = replace(scene, supports=(Support(0.0, (("ux", 20e-6), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))),))
+    result = solve(held, engine="interpreted")
+    assert result.converged
+    balance = result.equilibrium
+    taken = np.abs(balance.pin_moment).max() + np.abs(balance.pin_force).max()
+    assert taken > 0.0
+    assert balance.pin_share > 1e-6
+    assert balance.reaction_force[2] == 0.0  # no support holds uz or rz
+    assert balance.reaction_moment[2] + balance.pin_moment[2] + balance.contact_moment[2] == pytest.approx(0.0, abs=1e-9)
+    assert any("instead, loads change by up to" in note for note in result.solver.notes)

@@ -26,7 +26,19 @@ from lowfi.statics.records import (
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
 from .modes import gradients, soft_factor
-from .newton import BALANCED, CONVERGED, GROWN, ITERATIONS, NOT_HELD, ROUNDING, SINGULAR, TRIALS, WHOLE_STEPS, ball_mismatch
+from .newton import (
+    BALANCED,
+    CONVERGED,
+    GROWN,
+    ITERATIONS,
+    NOT_HELD,
+    PATIENCE,
+    ROUNDING,
+    SINGULAR,
+    TRIALS,
+    WHOLE_STEPS,
+    ball_mismatch,
+)
 
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
 FORCING = 0.1
@@ -323,7 +335,7 @@ def solve_forces(
             break
         stalled = stalled + 1 if residual >= 0.5 * best else 0
         best = min(best, residual)
-        if (stalled >= 2 and residual <= 1e-9) or stuck >= 2:
+        if (stalled >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
             break
         fresh = residual > 1e-7 or stalled > 0
     place_flanks(bodies, state, g, v)

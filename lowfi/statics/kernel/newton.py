@@ -22,6 +22,8 @@ ROUNDING = 1e-14
 WHOLE_STEPS, GROWN = 1e-7, 10.0
 #: Trials of a line search: on a convex energy they never run out, where they do twice the iteration ends.
 TRIALS = 60
+#: Iterations in which the residual was not halved once, after which the iteration ends.
+PATIENCE = 60
 #: Net force on a ball over the largest force up to which it counts as balanced.
 BALANCED = 1e-10
 
@@ -285,7 +287,7 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
             break
         stalled = stalled + 1 if residual >= 0.5 * best else 0
         best = min(best, residual)
-        if (stalled >= 2 and residual <= 1e-9) or stuck >= 2:
+        if (stalled >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
             break
     loose = ball_mismatch(state.contact, scale)
     if loose > BALANCED:
