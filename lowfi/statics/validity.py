@@ -136,7 +136,7 @@ def profile_warning(solved: SolvedState, gamma: Array) -> list[str]:
         return []
     return [
         f"the contact pattern is not unique: at ball {found[0] + 1} the groove's profile error shifts the flank's centre "
-        f"of curvature by {100.0 * found[2]:.3g} % of its distance from the ball's, so that the ball may touch that flank in "
+        f"of curvature by {100.0 * found[2]:.3g} % of its distance from the ball's, so that it may touch that flank in "
         "more than one place, of which the model has one"
     ]
 
