@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from cyclopts import App, CycloptsError, Parameter
 
 from compare import __version__
-from compare.errors import InputError, one_line
+from compare.errors import InputError, named, one_line
 
 app = App(
     name="rollbench",
@@ -125,7 +125,7 @@ def solve(
     if not 0 <= member < 10**9:
         raise InputError("command line", "--member", str(member), "0 to 999999999", "give the specimen's number")
     parts = catalogue.scene(scene)
-    with watched(f"{one_line(parts.name)}, model {model}", checked(time_limit)):
+    with watched(f"{one_line(parts.name)}, model {model}", checked(time_limit)), named(parts.name, scene):
         result = run_model(parts, model, Options(everything=everything, member=member, condensed=condensed))
     worth = estimate(parts, result) if result.converged else None
     if as_json:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 _LONGEST = 120
 #: The same for what this program says itself.
 _WHOLE = 2000
@@ -52,6 +55,17 @@ class Refusal(InputError):
         """One line: ``file: key: reason; advice: ...``."""
         reason = one_line(" ".join(self.value.split()), _WHOLE).rstrip(".; ")
         return f"{one_line(self.file)}: {one_line(self.key)}: {reason}; advice: {one_line(self.advice, 300)}"
+
+
+@contextmanager
+def named(name: str, origin: str) -> Iterator[None]:
+    """Refusals of the scene ``name`` inside name its file ``origin`` instead."""
+    try:
+        yield
+    except Refusal as error:
+        if error.file != name or origin == name:
+            raise
+        raise Refusal(origin, error.key, error.value, error.advice) from error
 
 
 class SceneError(InputError):

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 FORMAT = 2
 #: Largest size of all arrays of a file together [bytes]: a screw of 1000 contacts has a tenth of it.
 LARGEST_FILE = 200_000_000
-#: Difference of a compliance from its transpose, and negative eigenvalue, over its largest entry, up to round-off of a mesh.
+#: Difference of a compliance from its transpose, and negative eigenvalue, over its largest entry, that a mesh may leave.
 ASYMMETRY, NEGATIVE = 1e-6, 1e-3
 
 
@@ -135,7 +135,16 @@ def _members(path: Path) -> dict[str, Array]:
         with np.load(path, allow_pickle=False) as data:
             sealed = str(data["checksum"]) if "checksum" in data else ""
             values = {name: data[name] for name in names}
-    except (zipfile.BadZipFile, zlib.error, EOFError, KeyError, TypeError, RuntimeError, NotImplementedError, MemoryError) as e:
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        EOFError,
+        KeyError,
+        TypeError,
+        RuntimeError,
+        NotImplementedError,
+        MemoryError,
+    ) as e:
         raise ValueError("no file of condensed bodies, or a damaged one") from e
     kinds = {"geometry": "U", "level": "iu"}
     for name, value in values.items():

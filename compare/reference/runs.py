@@ -5,7 +5,6 @@ from __future__ import annotations
 import datetime
 import glob
 import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from importlib import metadata, resources

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from compare.errors import SceneError
-from compare.scenes.checks import choice_faults, geometry_faults
+from compare.scenes.checks import choice_faults, contact_faults, geometry_faults
 from compare.scenes.keys import FRICTION_ONLY, WHOLE, MaterialKeys
 from compare.scenes.refusal import refuse, refuse_keys
 from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys
@@ -44,7 +44,8 @@ from meshes.parts import (
 if TYPE_CHECKING:
     from compare.scenes.kinds.common import KindScene
 
-MAX_BYTES = 16_000_000
+#: Largest scene file [bytes] and longest line [characters]: 100 000 listed azimuths on one line have 2 MB.
+MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 #: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
 FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
 
@@ -112,6 +113,7 @@ def _read_whole(raw: dict[str, Any], origin: str) -> Scene:
     refuse(origin, raw, list(choice_faults(keys)))
     scene = _scene(keys, Path(origin).stem)
     refuse(origin, raw, list(geometry_faults(scene)))
+    refuse(origin, raw, list(contact_faults(scene)))
     return scene
 
 
@@ -121,6 +123,8 @@ def read_text(path: str | Path) -> str:
     try:
         if Path(path).is_dir():
             raise SceneError(str(path), "file", "a directory", allowed, "name a file inside it")
+        if Path(path).exists() and not Path(path).is_file():
+            raise SceneError(str(path), "file", "a pipe or device", allowed, "name a regular file")
         with open(path, "rb") as file:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
@@ -140,6 +144,9 @@ def read_text(path: str | Path) -> str:
     if "\0" in text:
         advice = f"{place}: save the scene as plain UTF-8 text"
         raise SceneError(str(path), "file", "a binary file", "UTF-8 text", advice)
+    longest = max(map(len, text.splitlines()), default=0)
+    if longest > MAX_LINE:
+        raise SceneError(str(path), "file", f"a line of {longest} characters", f"up to {MAX_LINE}", "is this a scene file?")
     return text
 
 

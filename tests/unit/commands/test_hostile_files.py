@@ -27,9 +27,7 @@ def bodies():
     small = np.eye(4) * 1e-10
     line = np.full((4, 3), 1e-11)
     force = np.tile([10.0, 100.0, 300.0], (4, 1))
-    return CondensedBodies(
-        geometry_digest(scene), 1, np.arange(4.0), 0.3, one, one, small, line, force, np.full(4, 1e-7)
-    )
+    return CondensedBodies(geometry_digest(scene), 1, np.arange(4.0), 0.3, one, one, small, line, force, np.full(4, 1e-7))
 
 
 def refused(capsys, *words):
