@@ -10,9 +10,14 @@ _LONGEST = 120
 _WHOLE = 2000
 
 
+def escaped(text: str) -> str:
+    """``text`` with all that is not printable (controls, line ends, marks of direction) as escapes."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
 def one_line(text: str, longest: int = _LONGEST) -> str:
     """``text`` as one printable line of at most ``longest`` characters (controls escaped, the rest cut)."""
-    plain = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+    plain = escaped(text)
     return plain if len(plain) <= longest else plain[: longest - 3] + "..."
 
 

@@ -71,7 +71,7 @@ def write_csv(table: Table, path: Path) -> None:
     """Write a table as CSV (RFC 4180): header ``label [unit]``, numbers in full, ``None`` as nothing."""
     with open(path, "w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
-        writer.writerow(f"{c.label} [{c.unit}]" if c.unit else c.label for c in table.columns)
+        writer.writerow(harmless(f"{c.label} [{c.unit}]" if c.unit else c.label) for c in table.columns)
         writer.writerows([_csv_cell(row.get(c.key)) for c in table.columns] for row in table.rows)
 
 
@@ -127,7 +127,17 @@ def _csv_cell(value: Cell) -> str:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return repr(value) if isinstance(value, float) else str(value)
+    return repr(value) if isinstance(value, float) else harmless(str(value))
+
+
+def harmless(text: str) -> str:
+    """Text of a CSV cell with an apostrophe before what a spreadsheet would run as a formula.
+
+    >>> harmless("=1+1"), harmless("-3.5"), harmless("+ nut")
+    ("'=1+1", '-3.5', "'+ nut")
+    """
+    number = re.fullmatch(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?( [%\w/]+)?", text)
+    return f"'{text}" if text[:1] in tuple("=+-@\t\r") and not number else text
 
 
 def check_target(out: Path) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from compare.errors import SceneError
+from compare.errors import SceneError, escaped
 from compare.scenes.checks import choice_faults, contact_faults, geometry_faults
 from compare.scenes.keys import FRICTION_ONLY, WHOLE, MaterialKeys
 from compare.scenes.refusal import refuse, refuse_keys
@@ -95,7 +95,7 @@ def read(text: str, origin: str) -> Scene | KindScene:
     except ValidationError as error:
         refuse_keys(origin, of.keys, error)
     refuse(origin, raw, list(of.faults(keys)))
-    return of.record(keys, Path(origin).stem)
+    return of.record(keys, escaped(Path(origin).stem))
 
 
 def kind_of(scene: Scene | KindScene) -> str:
@@ -111,7 +111,7 @@ def _read_whole(raw: dict[str, Any], origin: str) -> Scene:
     except ValidationError as error:
         refuse_keys(origin, SceneKeys, error)
     refuse(origin, raw, list(choice_faults(keys)))
-    scene = _scene(keys, Path(origin).stem)
+    scene = _scene(keys, escaped(Path(origin).stem))
     refuse(origin, raw, list(geometry_faults(scene)))
     refuse(origin, raw, list(contact_faults(scene)))
     return scene
@@ -180,7 +180,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
     screw, nut, diameter = keys.screw, keys.nut, 2.0 * keys.balls.radius
     return Scene(
         name=name,
-        title=keys.title,
+        title=escaped(keys.title),
         track=Track(**track.model_dump()),
         screw=Screw(
             length=screw.length,
@@ -207,8 +207,8 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
         loads=tuple(Load(p.at, _vector(p.force), _vector(p.moment)) for p in keys.loads),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
         solid=Solid(**keys.solid.model_dump()),
-        source=keys.source,
-        assumed=tuple(keys.assumed),
+        source=escaped(keys.source),
+        assumed=tuple(map(escaped, keys.assumed)),
         members=keys.members,
         friction=None if keys.friction is None else _friction(keys.friction),
         motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
@@ -220,7 +220,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
 
 def _friction(keys: FrictionKeys) -> Friction:
     screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
-    return Friction(screw, nut, tuple(keys.assumed), keys.coupling, keys.balls)
+    return Friction(screw, nut, tuple(map(escaped, keys.assumed)), keys.coupling, keys.balls)
 
 
 def _material(own: MaterialKeys | None, default: MaterialKeys) -> Material:

@@ -85,7 +85,7 @@ Head = tuple[str, str, str, tuple[str, ...]]
 
 def head_of(keys: KindKeys, name: str) -> Head:
     """The first fields of a record: name, title, source, assumptions."""
-    return name, keys.title, keys.source, tuple(keys.assumed)
+    return name, escaped(keys.title), escaped(keys.source), tuple(map(escaped, keys.assumed))
 
 
 def material_faults(material: MaterialKeys) -> Iterator[Fault]:
