@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-import tempfile
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -19,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes.leftovers import temporary
 from meshes.parts import Scene
 
 Array = NDArray[np.float64]
@@ -81,14 +81,13 @@ class CondensedBodies:
 
 def _write(path: Path, values: Mapping[str, Any]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
+    name = temporary(path)
     try:
-        with os.fdopen(handle, "wb") as file:
+        with open(name, "xb") as file:
             np.savez_compressed(file, **values)
         os.replace(name, path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    finally:
+        name.unlink(missing_ok=True)
 
 
 def geometry_digest(scene: Scene) -> str:

@@ -7,7 +7,6 @@ import csv
 import math
 import re
 import shutil
-import uuid
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from meshes.leftovers import temporary
 from reports import field3d, figures, scene3d
 from reports.records import Cell, Column, FieldPicture, Figure, LoadedScrew, PressureMap, Report, Table, Text
 
@@ -55,7 +55,7 @@ def write(report: Report, out: Path, progress: Progress | None = None) -> Path:
     _check_names(report)
     say = progress or (lambda _: None)
     out.parent.mkdir(parents=True, exist_ok=True)
-    fresh = out.with_name(f".{out.name}.{uuid.uuid4().hex[:8]}.new")
+    fresh = temporary(out, "new")
     try:
         for folder in (fresh, fresh / "tables", fresh / "figures"):
             folder.mkdir()

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
+from compare.errors import escaped
 from compare.scenes.checks import Fault, groove_choice_faults, mm
 from compare.scenes.keys import (
     MATERIAL,
