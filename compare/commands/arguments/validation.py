@@ -80,11 +80,44 @@ def check(*, max_error: float = 7.0, as_json: Json = False) -> int:
 
 
 @app.command
-def stability(*, as_json: Json = False) -> int:
-    """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any."""
-    from compare.commands.stability import run_stability
+def stability(
+    *,
+    random: int | None = None,
+    seed: int = 1,
+    model: str = "",
+    files: int = 0,
+    kills: int = 0,
+    keep: Path | None = None,
+    as_json: Json = False,
+) -> int:
+    """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any.
 
-    return run_stability(as_json=as_json, show=show, print_json=print_json)
+    With --random instead: a campaign of random extreme screws and bearings, each outcome judged by a check of its own.
+
+    Parameters
+    ----------
+    random
+        Number of random extreme scenes.
+    seed
+        Seed of the campaign; scene K of a seed is the same whatever else is run.
+    model
+        Model of the campaign's contact loads; lin unless given.
+    files
+        Besides, so many mutated scene files and half as many mutated stored files.
+    kills
+        Besides, so often a process that writes is killed.
+    keep
+        File to write the campaign's counts to, for the report's table.
+    """
+    from compare.commands.stability import run_campaign, run_stability
+
+    if random is None:
+        if seed != 1 or model or files or kills or keep is not None:
+            raise InputError(
+                "command line", "--seed, --model, --files, --kills, --keep", "given", "with --random", "add it"
+            )
+        return run_stability(as_json=as_json, show=show, print_json=print_json)
+    return run_campaign(random, seed, model or "lin", files, kills, keep, as_json=as_json, show=show, print_json=print_json)
 
 
 @app.command

@@ -142,7 +142,13 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
     moved = any(value != 0.0 for s in scene.supports for _, value in s.fixed)
     drawn = specimen(scene, ball_layout(scene))
     few = len(drawn.ball_radius) <= 40
-    if scene.ingredients.screw != "rigid" or moved or drawn.profile.shape[1] or not few or scene.ingredients.arm == "nominal":
+    if (
+        scene.ingredients.screw != "rigid"
+        or moved
+        or drawn.profile.shape[1]
+        or not few
+        or scene.ingredients.arm == "nominal"
+    ):
         return None
     free, applied = free_of(scene), wrench_of_loads(scene)
     _, axes = frames(scene)
@@ -169,7 +175,9 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
     start = np.zeros(k + 2 * N)
     best, _ = energy(start)
     for _ in range(3):
-        found = minimize(lambda x: tuple(v / stored for v in energy(x)), start, jac=True, method="BFGS", options={"gtol": 1e-9})
+        found = minimize(
+            lambda x: tuple(v / stored for v in energy(x)), start, jac=True, method="BFGS", options={"gtol": 1e-9}
+        )
         start, best = found.x, min(best, float(found.fun) * stored)
     own = float((0.4 * result.load ** (5.0 / 3.0) * C).sum()) - _work(scene, result, applied)
     return (own - best) / stored

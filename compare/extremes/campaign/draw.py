@@ -15,7 +15,7 @@ def scene_text(seed: int, number: int) -> str:
     rng = np.random.default_rng([seed, number])
     ring = rng.random() < 0.4
     ball = _log(rng, 0.3e-3, 10e-3)
-    count = int(round(_log(rng, 3, MOST)))
+    count = round(_log(rng, 3, MOST))
     angle = np.radians(rng.uniform(0.5, 60.0))
     pitch, lead, starts, turns, room = _path(rng, ring, ball, count)
     count -= count % starts
@@ -36,7 +36,8 @@ def scene_text(seed: int, number: int) -> str:
         f'[track]\npitch_radius = "{1e3 * pitch:.9g} mm"\nlead = "{1e3 * lead:.9g} mm"\n'
         f'contact_angle = "{np.degrees(angle):.6g} deg"\nhand = "{rng.choice(["right", "left"])}"\nstarts = {starts}\n'
         f'phase = "{rng.uniform(-360, 360):.4g} deg"\n'
-        f'[screw]\nlength = "{1e3 * length:.9g} mm"\nouter_diameter = "{1e3 * outer:.9g} mm"\nbore = "{1e3 * bore:.9g} mm"\n'
+        f'[screw]\nlength = "{1e3 * length:.9g} mm"\nouter_diameter = "{1e3 * outer:.9g} mm"\n'
+        f'bore = "{1e3 * bore:.9g} mm"\n'
         f'groove_radius = "{1e3 * max(grooves[0], ball + 2.0 * abs(tight)):.12g} mm"\n'
         f'[nut]\nposition = "{1e3 * position:.9g} mm"\nlength = "{1e3 * nut:.9g} mm"\n'
         f'outer_diameter = "{2e3 * (pitch + ball) * rng.uniform(1.05, 1.6):.9g} mm"\n'
