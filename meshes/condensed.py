@@ -128,9 +128,9 @@ def _members(path: Path) -> dict[str, Array]:
     names = [f.name for f in fields(CondensedBodies)]
     if path.stat().st_size > LARGEST_FILE:
         raise ValueError(f"more than {LARGEST_FILE:.3g} bytes")
-    whole = io.BytesIO(path.read_bytes())
+    content = path.read_bytes()
     try:
-        with zipfile.ZipFile(whole) as archive:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
             declared = {info.filename: info.file_size for info in archive.infolist()}
             too_large = [name for name in declared if name.endswith(".npy") and _held(archive, name) > declared[name]]
         if too_large:
@@ -138,13 +138,13 @@ def _members(path: Path) -> dict[str, Array]:
         if sum(declared.values()) > LARGEST_FILE:
             raise ValueError(f"it declares {sum(declared.values()):.3g} bytes, at most {LARGEST_FILE:.3g} are read")
         if "format.npy" in declared:
-            with np.load(whole, allow_pickle=False) as data:
+            with np.load(io.BytesIO(content), allow_pickle=False) as data:
                 if data["format"].shape != () or int(data["format"]) != FORMAT:
                     raise ValueError(f"format {str(data['format'])[:40]}, this version reads {FORMAT}")
         missing = [name for name in names if f"{name}.npy" not in declared]
         if missing:
             raise ValueError(f"it has no {', '.join(missing)}")
-        with np.load(whole, allow_pickle=False) as data:
+        with np.load(io.BytesIO(content), allow_pickle=False) as data:
             sealed = str(data["checksum"]) if "checksum" in data else ""
             values = {name: data[name] for name in names}
     except DAMAGE as e:
