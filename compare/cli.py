@@ -8,13 +8,24 @@ import sys
 from cyclopts import CycloptsError
 
 from compare.commands.arguments import app
+from compare.commands.arguments.terminal import OutputLost, writing
 from compare.errors import InputError, one_line
 
 
+def _drop_output() -> None:
+    """Send what is still buffered for standard output nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def main(tokens: list[str] | None = None) -> None:
-    """Entry point: bad input gives one line on standard error and exit code 2, an interrupt 130."""
+    """Entry point: bad input gives one line on standard error and exit code 2, an interrupt 130; an output that nobody
+    reads any more ends quietly with 141, one that cannot be written with 74 and one line."""
+    if sys.stdout is None:  # closed by the caller: nobody reads it
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - for the life of the process
     try:
         code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
+        with writing():
+            sys.stdout.flush()
     except InputError as error:
         sys.stderr.write(f"rollbench: {error}\n")
         sys.exit(2)
@@ -26,6 +37,10 @@ def main(tokens: list[str] | None = None) -> None:
         sys.stderr.write("rollbench: interrupted; nothing was left half-written\n")
         sys.exit(130)
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         sys.exit(141)
+    except OutputLost as error:
+        _drop_output()
+        sys.stderr.write(f"rollbench: standard output: {error}\n")
+        sys.exit(74)
     sys.exit(code if isinstance(code, int) else 0)

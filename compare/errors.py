@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 _LONGEST = 120
 #: The same for what this program says itself.
 _WHOLE = 2000
 
 
+def escaped(text: str) -> str:
+    """``text`` with all that is not printable (controls, line ends, marks of direction) as escapes."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
 def one_line(text: str, longest: int = _LONGEST) -> str:
     """``text`` as one printable line of at most ``longest`` characters (controls escaped, the rest cut)."""
-    plain = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+    plain = escaped(text)
     return plain if len(plain) <= longest else plain[: longest - 3] + "..."
 
 
@@ -52,6 +60,17 @@ class Refusal(InputError):
         """One line: ``file: key: reason; advice: ...``."""
         reason = one_line(" ".join(self.value.split()), _WHOLE).rstrip(".; ")
         return f"{one_line(self.file)}: {one_line(self.key)}: {reason}; advice: {one_line(self.advice, 300)}"
+
+
+@contextmanager
+def named(name: str, origin: str) -> Iterator[None]:
+    """Refusals of the scene ``name`` inside name its file ``origin`` instead."""
+    try:
+        yield
+    except Refusal as error:
+        if error.file != name or origin == name:
+            raise
+        raise Refusal(origin, error.key, error.value, error.advice) from error
 
 
 class SceneError(InputError):

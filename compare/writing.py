@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 
 from compare.errors import InputError
+from meshes.leftovers import temporary
 
 
 def write_new(path: Path, text: str) -> None:
@@ -17,12 +17,13 @@ def write_new(path: Path, text: str) -> None:
     if path.exists():
         raise InputError(str(path), "file", "an existing file", "a new name", "choose another name or remove it")
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
+        name = temporary(path)
+        file = open(name, "x", encoding="utf-8")  # noqa: SIM115 - closed below
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
+        with file:
             file.write(text)
         os.link(name, path)
     except FileExistsError:
@@ -38,10 +39,27 @@ def replace_file(path: Path, text: str) -> None:
     """Write ``text`` to a file, whole or not at all; an earlier file is replaced. Raises InputError if it cannot be."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(name, path)
+        name = temporary(path)
+        try:
+            with open(name, "x", encoding="utf-8") as file:
+                file.write(text)
+            os.replace(name, path)
+        finally:
+            name.unlink(missing_ok=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None
+
+
+def need_writable(path: Path) -> None:
+    """Raise InputError unless a file can be written at ``path``, before anything is computed for it."""
+    if path.is_dir():
+        raise InputError(str(path), "file", "a folder", "a file name", "add the file's name")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        probe = temporary(path)
+        probe.touch(exist_ok=False)
+        probe.unlink()
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(path), "file", reason, "a folder that can be written to", "check the path") from None

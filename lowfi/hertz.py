@@ -46,7 +46,8 @@ def axis_ratio(curvature_ratio: Array) -> Array:
     """
     ratio = np.asarray(curvature_ratio, dtype=float)
     if np.any(ratio <= 0.0) or np.any(ratio > 1.0 + 1e-12):
-        raise ValueError("ratio of relative curvatures must lie in (0, 1]")
+        worst = float(np.min(ratio)) if np.any(ratio <= 0.0) else float(np.max(ratio))
+        raise ValueError(f"ratio of relative curvatures {worst:.3g} must lie in (0, 1]")
     target = np.log(np.minimum(ratio, 1.0))
     x = 0.636 * target
     for _ in range(60):

@@ -14,7 +14,9 @@ import importlib
 import importlib.util
 import os
 import shutil
+import stat
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -51,7 +53,7 @@ def kernel(function: F) -> F:
     import numba
 
     keep = code_folder() is not None
-    compiled_function: F = numba.njit(cache=keep, error_model="numpy", fastmath=False)(function)
+    compiled_function: F = numba.njit(cache=keep, nogil=True, error_model="numpy", fastmath=False)(function)
     return compiled_function
 
 
@@ -82,8 +84,8 @@ def cached() -> bool:
 @cache
 def code_folder() -> Path | None:
     """Folder of the machine code of these sources: in NUMBA_CACHE_DIR, else in the user's cache of rollbench; None where
-    the cache is switched off (ROLLBENCH_CACHE=off) or nothing can be written there: then kernels are compiled in every
-    process, and standard error says so."""
+    the cache is switched off (ROLLBENCH_CACHE=off). Where nothing can be written there, standard error says so, and a
+    folder of this user's own in that of temporary files serves; without that, kernels are compiled in every process."""
     from meshes.cache import default_root
 
     named = os.environ.get("NUMBA_CACHE_DIR", "").strip()
@@ -91,18 +93,41 @@ def code_folder() -> Path | None:
     if root is None:
         return None
     folder = root / "kernels" / digest()
+    advice = "name a folder that can be written to by ROLLBENCH_CACHE"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        os.utime(folder)
-        if not os.access(folder, os.W_OK):
-            raise PermissionError(13, os.strerror(13), str(folder))
+        return _opened(folder)
     except OSError as error:
-        sys.stderr.write(
-            f"rollbench: compiled kernels are not kept: {folder}: {error.strerror}; name a folder that can be written to "
-            "by ROLLBENCH_CACHE\n"
-        )
+        reason = f"{folder}: {error.strerror}"
+    try:
+        kept = _opened(_private() / "kernels" / digest())
+    except OSError as error:
+        sys.stderr.write(f"rollbench: compiled kernels are not kept: {reason}; {error}; {advice}\n")
         return None
+    sys.stderr.write(f"rollbench: compiled kernels are kept in {kept}: {reason}; {advice}\n")
+    return kept
+
+
+def _opened(folder: Path) -> Path:
+    """A folder of machine code, made if need be. Raises OSError where nothing can be written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    os.utime(folder)
+    if not os.access(folder, os.W_OK):
+        raise PermissionError(13, os.strerror(13), str(folder))
     _drop_old(folder.parent)
+    return folder
+
+
+def _private() -> Path:
+    """This user's own folder among the temporary ones: machine code is run, so nobody else may write there.
+
+    Raises OSError where there is one of another owner, or open to others.
+    """
+    user = os.getuid() if hasattr(os, "getuid") else 0
+    folder = Path(tempfile.gettempdir()) / f"rollbench-{user}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    found = folder.lstat()
+    if not stat.S_ISDIR(found.st_mode) or (hasattr(os, "getuid") and (found.st_uid != user or found.st_mode & 0o022)):
+        raise PermissionError(13, "it is not this user's alone", str(folder))
     return folder
 
 

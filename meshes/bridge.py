@@ -7,7 +7,6 @@ meshes that it reads through meshio. Node order is gmsh's; it is permuted here, 
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -16,6 +15,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from meshes.leftovers import temporary
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -217,21 +218,18 @@ def write_mesh(
         point_data = {name: values[used] for name, values in point_data.items()}
         nodes = {name: np.flatnonzero(np.isin(used, own)) for name, own in nodes.items()}
     plain = _Plain(points, connected, point_data, cell_data, region, tuple(data.regions), nodes)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=f".{form}.tmp")
-    os.close(handle)
+    fresh = temporary(path, f"{form}.tmp")
     try:
         if form == "inp":
-            _write_inp(Path(temporary), plain)
+            _write_inp(fresh, plain)
         else:
             import meshio
 
             made = _as_vtu(plain) if form == "vtu" else _as_med(plain) if form == "med" else _as_msh(plain, data.boundaries)
-            meshio.write(temporary, made, file_format=_MESHIO[form])
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+            meshio.write(fresh, made, file_format=_MESHIO[form])
+        os.replace(fresh, path)
+    finally:
+        fresh.unlink(missing_ok=True)
 
 
 #: Earlier name, from when there was one format.
@@ -343,13 +341,6 @@ def _lines(entries: list[int], *, open_end: bool = True) -> str:
     """Entries, at most 16 on a line; lines that the next one continues end with a comma (`open_end`), or do not."""
     rows = [", ".join(map(str, entries[k : k + 16])) for k in range(0, len(entries), 16)]
     return (",\n" if open_end else "\n").join(rows) + "\n"
-
-
-def _umask() -> int:
-    """The process's mask for new files; reading it means setting it."""
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return mask
 
 
 def _groups(dimension: int) -> dict[str, list[int]]:

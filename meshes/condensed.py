@@ -6,21 +6,39 @@ The file is an ordinary .npz without pickles; it is read whole and checked befor
 from __future__ import annotations
 
 import hashlib
+import io
+import math
 import os
-import tempfile
+import struct
 import zipfile
+import zlib
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes.leftovers import temporary
 from meshes.parts import Scene
 
 Array = NDArray[np.float64]
 
 #: Number of this format; files of another are refused.
 FORMAT = 2
+#: Largest size of all arrays of a file together [bytes]: a screw of 1000 contacts has a tenth of it.
+LARGEST_FILE = 200_000_000
+#: What reading a damaged archive of arrays raises, besides ValueError.
+DAMAGE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    *(EOFError, OSError, KeyError, IndexError, TypeError, RuntimeError, NotImplementedError, MemoryError, OverflowError),
+    *(SyntaxError, AttributeError),
+)
+#: Difference of a compliance from its transpose, and negative eigenvalue, over its largest entry, that a mesh may leave.
+ASYMMETRY, NEGATIVE = 1e-6, 1e-3
 
 
 @dataclass(frozen=True)
@@ -67,15 +85,19 @@ class CondensedBodies:
 
     def save(self, path: Path) -> None:
         """Write the file whole or not at all. Raises OSError."""
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez_compressed(file, format=FORMAT, **asdict(self))
-            os.replace(name, path)
-        except BaseException:
-            Path(name).unlink(missing_ok=True)
-            raise
+        values = asdict(self)
+        _write(path, values | {"format": FORMAT, "checksum": checksum(values)})
+
+
+def _write(path: Path, values: Mapping[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    name = temporary(path)
+    try:
+        with open(name, "xb") as file:
+            np.savez_compressed(file, **values)
+        os.replace(name, path)
+    finally:
+        name.unlink(missing_ok=True)
 
 
 def geometry_digest(scene: Scene) -> str:
@@ -85,14 +107,11 @@ def geometry_digest(scene: Scene) -> str:
 
 
 def load_condensed(path: Path) -> CondensedBodies:
-    """Read a file. Raises ValueError for one that is damaged, foreign, or of another format; OSError without one."""
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            if int(data["format"]) != FORMAT:
-                raise ValueError(f"format {int(data['format'])}, this version reads {FORMAT}")
-            values = {f.name: data[f.name] for f in fields(CondensedBodies)}
-    except (zipfile.BadZipFile, KeyError, EOFError) as error:
-        raise ValueError("no file of condensed bodies, or a damaged one") from error
+    """Read a file. Raises ValueError for one that is damaged, foreign, too large, of another format, or whose bodies are no
+    elastic ones (finite, symmetric, positive); OSError without one."""
+    if path.exists() and not path.is_file():
+        raise ValueError("no regular file")
+    values = _members(path)
     found = CondensedBodies(
         str(values["geometry"]),
         int(values["level"]),
@@ -100,9 +119,91 @@ def load_condensed(path: Path) -> CondensedBodies:
         float(values["base"]),
         *(np.asarray(values[name], dtype=float) for name in ("screw", "nut", "ball", "local", "force", "hertz")),
     )
-    k = found.sides.size
-    square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (found.screw, found.nut, found.ball))
-    fits = found.ball.shape[0] == k == len(found.local) and found.hertz.shape == (k,)
-    if not square or not fits or found.local.shape != found.force.shape or not np.isfinite(found.screw).all():
-        raise ValueError("arrays of the wrong shape")
+    _check(found)
     return found
+
+
+def _members(path: Path) -> dict[str, Array]:
+    """All arrays of a file, whose sizes are looked at before any is read. Raises ValueError, OSError."""
+    names = [f.name for f in fields(CondensedBodies)]
+    if path.stat().st_size > LARGEST_FILE:
+        raise ValueError(f"more than {LARGEST_FILE:.3g} bytes")
+    content = path.read_bytes()
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            declared = {info.filename: info.file_size for info in archive.infolist()}
+            too_large = [name for name in declared if name.endswith(".npy") and _held(archive, name) > declared[name]]
+        if too_large:
+            raise ValueError(f"{too_large[0]} says that it is larger than it is")
+        if sum(declared.values()) > LARGEST_FILE:
+            raise ValueError(f"it declares {sum(declared.values()):.3g} bytes, at most {LARGEST_FILE:.3g} are read")
+        if "format.npy" in declared:
+            with np.load(io.BytesIO(content), allow_pickle=False) as data:
+                if data["format"].shape != () or int(data["format"]) != FORMAT:
+                    raise ValueError(f"format {str(data['format'])[:40]}, this version reads {FORMAT}")
+        missing = [name for name in names if f"{name}.npy" not in declared]
+        if missing:
+            raise ValueError(f"it has no {', '.join(missing)}")
+        with np.load(io.BytesIO(content), allow_pickle=False) as data:
+            sealed = str(data["checksum"]) if "checksum" in data else ""
+            values = {name: data[name] for name in names}
+    except DAMAGE as e:
+        raise ValueError("no file of condensed bodies, or a damaged one") from e
+    kinds = {"geometry": "U", "level": "iu"}
+    for name, value in values.items():
+        if value.dtype.kind not in kinds.get(name, "fiu") or (name in ("geometry", "level", "base") and value.shape != ()):
+            raise ValueError(f"{name}: an array of another kind")
+    if sealed != checksum(values):
+        raise ValueError("its checksum does not fit what it holds: it was damaged or changed")
+    return values
+
+
+def _held(archive: zipfile.ZipFile, name: str) -> int:
+    """Bytes of the array that the head of a member announces."""
+    with archive.open(name) as member:
+        version = np.lib.format.read_magic(member)
+        read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+        shape, _, kind = read(member)
+    return math.prod(shape) * kind.itemsize
+
+
+def checksum(values: Mapping[str, Any]) -> str:
+    """Digest of the arrays of a file, of their names, kinds and shapes."""
+    digest = hashlib.sha256()
+    for name in sorted(f.name for f in fields(CondensedBodies)):
+        value = np.asarray(values[name])
+        digest.update(f"{name} {value.dtype.str} {value.shape}\n".encode() + value.tobytes())
+    return digest.hexdigest()
+
+
+def _check(found: CondensedBodies) -> None:
+    """Raise ValueError for arrays that do not belong together, or that no elastic bodies have."""
+    k = found.sides.size
+    sides = found.sides.tolist()
+    if found.sides.ndim != 1 or not k or any(s not in (0.0, 1.0, 2.0, 3.0) for s in sides) or sides != sorted(set(sides)):
+        raise ValueError("sides: not some of 0 to 3 in order")
+    if {3.0 - s for s in sides} != set(sides):
+        raise ValueError("sides: a side without its opposite one")
+    square = all(x.ndim == 2 and x.shape[0] == x.shape[1] for x in (found.screw, found.nut, found.ball))
+    fits = found.ball.shape[0] == k == len(found.local) and found.hertz.shape == (k,) and found.local.ndim == 2
+    if not square or not fits or found.local.shape != found.force.shape:
+        raise ValueError("arrays of the wrong shape")
+    for name in ("base", "screw", "nut", "ball", "local", "force", "hertz"):
+        if not np.isfinite(getattr(found, name)).all():
+            raise ValueError(f"{name}: not all numbers are finite")
+    if not (found.hertz > 0.0).all() or not (found.force > 0.0).all():
+        raise ValueError("hertz, force: not all positive")
+    for name in ("screw", "nut", "ball"):
+        matrix = getattr(found, name)
+        size = float(np.abs(matrix).max(initial=0.0))
+        if float(np.abs(matrix - matrix.T).max(initial=0.0)) > ASYMMETRY * size:
+            raise ValueError(f"{name}: a compliance that is not symmetric")
+        if size and float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0]) < -NEGATIVE * size:
+            raise ValueError(f"{name}: a compliance that is not positive, so that a body would do work")
+
+
+def seal(path: Path) -> None:
+    """Add the checksum to a file of this format that was written without one, whole or not at all."""
+    with np.load(path, allow_pickle=False) as data:
+        values = {name: data[name] for name in data.files if name != "checksum"}
+    _write(path, values | {"checksum": np.array(checksum(values))})

@@ -7,7 +7,6 @@ import csv
 import math
 import re
 import shutil
-import uuid
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from meshes.leftovers import temporary
 from reports import field3d, figures, scene3d
 from reports.records import Cell, Column, FieldPicture, Figure, LoadedScrew, PressureMap, Report, Table, Text
 
@@ -55,7 +55,7 @@ def write(report: Report, out: Path, progress: Progress | None = None) -> Path:
     _check_names(report)
     say = progress or (lambda _: None)
     out.parent.mkdir(parents=True, exist_ok=True)
-    fresh = out.with_name(f".{out.name}.{uuid.uuid4().hex[:8]}.new")
+    fresh = temporary(out, "new")
     try:
         for folder in (fresh, fresh / "tables", fresh / "figures"):
             folder.mkdir()
@@ -71,7 +71,7 @@ def write_csv(table: Table, path: Path) -> None:
     """Write a table as CSV (RFC 4180): header ``label [unit]``, numbers in full, ``None`` as nothing."""
     with open(path, "w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
-        writer.writerow(f"{c.label} [{c.unit}]" if c.unit else c.label for c in table.columns)
+        writer.writerow(harmless(f"{c.label} [{c.unit}]" if c.unit else c.label) for c in table.columns)
         writer.writerows([_csv_cell(row.get(c.key)) for c in table.columns] for row in table.rows)
 
 
@@ -127,7 +127,17 @@ def _csv_cell(value: Cell) -> str:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return repr(value) if isinstance(value, float) else str(value)
+    return repr(value) if isinstance(value, float) else harmless(str(value))
+
+
+def harmless(text: str) -> str:
+    """Text of a CSV cell with an apostrophe before what a spreadsheet would run as a formula.
+
+    >>> harmless("=1+1"), harmless("-3.5"), harmless("+ nut")
+    ("'=1+1", '-3.5', "'+ nut")
+    """
+    number = re.fullmatch(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?( [%\w/]+)?", text)
+    return f"'{text}" if text[:1] in tuple("=+-@\t\r") and not number else text
 
 
 def check_target(out: Path) -> None:

@@ -15,12 +15,14 @@ ADVICE = "install the off-screen OpenGL libraries (Debian: apt-get install libeg
 def draw_in_child(module: str, picture: object, path: str | Path) -> None:
     """Run ``python -m module`` with the pickled (picture, file to write) on its standard input.
 
+    Nothing is imported from the working folder, unless that holds this program.
     Raises RuntimeError where this machine cannot draw it: says which libraries are missing, or what else went wrong.
     """
-    search = os.pathsep.join([str(Path(__file__).resolve().parents[1]), *filter(None, sys.path)])
+    here, root = os.getcwd(), str(Path(__file__).resolve().parents[1])
+    search = os.pathsep.join([root, *(p for p in sys.path if p and os.path.abspath(p) != here)])
     try:
         child = subprocess.run(
-            [sys.executable, "-m", module],
+            [sys.executable, "-P", "-m", module],
             input=pickle.dumps((picture, str(Path(path).resolve()))),
             capture_output=True,
             timeout=TIMEOUT,

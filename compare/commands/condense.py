@@ -10,6 +10,7 @@ from compare.errors import InputError, Refusal
 from compare.reference.levels import LEVELS
 from compare.reference.runs import settings_of
 from compare.system import need_gmsh
+from compare.writing import need_writable
 from meshes.parts import Scene
 
 
@@ -21,8 +22,7 @@ def run_condense(scene: Scene, out: Path | None, level: int, *, cache: Path | No
     if level not in LEVELS:
         raise InputError("command line", "--level", str(level), f"1 to {len(LEVELS)}", "choose a mesh level")
     out = out or Path(f"{scene.name}-condensed.npz")
-    if out.is_dir():
-        raise InputError(str(out), "file", "a folder", "a file name", "add the file's name")
+    need_writable(out)
     need_gmsh()
     from hifi.condensed import condensed_bodies
     from hifi.setup import prepare

@@ -55,6 +55,10 @@ def _equilibrium(result: StaticResult) -> dict[str, Any] | None:
         "contact_moment_Nm": [number(x) for x in e.contact_moment],
         "force_residual": number(e.force_residual),
         "moment_residual": number(e.moment_residual),
+        "pin_force_N": [number(x) for x in e.pin_force],
+        "pin_moment_Nm": [number(x) for x in e.pin_moment],
+        "pin_share": number(e.pin_share),
+        "ball_residual": number(e.ball_residual),
     }
 
 
@@ -166,8 +170,13 @@ def as_table(scene: Scene, result: StaticResult, worth: ModelForm | None = None)
         e = result.equilibrium
         parts.append(
             f"balance of the screw: force {e.force_residual:.1e}, moment {e.moment_residual:.1e} (relative, sums over "
-            "loads, reactions and contact points)"
+            f"loads, reactions and contact points); of the balls: {e.ball_residual:.1e}"
         )
+        if e.pin_share > 0.0:
+            parts.append(
+                f"no support of the scene holds a free motion: its pin takes {100.0 * e.pin_share:.2g} % of the largest "
+                "force or moment, by which the balance of what the supports can carry is open"
+            )
     s = result.solver
     error = discretisation_percent(result)
     parts.append(

@@ -21,6 +21,7 @@ from compare.reference.runs import Run, load, reference, shipped_store
 from compare.scenes import catalogue
 from compare.writing import replace_file
 from meshes.parts import SIDES, Scene
+from reports.html import harmless
 
 Show = Callable[..., None]
 
@@ -63,7 +64,7 @@ def run_mesh_study(
         text = io.StringIO()
         writer = csv.DictWriter(text, columns)
         writer.writeheader()
-        writer.writerows(table)
+        writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in table)
         replace_file(store / f"{name}-mesh-study.csv", text.getvalue())
         _figure(name, table, store)
         if not json_out:

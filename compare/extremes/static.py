@@ -28,6 +28,7 @@ from lowfi.statics.elastic import solve_elastic
 from lowfi.statics.problem import build
 from lowfi.statics.result import StaticResult
 from lowfi.statics.static import ACCEPTED, solve_static
+from lowfi.statics.summary import BALANCE
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
@@ -47,8 +48,6 @@ FORMULATIONS = (OURS, *BACKENDS, *SOURCE)
 CONVERGED = "converged"
 #: The source's dense Jacobian is not attempted above this many unknowns.
 DENSE_LIMIT = 2000
-#: Global balance of forces and moments [-] that a converged row of the energy solver must also meet.
-BALANCE = 1e-6
 #: Loads of two formulations that differ by less than this share of the largest load [%] are the same solution.
 SAME = 1e-4
 
@@ -355,7 +354,7 @@ def _fault(result: StaticResult) -> str:
         return "claims convergence, but loads or motions are not finite"
     if not s.residual <= max(ACCEPTED, s.round_off_bound):
         return f"claims convergence, but the residual is {s.residual:.1e}"
-    if balance is None or not max(balance.force_residual, balance.moment_residual) <= BALANCE:
+    if balance is None or not balance.largest <= BALANCE:
         return "claims convergence, but forces and moments on the screw do not balance"
     return ""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import datetime
 import glob
 import hashlib
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from importlib import metadata, resources
@@ -21,6 +20,7 @@ from compare.reference import grid_order
 from compare.reference.convergence import Convergence, Pooled, pool, representative_size
 from compare.reference.levels import LEVELS, SOURCE_LEVEL, scaled
 from compare.reference.memory import peak_MB
+from compare.reference.sealing import sealed, unsealed
 from compare.reference.variants import VARIANTS
 from compare.system import need_gmsh
 from compare.writing import replace_file
@@ -345,11 +345,16 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         along_groove=result.along_groove,
         screw_balance=result.screw_balance,
         quality=setup.quality,
-        settings=asdict(setup.settings),
+        settings=asdict(setup.settings) | {"stations": _stations(task.scenes)},
         assumed=setup.dims.assumed,
         versions={"rollbench": __version__, **versions()},
         date=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
     )
+
+
+def _stations(scenes: Sequence[Scene]) -> tuple[float, ...]:
+    """Stations of supports and loads [m] of all scenes that share a set-up: its shaft has freedoms there."""
+    return tuple(sorted({x.at for scene in scenes for x in (*scene.supports, *scene.loads)}))
 
 
 def path_in(store: Path, scene: Scene, run: Run) -> Path:
@@ -376,8 +381,7 @@ def save(store: Path, scene: Scene, run: Run) -> Path:
     path = path_in(store, scene, run)
     data = asdict(run) | {name: _rows(getattr(run, name)) for name in ARRAYS}
     data["without"] = {name: _rows(array) for name, array in run.without.items()}
-    text = json.dumps(data, indent=None, separators=(",", ":")).replace("],[", "],\n[") + "\n"
-    replace_file(path, text)
+    replace_file(path, sealed(data))
     return path
 
 
@@ -410,7 +414,7 @@ def load(scene: Scene, level: int, variant: str = "", stores: Sequence[Path] | N
 def _read(path: Path, scene: Scene, level: int, variant: str) -> Run | None:
     """Run in a file, if that is whole and its name is the key of what it holds."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = unsealed(path)
         arrays: dict[str, Any] = {k: _array(data.pop(k)) for k in ARRAYS}
         without = {k: _array(v) for k, v in data.pop("without").items()}
         data |= {"sides": tuple(data["sides"]), "assumed": tuple(data["assumed"]), "settings": _plain(data["settings"])}
@@ -418,7 +422,7 @@ def _read(path: Path, scene: Scene, level: int, variant: str) -> Run | None:
         whole = run.load.shape == (scene.ball_count, 4) == run.angle.shape == run.frozen.shape
         own = (run.level, run.variant) == (level, variant) and path.name == path_in(path.parent, scene, run).name
         return run if whole and own and run.status == "converged" else None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 
 

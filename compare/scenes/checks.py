@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 
 from compare.scenes.keys import MAX_BALLS, GrooveKeys
 from compare.scenes.schema import SceneKeys
+from lowfi.statics.conformity import curvature_changes
+from lowfi.statics.problem import nominal_curvatures, printed_constants
 from lowfi.statics.supports import Held, contradiction, show
+from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
 from meshes.partition import MERGE
 from meshes.parts import SIDES, Scene
@@ -23,6 +26,8 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-9
 #: Random ball errors are refused if this many standard deviations would make a ball as large as its groove.
 SIGMAS = 6.0
+#: Largest groove radius, in ball radii: beyond it a groove guides no ball.
+WIDEST = 10.0
 
 
 @dataclass(frozen=True)
@@ -185,6 +190,7 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
         yield Fault((listed, "errors.balls.oversize"), allowed, "a ball must keep a positive radius", value)
     largest = float(radii.max())
     yield from _groove_faults(scene, largest)
+    yield from _path_error_faults(scene)
     yield from _section_faults(scene)
     yield from _station_faults(scene)
     yield from _rigid_faults(scene)
@@ -193,6 +199,44 @@ def geometry_faults(scene: Scene) -> Iterator[Fault]:
         yield from _packing_faults(scene, radii)
     if scene.circulation is not None or scene.time is not None:
         yield from _circuit_faults(scene)
+
+
+def _path_error_faults(scene: Scene) -> Iterator[Fault]:
+    """Errors of pitch and roundness that are larger than a ball."""
+    for side in SIDES:
+        for kind in ("pitch", "roundness"):
+            terms = getattr(scene.errors.side(side), kind)
+            size = sum(math.hypot(t.sin, t.cos) + SIGMAS * t.sigma for t in terms)
+            if size > scene.balls.radius:
+                allowed = f"up to {mm(scene.balls.radius)}, the ball radius, in all ({SIGMAS:g} sigma of random ones)"
+                value = f"{kind} errors of {mm(size)}"
+                yield Fault((f"errors.{side}.{kind}",), allowed, "check the unit: such errors are micrometres", value)
+
+
+def contact_faults(scene: Scene) -> Iterator[Fault]:
+    """Contacts without Hertz constants, for bodies that can be built: ball and flank conform, or the printed formula has no
+    solution."""
+    if scene.ingredients.hertz == "as printed":
+        try:
+            printed_constants(scene)
+        except ValueError as error:
+            advice = f"the printed formula (Lin Table B.1) has no solution for these radii ({error})"
+            yield Fault(("ingredients.hertz",), '"nominal", "error-free" or "actual" for this geometry', advice)
+        return
+    drawn = specimen(scene, ball_layout(scene))
+    curvature = nominal_curvatures(scene) + curvature_changes(scene, drawn, drawn.ball_radius)
+    bad = np.argwhere(~(curvature.min(axis=-1) > 0.0) | ~np.isfinite(curvature).all(axis=-1))
+    if bad.size:
+        ball, side = (int(k) for k in bad[0])
+        across, along = curvature[ball, side]
+        allowed = "a groove that is less curved than the ball in every contact"
+        value = (
+            f"relative curvatures {across:.3g} 1/m across and {along:.3g} 1/m along flank {SIDES[side]} at ball {ball + 1}"
+        )
+        advice = "ball and flank conform there: lower the profile error's curvature, or enlarge the groove radius"
+        part = "screw" if side < 2 else "nut"
+        keys = (f"errors.{SIDES[side]}.profile", f"errors.{SIDES[side]}.profile_sigma", f"{part}.groove_radius")
+        yield Fault((*keys, f"{part}.conformity"), allowed, advice, value)
 
 
 def _circuit_faults(scene: Scene) -> Iterator[Fault]:
@@ -226,8 +270,8 @@ def _groove_faults(scene: Scene, largest: float) -> Iterator[Fault]:
             allowed = f"below {mm((radius - largest) / SIGMAS)} with this groove"
             advice = f"a ball {SIGMAS:g} sigma too large would jam in the groove of {mm(radius)}"
             yield Fault(("errors.balls.sigma",), allowed, advice)
-        elif radius > 100.0 * scene.balls.radius:
-            allowed = f"groove radius up to {mm(100.0 * scene.balls.radius)} (100 ball radii)"
+        elif radius > WIDEST * scene.balls.radius:
+            allowed = f"groove radius up to {mm(WIDEST * scene.balls.radius)} ({WIDEST:g} ball radii)"
             yield Fault(where, allowed, "check the unit: a groove is usually 1.02 to 1.2 ball radii")
         else:
             yield from _profile_faults(scene, name[0].upper(), radius - largest)

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from compare.errors import SceneError
-from compare.scenes.checks import choice_faults, geometry_faults
+from compare.errors import SceneError, escaped
+from compare.scenes.checks import choice_faults, contact_faults, geometry_faults
 from compare.scenes.keys import FRICTION_ONLY, WHOLE, MaterialKeys
 from compare.scenes.refusal import refuse, refuse_keys
 from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys
@@ -44,7 +44,8 @@ from meshes.parts import (
 if TYPE_CHECKING:
     from compare.scenes.kinds.common import KindScene
 
-MAX_BYTES = 16_000_000
+#: Largest scene file [bytes] and longest line [characters]: 100 000 listed azimuths on one line have 2 MB.
+MAX_BYTES, MAX_LINE = 4_000_000, 2_500_000
 #: Tables that no whole screw or bearing has; without a kind they tell that one is missing.
 FOREIGN = {"load", "angles", "grooves", "chain", "four_point", "double_row"}
 
@@ -94,7 +95,7 @@ def read(text: str, origin: str) -> Scene | KindScene:
     except ValidationError as error:
         refuse_keys(origin, of.keys, error)
     refuse(origin, raw, list(of.faults(keys)))
-    return of.record(keys, Path(origin).stem)
+    return of.record(keys, escaped(Path(origin).stem))
 
 
 def kind_of(scene: Scene | KindScene) -> str:
@@ -110,8 +111,9 @@ def _read_whole(raw: dict[str, Any], origin: str) -> Scene:
     except ValidationError as error:
         refuse_keys(origin, SceneKeys, error)
     refuse(origin, raw, list(choice_faults(keys)))
-    scene = _scene(keys, Path(origin).stem)
+    scene = _scene(keys, escaped(Path(origin).stem))
     refuse(origin, raw, list(geometry_faults(scene)))
+    refuse(origin, raw, list(contact_faults(scene)))
     return scene
 
 
@@ -121,6 +123,8 @@ def read_text(path: str | Path) -> str:
     try:
         if Path(path).is_dir():
             raise SceneError(str(path), "file", "a directory", allowed, "name a file inside it")
+        if Path(path).exists() and not Path(path).is_file():
+            raise SceneError(str(path), "file", "a pipe or device", allowed, "name a regular file")
         with open(path, "rb") as file:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
@@ -140,6 +144,9 @@ def read_text(path: str | Path) -> str:
     if "\0" in text:
         advice = f"{place}: save the scene as plain UTF-8 text"
         raise SceneError(str(path), "file", "a binary file", "UTF-8 text", advice)
+    longest = max(map(len, text.splitlines()), default=0)
+    if longest > MAX_LINE:
+        raise SceneError(str(path), "file", f"a line of {longest} characters", f"up to {MAX_LINE}", "is this a scene file?")
     return text
 
 
@@ -173,7 +180,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
     screw, nut, diameter = keys.screw, keys.nut, 2.0 * keys.balls.radius
     return Scene(
         name=name,
-        title=keys.title,
+        title=escaped(keys.title),
         track=Track(**track.model_dump()),
         screw=Screw(
             length=screw.length,
@@ -200,8 +207,8 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
         loads=tuple(Load(p.at, _vector(p.force), _vector(p.moment)) for p in keys.loads),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
         solid=Solid(**keys.solid.model_dump()),
-        source=keys.source,
-        assumed=tuple(keys.assumed),
+        source=escaped(keys.source),
+        assumed=tuple(map(escaped, keys.assumed)),
         members=keys.members,
         friction=None if keys.friction is None else _friction(keys.friction),
         motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
@@ -213,7 +220,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
 
 def _friction(keys: FrictionKeys) -> Friction:
     screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
-    return Friction(screw, nut, tuple(keys.assumed), keys.coupling, keys.balls)
+    return Friction(screw, nut, tuple(map(escaped, keys.assumed)), keys.coupling, keys.balls)
 
 
 def _material(own: MaterialKeys | None, default: MaterialKeys) -> Material:

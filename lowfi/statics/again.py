@@ -58,7 +58,7 @@ def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine
     outcome = solve_with_hertz(prepared)
     if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
         outcome = follow_profile(prepared, outcome, layout, everything=False, refine=1)
-    status = verdict(outcome, round_off_bound(prepared, outcome.scale))
+    status = verdict(outcome, round_off_bound(prepared, outcome.scale), prepared.problem)
     return _loads(prepared.force, prepared.normal, prepared.problem.C, status)
 
 
@@ -74,12 +74,12 @@ def elastic_loads(
         if mechanism.driven:
             return _none(problem.C, f"not held: {mechanism.text}")
         pinned = pin(problem, mechanism)
-        rebuild = replace(rebuild, held=(pinned.fixed, pinned.prescribed))
+        rebuild = replace(rebuild, held=(pinned.fixed, pinned.prescribed, pinned.pins))
         system = rebuild()
         outcome: Outcome = elastic_solver.solve_with_hertz(system)
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
             system, outcome = elastic_solver.follow_profile(system, outcome, rebuild)
-        status = verdict(outcome, max(elastic_solver.round_off(system, outcome.scale), ACCEPTED))
+        status = verdict(outcome, max(elastic_solver.round_off(system, outcome.scale), ACCEPTED), system.problem)
         _, contact, _ = elastic_solver.contacts_of(system)
     return _loads(contact[..., 0], contact[..., 1:3], system.problem.C, status)
 

@@ -24,7 +24,18 @@ from lowfi.statics.result import SolverReport, StaticResult
 from lowfi.statics.selection import choose_sides, describe_left_out
 from lowfi.statics.shaft import flank_loads, node_motions
 from lowfi.statics.solved import SolvedState
-from lowfi.statics.static import ACCEPTED, NO_LOADS, Engine, contact_angles, pick_engine, pin, verdict
+from lowfi.statics.static import (
+    ACCEPTED,
+    NO_LOADS,
+    PIN_SHOWN,
+    Engine,
+    contact_angles,
+    lost,
+    pick_engine,
+    pin,
+    verdict,
+    with_other_pin,
+)
 from lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
@@ -134,7 +145,7 @@ def solve_with_hertz(elastic: Elastic) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
     outcome = run(elastic)
     problem = elastic.problem
-    if problem.scene.ingredients.hertz != "actual" or outcome.status not in (0, 1):
+    if problem.scene.ingredients.hertz != "actual" or lost(outcome):
         return outcome
     iterations, evaluations = outcome.iterations, outcome.evaluations
     for _ in range(12):
@@ -147,7 +158,7 @@ def solve_with_hertz(elastic: Elastic) -> Outcome:
             elastic.contacts.pair[:, 4] = updated[:, list(elastic.pair)].sum(axis=1)
         outcome = run(elastic, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
-        if change < 1e-13:
+        if change < 1e-13 or lost(outcome):
             break
     return outcome._replace(iterations=iterations, evaluations=evaluations)
 
@@ -157,7 +168,7 @@ def follow_profile(elastic: Elastic, outcome: Outcome, rebuild: Rebuild) -> tupl
     more = np.zeros((elastic.state.inner.shape[0], 4, 2))
     iterations, evaluations = outcome.iterations, outcome.evaluations
     for _ in range(6):
-        if outcome.status not in (0, 1):
+        if lost(outcome):
             break
         p, contact, shift = contacts_of(elastic)
         force, problem = contact[..., 0], elastic.problem
@@ -174,7 +185,7 @@ def follow_profile(elastic: Elastic, outcome: Outcome, rebuild: Rebuild) -> tupl
             new_state[:] = old_state
         outcome = run(elastic, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
-        if change < 1e-13:
+        if change < 1e-13 or lost(outcome):
             break
     return elastic, outcome._replace(iterations=iterations, evaluations=evaluations)
 
@@ -217,7 +228,7 @@ def _solve(
     start = perf_counter()
     layout = ball_layout(scene) if layout is None else layout
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
-    kernels = pick_engine(engine, layout.z.size)
+    kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     every = everything or drawn.profile.shape[1] > 0
     use = np.ones(4, dtype=bool) if every else choose_sides(scene, drawn)
     notes: tuple[str, ...] = ()
@@ -228,7 +239,7 @@ def _solve(
         if mechanism.driven:
             return failed_result(problem, name, f"not held: {mechanism.text}", perf_counter() - start)
         pinned = pin(problem, mechanism)
-        rebuild = replace(rebuild, held=(pinned.fixed, pinned.prescribed))
+        rebuild = replace(rebuild, held=(pinned.fixed, pinned.prescribed, pinned.pins))
         elastic = rebuild()
         prepared_at = perf_counter()
         outcome = solve_with_hertz(elastic)
@@ -240,7 +251,7 @@ def _solve(
         use = np.ones(4, dtype=bool)
     bound = round_off(elastic, outcome.scale)
     if outcome.status in NO_LOADS:
-        return failed_result(problem, name, verdict(outcome, bound), perf_counter() - start)
+        return failed_result(problem, name, verdict(outcome, bound, problem), perf_counter() - start)
     report = SolverReport(
         iterations=outcome.iterations,
         evaluations=outcome.evaluations,
@@ -257,8 +268,19 @@ def _solve(
     left = (*describe_left_out(problem, mechanism, everything=everything), *_cut(elastic))
     source = idealised(backend, scene) if condensed is None else (condensed.describe(),)
     assumed = (*ELASTIC_ASSUMPTIONS, *source, *elastic.assumed)
-    status = verdict(outcome, max(bound, ACCEPTED))
-    return assemble_result(solved_state(elastic), name, status, report, left, assumed)
+    status = verdict(outcome, max(bound, ACCEPTED), problem)
+    result = assemble_result(solved_state(elastic), name, status, report, left, assumed)
+    if (
+        result.equilibrium is not None
+        and result.equilibrium.pin_share > PIN_SHOWN
+        and result.converged
+        and mechanism.others
+    ):
+        again = pin(problem, mechanism, True)
+        other = replace(rebuild, held=(again.fixed, again.prescribed, again.pins))()
+        found = solve_with_hertz(other)
+        result = with_other_pin(result, mechanism, None if lost(found) else contacts_of(other)[1][..., 0])
+    return result
 
 
 def _cut(elastic: Elastic) -> tuple[str, ...]:

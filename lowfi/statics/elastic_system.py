@@ -272,13 +272,14 @@ def spring_rows(problem: Problem, pair: tuple[int, int] | None, stiffness: float
 
 @dataclass(frozen=True)
 class Rebuild:
-    """Builds a problem anew with other lever arms; held: freedoms of the nodes and their values, ``(n, 6)`` each."""
+    """Builds a problem anew with other lever arms; held: freedoms of the nodes and their values,
+    ``(n, 6)`` each, and which of the first node are pins."""
 
     scene: Scene
     drawn: Specimen
     layout: BallLayout
     use: NDArray[np.bool_]
-    held: tuple[NDArray[np.bool_], Array] | None
+    held: tuple[NDArray[np.bool_], Array, tuple[int, ...]] | None
     backend: Backend
     condensed: Condensed | None
     engine: ModuleType
@@ -302,4 +303,6 @@ class Rebuild:
             more=more,
             section=grooved_section(geometry_only(self.scene), True) if self.backend.section == "cell" else None,
         )
-        return found if self.held is None else replace(found, fixed=self.held[0], prescribed=self.held[1])
+        return (
+            found if self.held is None else replace(found, fixed=self.held[0], prescribed=self.held[1], pins=self.held[2])
+        )

@@ -19,13 +19,15 @@ Array = NDArray[np.float64]
 class Mechanism:
     """What is free: ``driven`` by the loads (no equilibrium exists) or not; freedoms of the first node to hold.
 
-    no_torsion: the track has no lead, so no contact force twists the shaft, and no moment is applied about it.
+    no_torsion: the track has no lead, so no contact force twists the shaft, and no moment is applied about it; others:
+    freedoms that could be held instead of the pins (none where only those do).
     """
 
     driven: bool
     text: str
     pins: tuple[int, ...] = ()
     no_torsion: bool = False
+    others: tuple[int, ...] = ()
 
 
 def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
@@ -76,9 +78,26 @@ def free_motions(problem: Problem) -> Mechanism:
     text = _name(free, track.lead, track.pitch_radius)
     if float(np.abs(drive).max()) > 1e-9 * total and total > 0.0:
         return Mechanism(True, f"{text}: no support and no contact resists it, and the loads drive it")
-    _, _, order = qr(free.T, pivoting=True)
-    pins = tuple(int(k) for k in order[: null.shape[0]])
-    return Mechanism(False, text, pins, no_torsion)
+    if problem.basis is not None:  # freedoms are the columns of the basis that the supports leave
+        _, _, order = qr(null, pivoting=True)
+        order = np.flatnonzero(~problem.fixed[0])[order]
+    else:
+        _, _, order = qr(free.T, pivoting=True)
+    count = null.shape[0]
+    pins = tuple(int(k) for k in order[:count])
+    return Mechanism(
+        False, text, pins, no_torsion, _others(free, pins, track.pitch_radius) if problem.basis is None else ()
+    )
+
+
+def _others(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
+    """Freedoms besides the pins that hold all free motions ``(6, k)`` as well; none where there are no such."""
+    scaled = free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]
+    rest = [k for k in range(6) if k not in pins]
+    _, _, order = qr(scaled[rest].T, pivoting=True)
+    others = tuple(rest[int(k)] for k in order[: len(pins)])
+    sizes = np.linalg.svd(scaled[list(others)], compute_uv=False)
+    return others if len(others) == len(pins) and sizes[-1] > 1e-6 * np.abs(scaled).max() else ()
 
 
 def _name(free: Array, lead: float, arm: float) -> str:

@@ -16,7 +16,7 @@ from lowfi.statics.supports import contradiction, rigid_rows
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
 from meshes.partition import MERGE, beam_nodes, contact_stations
-from meshes.parts import FREEDOMS, SIDE_SIGNS, Errors, Scene
+from meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Scene
 from meshes.section import BeamSection, screw_section
 from meshes.surface import principal_curvatures, printed_radii
 
@@ -34,7 +34,8 @@ class Problem:
 
     nodes (n,) [m]; section; fixed (n, 6); prescribed (n, 6); load (n, 6); node (N, 2), B (N, 2, 2, m): motion of each
     screw flank in the section plane; geometry (N, 4, 9), closure (N, 2): see ``kernel.ball``; use (4,).
-    ``basis``: for a rigid screw the motions that its supports leave, (6, 6), else None.
+    ``basis``: for a rigid screw the motions that its supports leave, (6, 6), else None; pins: freedoms of the first node
+    (columns of the basis) that are held because nothing drives or resists them.
     """
 
     scene: Scene
@@ -52,6 +53,7 @@ class Problem:
     use: NDArray[np.bool_]
     left_out_elements: int
     basis: Array | None = None
+    pins: tuple[int, ...] = ()
 
     @property
     def C(self) -> Array:
@@ -104,9 +106,18 @@ def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None)
 def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
     """Hertz constants ``(N, 4)`` at contact angles gamma ``(N, 4)`` [rad], from the exact surfaces with all errors.
 
-    Raises ValueError where ball and groove conform.
+    Raises ValueError where ball and groove conform, with the first such contact.
     """
-    return constants_of(scene, relative_curvatures(scene, drawn, gamma))
+    curvatures = relative_curvatures(scene, drawn, gamma)
+    bad = np.argwhere(~(curvatures.min(axis=-1) > 0.0) | ~np.isfinite(curvatures).all(axis=-1))
+    if bad.size:
+        i, s = (int(k) for k in bad[0])
+        across, along = curvatures[i, s]
+        raise ValueError(
+            f"ball {i + 1} and flank {SIDES[s]} conform at their contact angle of {np.degrees(gamma[i, s]):.4g} deg: "
+            f"relative curvatures {across:.3g} 1/m across the groove, {along:.3g} 1/m along it; Hertz needs positive ones"
+        )
+    return constants_of(scene, curvatures)
 
 
 def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:

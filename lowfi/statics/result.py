@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,10 @@ Array = NDArray[np.float64]
 class Equilibrium:
     """Forces [N] and moments about the origin [N m] on the screw, ``(3,)`` each; residuals relative to the largest.
 
-    The contact forces are summed at their contact points, the reactions come from the beam: the balance is a check.
+    The contact forces are summed at their contact points, the reactions of the scene's supports come from the beam: the
+    balance is a check. A free motion that nothing drives is held by a pin; what that takes, because sections of the model
+    are planar, is no reaction: pin_force, pin_moment, and pin_share over the largest force or moment. The residuals are
+    those with the pin. ball_residual: largest net contact force on a ball, on number ``worst_ball`` (from 1).
     """
 
     applied_force: Array
@@ -25,6 +28,16 @@ class Equilibrium:
     contact_moment: Array
     force_residual: float
     moment_residual: float
+    pin_force: Array = field(default_factory=lambda: np.zeros(3))
+    pin_moment: Array = field(default_factory=lambda: np.zeros(3))
+    pin_share: float = 0.0
+    ball_residual: float = 0.0
+    worst_ball: int = 0
+
+    @property
+    def largest(self) -> float:
+        """Largest of the residuals of screw and balls."""
+        return max(self.force_residual, self.moment_residual, self.ball_residual)
 
 
 @dataclass(frozen=True)

@@ -116,7 +116,8 @@ def describe_left_out(problem: Problem, mechanism: Mechanism, *, everything: boo
     if mechanism.no_torsion:
         notes.append("torsion: without lead no contact force twists the shaft, and no moment about it is applied")
     notes.extend(
-        f"{FREEDOMS[k]} of the first node is held at zero: {mechanism.text} is neither driven nor resisted"
+        f"{FREEDOMS[k] + ' of the first node' if problem.basis is None else 'the screw'} is held at zero: {mechanism.text} "
+        "is neither driven nor resisted"
         for k in mechanism.pins
         if not (k == 5 and mechanism.no_torsion)
     )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from lowfi import jit
 from lowfi.statics.mechanism import Mechanism, free_motions
 from lowfi.statics.problem import SIGNS, Problem, actual_hertz, build
+from lowfi.statics.proof import opening_motion, words_of
 from lowfi.statics.records import BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 from lowfi.statics.result import SolverReport, StaticResult
 from lowfi.statics.selection import choose_sides, describe_left_out, flank_motions, shifts_of_beam, touched_sides
@@ -20,7 +21,7 @@ from lowfi.statics.solved import SolvedState
 from lowfi.statics.summary import assemble_result, failed_result, model_assumptions
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
-from meshes.parts import Scene
+from meshes.parts import FREEDOMS, Scene
 
 Array = NDArray[np.float64]
 Engine = Literal["auto", "interpreted", "compiled"]
@@ -32,6 +33,12 @@ MAX_ITERATIONS = 200
 NO_LOADS = (2, 3)
 #: Above this many balls the compiled engine pays even for a single solve.
 COMPILE_ABOVE = 120
+#: The same where flanks are no arcs: every contact is a search for its place on the profile.
+COMPILE_UNEVEN = 24
+#: Share of the largest force or moment from which on what a pin takes is looked into.
+PIN_SHOWN = 1e-9
+#: Relative residual of a run above which its constants or lever arms are not followed any further.
+LOST = 1e-6
 
 
 @dataclass
@@ -58,9 +65,10 @@ class Prepared:
         return np.asarray(self.state.contact[..., 1:3])
 
 
-def pick_engine(engine: Engine, balls: int) -> ModuleType:
-    """Interpreted kernels for one small solve, compiled ones for large or many."""
-    if engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or balls > COMPILE_ABOVE)):
+def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
+    """Interpreted kernels for one small solve, compiled ones for large or many; uneven: flanks that are no arcs."""
+    most = COMPILE_UNEVEN if uneven else COMPILE_ABOVE
+    if engine == "compiled" or (engine == "auto" and (jit.loaded(jit.STATICS) or balls > most)):
         return jit.kernels(jit.STATICS, compiled=True)
     return jit.kernels(jit.STATICS, compiled=False)
 
@@ -182,7 +190,7 @@ def solve_static(
     start = perf_counter()
     layout = ball_layout(scene) if layout is None else layout
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
-    kernels = pick_engine(engine, layout.z.size)
+    kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
     notes: tuple[str, ...] = ()
     while True:
@@ -201,7 +209,7 @@ def solve_static(
             break
         notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)
         use = np.ones(4, dtype=bool)
-    status = verdict(outcome, round_off_bound(prepared, outcome.scale))
+    status = verdict(outcome, round_off_bound(prepared, outcome.scale), problem)
     if outcome.status in NO_LOADS:
         return failed_result(problem, "lin", status, perf_counter() - start)
     report = SolverReport(
@@ -219,6 +227,17 @@ def solve_static(
     )
     left_out = describe_left_out(problem, mechanism, everything=everything)
     result = assemble_result(solved_state(prepared), "lin", status, report, left_out, model_assumptions(scene))
+    if (
+        result.equilibrium is not None
+        and result.equilibrium.pin_share > PIN_SHOWN
+        and result.converged
+        and mechanism.others
+    ):
+        other = prepare(
+            pin(build(scene, drawn, layout, use, everything=everything, refine=refine), mechanism, True), kernels
+        )
+        found = solve_with_hertz(other)
+        result = with_other_pin(result, mechanism, other.force if not lost(found) else None)
     if discretisation and result.converged:
         result = with_discretisation(scene, result, engine=engine, member=member, drawn=drawn)
     return result
@@ -240,26 +259,49 @@ def _names(mask: NDArray[np.bool_]) -> list[str]:
     return [n for n, m in zip(("SL", "SR", "NL", "NR"), mask, strict=True) if m]
 
 
-def pin(problem: Problem, mechanism: Mechanism) -> Problem:
-    """Hold motions that nothing resists and nothing drives, and torsion where no contact can twist the shaft."""
+def with_other_pin(result: StaticResult, mechanism: Mechanism, load: Array | None) -> StaticResult:
+    """The result with a note on how much the choice of the pin moves its loads; load: ``(N, 4)`` [N] with the other one."""
+    pins, others = (" and ".join(FREEDOMS[k] for k in x) for x in (mechanism.pins, mechanism.others))
+    words = f"{mechanism.text} is held by {pins} of the first node; held by {others} instead, "
+    if load is None:
+        words += "no loads are found"
+    else:
+        loaded = result.load[result.load > 0.0]
+        change = float(np.abs(load - result.load).max())
+        mean = f", {100.0 * change / float(loaded.mean()):.2g} % of the mean" if loaded.size else ""
+        words += f"loads change by up to {change:.2g} N{mean}"
+    return replace(result, solver=replace(result.solver, notes=(*result.solver.notes, words)))
+
+
+def pin(problem: Problem, mechanism: Mechanism, other: bool = False) -> Problem:
+    """Hold motions that nothing resists and nothing drives, and torsion where no contact can twist the shaft.
+
+    other: by the freedoms that the mechanism names besides its pins.
+    """
+    chosen = mechanism.others if other else mechanism.pins
     if not mechanism.pins and not mechanism.no_torsion:
         return problem
     fixed, prescribed = problem.fixed.copy(), problem.prescribed.copy()
-    for k in mechanism.pins:
+    for k in chosen:
         fixed[0, k] = True
     if mechanism.no_torsion and problem.basis is None:
         held = np.flatnonzero(problem.fixed[:, 5])
         if held.size:  # an untwisted shaft turns as a whole, and in proportion to its length between two supports
             prescribed[:, 5] = np.interp(problem.nodes, problem.nodes[held], prescribed[held, 5])
         fixed[:, 5] = True
-    return replace(problem, fixed=fixed, prescribed=prescribed)
+    return replace(problem, fixed=fixed, prescribed=prescribed, pins=chosen)
+
+
+def lost(outcome: Outcome) -> bool:
+    """Whether a run found no state that changed constants or lever arms could start from."""
+    return outcome.status not in (0, 1) or outcome.residual > LOST
 
 
 def solve_with_hertz(prepared: Prepared) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
     outcome = run(prepared)
     problem = prepared.problem
-    if problem.scene.ingredients.hertz != "actual" or outcome.status not in (0, 1):
+    if problem.scene.ingredients.hertz != "actual" or lost(outcome):
         return outcome
     iterations, evaluations = outcome.iterations, outcome.evaluations
     nominal = np.full(problem.C.shape, problem.scene.track.contact_angle)
@@ -270,7 +312,7 @@ def solve_with_hertz(prepared: Prepared) -> Outcome:
         problem.C[:] = updated
         outcome = run(prepared, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
-        if change < 1e-13:
+        if change < 1e-13 or lost(outcome):
             break
     return outcome._replace(iterations=iterations, evaluations=evaluations)
 
@@ -283,7 +325,7 @@ def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, 
     more = np.zeros((layout.z.size, 4, 2))
     iterations, evaluations = outcome.iterations, outcome.evaluations
     for _ in range(6):
-        if outcome.status not in (0, 1):
+        if lost(outcome):
             break
         problem = prepared.problem
         moved = np.zeros((layout.z.size, 4, 2))
@@ -296,13 +338,13 @@ def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, 
         change = float(np.abs(new - more).max())
         more = new
         rebuilt = build(problem.scene, problem.drawn, layout, problem.use, everything=everything, refine=refine, more=more)
-        rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed)
+        rebuilt = replace(rebuilt, fixed=problem.fixed, prescribed=problem.prescribed, pins=problem.pins)
         rebuilt.C[:] = problem.C
         prepared.problem = rebuilt
         prepared.contacts = prepared.contacts._replace(B=rebuilt.B, geometry=rebuilt.geometry)
         outcome = run(prepared, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
-        if change < 1e-13:
+        if change < 1e-13 or lost(outcome):
             break
     return outcome._replace(iterations=iterations, evaluations=evaluations)
 
@@ -312,16 +354,30 @@ def contact_angles(normal: Array) -> Array:
     return np.asarray(np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0]))
 
 
-def verdict(outcome: Outcome, bound: float) -> str:
+def verdict(outcome: Outcome, bound: float, problem: Problem) -> str:
     """Status sentence of a solver outcome."""
     code, residual = outcome.status, outcome.residual
     if residual <= max(ACCEPTED, bound) and code in (0, 1):
         return "converged"
     if code == 2:
-        return "not held: the load opens every contact that could carry it, so the screw moves without limit"
+        return unheld(problem)
     if code == 3:
         return "stopped: the stiffness matrix is not positive definite"
     return f"not converged: relative residual {residual:.1e} after {outcome.iterations} iterations"
+
+
+def unheld(problem: Problem) -> str:
+    """Status sentence of a screw that ran away: not held only where a linear program proves it."""
+    try:
+        motion = opening_motion(problem)
+    except ArithmeticError as error:
+        return f"not converged: the screw ran away, and whether its contacts can hold it is not known: {error}"
+    if motion is None:
+        return "not converged: the screw ran away, though contact forces that push can balance the load (linear program)"
+    return (
+        "not held: the load opens every contact that could carry it, so the screw moves without limit (linear program: "
+        f"{words_of(motion)})"
+    )
 
 
 def with_discretisation(

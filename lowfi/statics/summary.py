@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.statics.problem import SIGNS, Problem, nominal_hertz
+from lowfi.statics.problem import SIGNS, Problem
 from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from lowfi.statics.shape import motion_matrix, rigid_transport
 from lowfi.statics.solved import SolvedState
+from lowfi.statics.validity import profile_warning, warnings_of
 from meshes.parts import Scene
-from meshes.section import groove_section, nut_groove_range
 
 Array = NDArray[np.float64]
 
@@ -28,9 +28,8 @@ MODEL_ASSUMPTIONS = (
 STATION = 10e-3
 #: Place of the statement about the screw in MODEL_ASSUMPTIONS, and what stands there for a rigid one.
 SCREW, RIGID_SCREW = 1, "the screw is rigid, apart from the Hertzian contacts"
-#: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
-#: largest contact approach that they leave away.
-SMALL_TILT, SECOND_ORDER = 3e-3, 0.01
+#: Balance of screw and balls, over the largest force or moment, beyond which nothing counts as converged.
+BALANCE = 1e-6
 #: What of it holds as well where screw, nut and ball are elastic between their contacts.
 ELASTIC_ASSUMPTIONS = MODEL_ASSUMPTIONS[2:]
 
@@ -73,7 +72,8 @@ def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
 
 
 def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibrium:
-    """Global balance of the screw: applied loads, support reactions, contact forces at their contact points."""
+    """Global balance of the screw: applied loads, support reactions, contact forces at their contact points, and what a
+    pin takes that no support of the scene can; and of every ball, by its contact forces alone."""
     problem, force, nodal = solved.problem, solved.force, solved.reactions
     scene = problem.scene
     on_screw = -on_ball[:, :2] * force[:, :2, None]
@@ -84,21 +84,29 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
         f = np.array(load.force)
         applied_force += f
         applied_moment += np.array(load.moment) + np.cross([0.0, 0.0, load.at], f)
+    pins = list(problem.pins)
     reaction_force: Array = np.zeros(3)
     reaction_moment: Array = np.zeros(3)
     if problem.basis is None:
+        held, taken = nodal.copy(), np.zeros(6)
+        taken[pins] = nodal[0, pins]
+        held[0, pins] = 0.0
         for j, z in enumerate(problem.nodes):
-            reaction_force += nodal[j, :3]
-            reaction_moment += nodal[j, 3:] + np.cross([0.0, 0.0, z], nodal[j, :3])
+            reaction_force += held[j, :3]
+            reaction_moment += held[j, 3:] + np.cross([0.0, 0.0, z], held[j, :3])
+        pin_force = taken[:3]
+        pin_moment = taken[3:] + np.cross([0.0, 0.0, problem.nodes[0]], taken[:3])
     else:  # the supports of a rigid screw take what is left along the motions they hold
         t: Array = problem.basis
         z0 = np.array([0.0, 0.0, problem.nodes[0]])
         wrench: Array = np.concatenate([applied_force + contact_force, applied_moment + contact_moment])
         wrench[3:] -= np.cross(z0, wrench[:3])
-        held = np.where(problem.fixed[0], t.T @ wrench, 0.0)
-        w = -np.linalg.solve(t.T, held)
+        along = np.where(problem.fixed[0], t.T @ wrench, 0.0)
+        pinned = np.isin(np.arange(6), pins)
+        w, own = (-np.linalg.solve(t.T, np.where(mask, along, 0.0)) for mask in (~pinned, pinned))
         reaction_force = np.asarray(w[:3])
         reaction_moment = np.asarray(w[3:] + np.cross(z0, w[:3]))
+        pin_force, pin_moment = np.asarray(own[:3]), np.asarray(own[3:] + np.cross(z0, own[:3]))
     size = max(
         float(np.abs(applied_force).max()),
         float(np.abs(contact_force).max()),
@@ -108,8 +116,10 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
     )
     moments = (applied_moment, reaction_moment, contact_moment)
     size_m = max(max(float(np.abs(m).max()) for m in moments), size * scene.track.pitch_radius)
-    df = applied_force + reaction_force + contact_force
-    dm = applied_moment + reaction_moment + contact_moment
+    df = applied_force + reaction_force + contact_force + pin_force
+    dm = applied_moment + reaction_moment + contact_moment + pin_moment
+    net = np.linalg.norm((force[..., None] * solved.normal).sum(axis=1), axis=1)
+    worst = int(net.argmax())
     return Equilibrium(
         applied_force,
         applied_moment,
@@ -119,46 +129,23 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
         contact_moment,
         float(np.abs(df).max()) / size if size else 0.0,
         float(np.abs(dm).max()) / size_m if size_m else 0.0,
+        pin_force,
+        pin_moment,
+        max(float(np.abs(pin_force).max()) / size, float(np.abs(pin_moment).max()) / size_m) if size else 0.0,
+        float(net[worst]) / size if size else 0.0,
+        worst + 1,
     )
 
 
-def warnings_of(problem: Problem, force: Array, gamma: Array, shift: Array, semi_axis: Array) -> tuple[str, ...]:
-    """Where the solution leaves the range in which the model holds."""
-    notes = []
-    scene = problem.scene
-    groove = groove_section(scene)
-    loaded = force > 0.0
-    low = np.array([groove.gamma_1] * 2 + [nut_groove_range(scene)[0]] * 2)
-    high = np.array([groove.gamma_2] * 2 + [nut_groove_range(scene)[1]] * 2)
-    off = loaded & ((gamma < low) | (gamma > high))
-    if off.any():
-        notes.append(f"{int(off.sum())} contact(s) lie beyond the groove's arc (apex or land edge): not valid there")
-    if float(np.abs(shift).max(initial=0.0)) > 0.1 * scene.balls.radius:
-        notes.append("a ball moves by more than a tenth of its radius: small-displacement theory is left")
-    if (loaded & (semi_axis > 0.5 * scene.balls.radius)).any():
-        notes.append("a contact ellipse is longer than the ball's radius: Hertz's half space does not hold")
-    return tuple(notes)
-
-
-def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> tuple[str, ...]:
-    """Whether the screw tilts so far at the balls that what small rotations leave away shows in the contacts.
-
-    A tilt t moves a groove by R t^2/2 beyond its linear motion, R the pitch radius; rotations about the axis are exact on
-    the helix. force ``(N, 4)`` [N]; z ``(k,)`` [m] and motion ``(k, 6)`` of the centreline.
-    """
-    approach = float((problem.C * np.cbrt(force) ** 2).max(initial=0.0))
-    low, high = float(problem.layout.z.min()), float(problem.layout.z.max())
-    stations = np.array([low, high])
-    tilt = max(float(np.hypot(*(np.interp(s, z, motion[:, k]) for k in (3, 4)))) for s in stations)
-    inside = (z >= low) & (z <= high)
-    tilt = max(tilt, float(np.hypot(motion[inside, 3], motion[inside, 4]).max(initial=0.0)))
-    beyond = 0.5 * problem.scene.track.pitch_radius * tilt**2
-    if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
-        return ()
-    return (
-        f"the screw tilts by {1e3 * tilt:.2g} mrad at the balls: small rotations leave away {1e6 * beyond:.2g} um "
-        f"of a groove's motion, {100.0 * beyond / approach:.2g} % of the largest contact approach",
-    )
+def judged(status: str, balance: Equilibrium, frozen: bool) -> str:
+    """The status, or what is out of balance where the sums over the whole screw and every ball contradict it; frozen:
+    lever arms are those of the nominal contact points, so that moments about the true ones do not balance."""
+    if status != "converged" or (balance.ball_residual if frozen else balance.largest) <= BALANCE:
+        return status
+    if balance.ball_residual == balance.largest:
+        size = f"{balance.ball_residual:.1e} of the largest force"
+        return f"not converged: ball {balance.worst_ball} is out of balance by {size}"
+    return f"not converged: the screw is out of balance by {balance.largest:.1e} of the largest force or moment"
 
 
 def assemble_result(
@@ -176,9 +163,11 @@ def assemble_result(
     gamma = np.where(force > 0.0, raw, np.nan)
     points, on_ball = contact_geometry(solved)
     z, motion = centreline(problem, solved.motion)
-    semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
-    notes = warnings_of(problem, force, raw, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
-    notes += tilt_warning(problem, force, z, motion)
+    notes = warnings_of(solved, raw, z, motion)
+    balance = equilibrium(solved, points, on_ball)
+    status = judged(status, balance, problem.scene.ingredients.arm == "nominal")
+    if status.startswith("not converged"):
+        status = "; ".join((status, *profile_warning(solved, raw)))
     return StaticResult(
         model=model,
         status=status,
@@ -192,7 +181,7 @@ def assemble_result(
         hertz_C=problem.C.copy(),
         centreline_z=z,
         centreline=motion,
-        equilibrium=equilibrium(solved, points, on_ball),
+        equilibrium=balance,
         solver=report,
         assumed=(*problem.scene.assumed, *idealised),
         left_out=left_out,

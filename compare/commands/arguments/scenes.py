@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from compare.commands.arguments.terminal import Json, app, cache_folder, print_json, show
-from compare.errors import InputError
+from compare.errors import InputError, named, one_line
 
 
 @app.command(name="list")
@@ -68,6 +68,7 @@ def solve(
     everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
     member: int = 0,
     condensed: Path | None = None,
+    time_limit: float | None = None,
 ) -> int:
     """Solve one scene with one model.
 
@@ -83,12 +84,15 @@ def solve(
         Which specimen of a scene with random errors.
     condensed
         File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+    time_limit
+        Seconds after which to give up, with exit code 1; none unless given.
     """
     from compare.commands.solve_output import as_json as to_json
     from compare.commands.solve_output import as_table
     from compare.models.model_form import estimate
     from compare.models.registry import DEFAULT, Options, run_model
     from compare.scenes import catalogue
+    from compare.watch import checked, watched
 
     model = model or (DEFAULT if condensed is None else "condensed")
     if condensed is not None and model != "condensed":
@@ -96,7 +100,8 @@ def solve(
     if not 0 <= member < 10**9:
         raise InputError("command line", "--member", str(member), "0 to 999999999", "give the specimen's number")
     parts = catalogue.scene(scene)
-    result = run_model(parts, model, Options(everything=everything, member=member, condensed=condensed))
+    with watched(f"{parts.name}, model {one_line(model)}", checked(time_limit)), named(parts.name, scene):
+        result = run_model(parts, model, Options(everything=everything, member=member, condensed=condensed))
     worth = estimate(parts, result) if result.converged else None
     if as_json:
         print_json(to_json(parts, result, worth))

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
 from compare import __version__
+
+if TYPE_CHECKING:
+    from compare.reference.jobs import Engine
 
 app = App(
     name="rollbench",
@@ -21,19 +27,57 @@ app = App(
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print exactly one JSON value.")]
 
 
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Tls:
+    """Certificates for a Dask scheduler at tls://HOST:PORT."""
+
+    tls_ca: Annotated[Path | None, Parameter(help="Certificate of the authority of a scheduler at tls://HOST:PORT.")] = None
+    tls_cert: Annotated[Path | None, Parameter(help="This machine's certificate for such a scheduler.")] = None
+    tls_key: Annotated[Path | None, Parameter(help="The key of that certificate.")] = None
+
+
+def engine(backend: str, scheduler: str | None, workers: int | None, tls: Tls | None) -> Engine:
+    """Where jobs run. Raises InputError for certificates that cannot be used."""
+    from compare.reference.jobs import Engine
+    from compare.reference.parallel import use_tls
+
+    if tls is not None:
+        use_tls(*(None if file is None else str(file) for file in (tls.tls_ca, tls.tls_cert, tls.tls_key)))
+    return Engine(backend, scheduler, workers, cache_folder())
+
+
+class OutputLost(Exception):
+    """Standard output cannot be written: full, or taken away."""
+
+
+@contextmanager
+def writing() -> Iterator[None]:
+    """Writing to standard output: what fails there, but for a pipe without reader, is an OutputLost."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise OutputLost(error.strerror or str(error)) from error
+
+
 def print_json(value: Any) -> None:
-    """Print one JSON value on standard output. Raises ValueError for a number that is not finite."""
-    sys.stdout.write(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    """Print one JSON value on standard output. Raises ValueError for a number that is not finite, OutputLost."""
+    text = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    with writing():
+        sys.stdout.write(text)
 
 
 def show(*parts: Any) -> None:
-    """Print texts and tables of rich, 160 columns wide where standard output is no terminal."""
+    """Print texts and tables of rich, 160 columns wide where standard output is no terminal. Raises OutputLost."""
     from rich.console import Console
 
     width = None if sys.stdout.isatty() else 160
     console = Console(width=width, soft_wrap=True, highlight=False, markup=False)
-    for part in parts:
-        console.print(part)
+    with writing():
+        for part in parts:
+            console.print(part)
 
 
 def cache_folder() -> Path | None:

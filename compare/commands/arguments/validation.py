@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, app, cache_folder, print_json, show
+from compare.commands.arguments.terminal import Json, Tls, app, engine, print_json, show
 from compare.errors import InputError
 
 
@@ -23,6 +23,7 @@ def report(
     backend: str = "joblib",
     scheduler: str | None = None,
     workers: int | None = None,
+    tls: Tls | None = None,
 ) -> int:
     """Regenerate the validation report: one HTML file, its tables as CSV, its figures as SVG.
 
@@ -49,10 +50,9 @@ def report(
         Runs of the 3D reference at the same time, each of up to 4 GB; 2 here, or what the cluster has, unless given.
     """
     from compare.commands.report import make_report
-    from compare.reference.jobs import Engine
 
-    engine = Engine(backend, scheduler, workers or (2 if scheduler is None else None), cache_folder())
-    return make_report(only or (), out, quick=quick, stored=stored, store=store, engine=engine, fresh=fresh)
+    where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
+    return make_report(only or (), out, quick=quick, stored=stored, store=store, engine=where, fresh=fresh)
 
 
 @app.command
@@ -80,11 +80,44 @@ def check(*, max_error: float = 7.0, as_json: Json = False) -> int:
 
 
 @app.command
-def stability(*, as_json: Json = False) -> int:
-    """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any."""
-    from compare.commands.stability import run_stability
+def stability(
+    *,
+    random: int | None = None,
+    seed: int = 1,
+    model: str = "",
+    files: int = 0,
+    kills: int = 0,
+    keep: Path | None = None,
+    as_json: Json = False,
+) -> int:
+    """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any.
 
-    return run_stability(as_json=as_json, show=show, print_json=print_json)
+    With --random instead: a campaign of random extreme screws and bearings, each outcome judged by a check of its own.
+
+    Parameters
+    ----------
+    random
+        Number of random extreme scenes.
+    seed
+        Seed of the campaign; scene K of a seed is the same whatever else is run.
+    model
+        Model of the campaign's contact loads; lin unless given.
+    files
+        Besides, so many mutated scene files and half as many mutated stored files.
+    kills
+        Besides, so often a process that writes is killed.
+    keep
+        File to write the campaign's counts to, for the report's table.
+    """
+    from compare.commands.stability import run_campaign, run_stability
+
+    if random is None:
+        if seed != 1 or model or files or kills or keep is not None:
+            raise InputError(
+                "command line", "--seed, --model, --files, --kills, --keep", "given", "with --random", "add it"
+            )
+        return run_stability(as_json=as_json, show=show, print_json=print_json)
+    return run_campaign(random, seed, model or "lin", files, kills, keep, as_json=as_json, show=show, print_json=print_json)
 
 
 @app.command

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
+from compare.errors import escaped
 from compare.scenes.checks import Fault, groove_choice_faults, mm
 from compare.scenes.keys import (
     MATERIAL,
@@ -85,7 +86,7 @@ Head = tuple[str, str, str, tuple[str, ...]]
 
 def head_of(keys: KindKeys, name: str) -> Head:
     """The first fields of a record: name, title, source, assumptions."""
-    return name, keys.title, keys.source, tuple(keys.assumed)
+    return name, escaped(keys.title), escaped(keys.source), tuple(map(escaped, keys.assumed))
 
 
 def material_faults(material: MaterialKeys) -> Iterator[Fault]:

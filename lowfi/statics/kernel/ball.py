@@ -16,6 +16,8 @@ from .contact import arc, flank
 
 WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)
 FORCE, MX, MZ, KN, KT = range(5)
+#: Bounds of a ball's iteration: steps, and halvings of one.
+SETTLING, HALVINGS = 60, 30
 
 
 @kernel
@@ -106,7 +108,7 @@ def net_force(contact: Array) -> tuple[float, float]:
 
 @kernel
 def newton_step(contact: Array) -> tuple[float, float, float]:
-    """Newton step of the centre and the slope of the energy along it; zero where singular."""
+    """Newton step of the centre and the slope of the energy along it; down the gradient where the Hessian is singular."""
     gx, gz, hxx, hxz, hzz = 0.0, 0.0, 0.0, 0.0, 0.0
     for s in range(4):
         f = contact[s, FORCE]
@@ -122,7 +124,10 @@ def newton_step(contact: Array) -> tuple[float, float, float]:
     hzz += bump
     det = hxx * hzz - hxz * hxz
     if det <= 0.0:
-        return 0.0, 0.0, 0.0
+        stiff = hxx + hzz
+        if stiff <= 0.0:
+            return 0.0, 0.0, 0.0
+        return -gx / stiff, -gz / stiff, -(gx * gx + gz * gz) / stiff
     sx, sz = -(hzz * gx - hxz * gz) / det, -(hxx * gz - hxz * gx) / det
     return sx, sz, gx * sx + gz * sz
 
@@ -135,12 +140,13 @@ def settle(
 
     shift (4, 2): motion of the flanks [m]; closure (2,): nominal interference of the diagonal pairs [m]; r_ball [m];
     profile (4, d): see ``contact.flank``; tiny [N]: forces below it count as none. Fills p (2,) [m] and ``contact``;
-    returns the energy [J]. The energy is convex for r_G >= r_B: the forces at the minimum are unique.
+    returns the energy [J]. The energy of exact arcs is convex for r_G >= r_B: the forces at the minimum are unique. Where
+    an uneven profile leaves no step that lowers it, the ball stays out of balance, which ``net_force`` shows.
     """
     start_centre(p, shift, geometry, closure)
     energy = touch(p[0], p[1], shift, geometry, r_ball, profile, contact)
     best = 1e300
-    for _ in range(100):
+    for _ in range(SETTLING):
         net, scale = net_force(contact)
         if scale <= tiny:
             for k in range(4):
@@ -153,12 +159,15 @@ def settle(
         if slope == 0.0:
             break
         t = 1.0
-        new = energy
-        for _ in range(40):
+        new, lower = energy, False
+        for _ in range(HALVINGS):
             new = touch(p[0] + t * sx, p[1] + t * sz, shift, geometry, r_ball, profile, contact)
-            if new <= energy + 1e-4 * t * slope or abs(t * slope) <= 1e-13 * energy:
+            lower = new <= energy + 1e-4 * t * slope or abs(t * slope) <= 1e-13 * energy
+            if lower:
                 break
             t *= 0.5
+        if not lower:
+            return touch(p[0], p[1], shift, geometry, r_ball, profile, contact)
         p[0] += t * sx
         p[1] += t * sz
         energy = new

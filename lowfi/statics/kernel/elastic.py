@@ -26,7 +26,19 @@ from lowfi.statics.records import (
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
 from .modes import gradients, soft_factor
-from .newton import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR
+from .newton import (
+    BALANCED,
+    CONVERGED,
+    GROWN,
+    ITERATIONS,
+    NOT_HELD,
+    PATIENCE,
+    ROUNDING,
+    SINGULAR,
+    TRIALS,
+    WHOLE_STEPS,
+    ball_mismatch,
+)
 
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
 FORCING = 0.1
@@ -196,31 +208,32 @@ def search_forces(
     step: ForceStep,
     energy: float,
     slope: float,
+    limit: float,
     tiny: float,
 ) -> tuple[float, float, int]:
     """Step length along a step, as ``newton.line_search``; state, f, g and v are left at the accepted point."""
     begin = SearchStart(state.phi.copy(), state.a.copy(), g.copy(), v.copy())
-    low, high, t = 0.0, 0.0, 1.0
-    new, scale = energy, 0.0
+    low, high, t = 0.0, 0.0, min(1.0, limit)
+    new, scale, rounding = energy, 0.0, ROUNDING * abs(energy)
     evaluations = 0
-    while evaluations < 60:
+    while evaluations < TRIALS:
         shift_state(bodies, state, begin, step, t, g, v)
         own, scale = evaluate_balls(v, contacts, state, f, tiny)
         new = own + stored(bodies, state, g)
         evaluations += 1
         ahead = slope_of(bodies, f, g, step)
         if ahead > 0.0:
-            if ahead <= 0.5 * abs(slope) and new <= energy:
+            if ahead <= 0.5 * abs(slope) and new <= energy + rounding:
                 break
             if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
                 break
             high = t
             t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
         else:
-            if ahead >= 0.9 * slope or high > 0.0 or t > 1e12:
+            if ahead >= 0.9 * slope or high > 0.0 or t >= limit:
                 break
             low = t
-            t *= 4.0
+            t = min(4.0 * t, limit)
     return new, scale, evaluations
 
 
@@ -245,11 +258,17 @@ def room_for_factors(bodies: Bodies, rows: int) -> Factors:
 
 
 @kernel
+def unbalanced(state: BodyState, scale: float) -> float:
+    """Largest net contact force on a ball over ``scale`` [N]; none on balls between two opposite arcs, by closed form."""
+    return 0.0 if state.contact.shape[1] == 1 else ball_mismatch(state.contact, scale)
+
+
+@kernel
 def solve_forces(
     bodies: Bodies, contacts: BallContacts, state: BodyState, options: BodyOptions, arms: Array, history: Array
 ) -> Outcome:
     """Minimise the energy from the given forces; arms (k,): see `lowfi.statics.shaft`; history: residual per step."""
-    tolerance, most, stiffness, tiny, bound, floor, _ = options
+    tolerance, most, stiffness, tiny, bound, floor, furthest = options
     phi, amplitude = state.phi, state.a
     balls, d = phi.shape
     f, g, v = np.empty((balls, d)), np.empty((balls, d)), np.empty((balls, d))
@@ -266,8 +285,8 @@ def solve_forces(
     residual = mismatch(bodies, phi, f, arms, scale)
     history[0] = residual
     evaluations, stalled, factor, best = 1, 0, 1e-3, residual
-    status, it, fresh = ITERATIONS, 0, True
-    if residual <= tolerance:
+    status, it, stuck, fresh = ITERATIONS, 0, 0, True
+    if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
         status = CONVERGED
         return Outcome(status, it, evaluations, residual, energy, scale)
     for it in range(1, most + 1):
@@ -283,21 +302,29 @@ def solve_forces(
         if not solved:
             status = SINGULAR
             break
-        if residual < 1e-7:
-            begin = SearchStart(phi.copy(), amplitude.copy(), g.copy(), v.copy())
+        reach = np.abs(step.dv).max()
+        limit = furthest / reach if reach > 0.0 else 1e12
+        whole = residual < WHOLE_STEPS and limit >= 1.0
+        if whole:
+            begin, before = SearchStart(phi.copy(), amplitude.copy(), g.copy(), v.copy()), energy
             shift_state(bodies, state, begin, step, 1.0, g, v)
             own, scale = evaluate_balls(v, contacts, state, f, tiny)
             energy = own + stored(bodies, state, g)
             evaluations += 1
-        else:
+            if not mismatch(bodies, phi, f, arms, max(scale, floor)) <= GROWN * max(residual, tolerance):
+                whole, energy = False, before
+                shift_state(bodies, state, begin, step, 0.0, g, v)
+                evaluate_balls(v, contacts, state, f, tiny)
+        if not whole:
             slope = slope_of(bodies, f, g, step)
-            energy, scale, used = search_forces(bodies, contacts, state, f, g, v, step, energy, slope, tiny)
+            energy, scale, used = search_forces(bodies, contacts, state, f, g, v, step, energy, slope, limit, tiny)
             evaluations += used
+            stuck += 1 if used >= TRIALS else 0
         scale = max(scale, floor)
         residual = mismatch(bodies, phi, f, arms, scale)
         history[it] = residual
         factor = max(1e-3, factor * 0.1)
-        if residual <= tolerance:
+        if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
             status = CONVERGED
             break
         moved = 0.0
@@ -308,11 +335,14 @@ def solve_forces(
             break
         stalled = stalled + 1 if residual >= 0.5 * best else 0
         best = min(best, residual)
-        if stalled >= 2 and residual <= 1e-9:
+        if (stalled >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
             break
         fresh = residual > 1e-7 or stalled > 0
     place_flanks(bodies, state, g, v)
     evaluate_balls(v, contacts, state, f, tiny)
+    loose = unbalanced(state, scale)
+    if loose > BALANCED:
+        residual = max(residual, loose)
     return Outcome(status, it, evaluations, residual, energy, scale)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from lowfi.jit import kernel
 from lowfi.statics.records import Array, BallContacts, BodyState
 
-from .ball import FORCE, HERTZ, KN, KT, MX, MZ, USE, meet, start_centre
+from .ball import FORCE, HALVINGS, HERTZ, KN, KT, MX, MZ, SETTLING, USE, meet, start_centre
 
 LINEAR, BODY, HIGHER = range(3)
 
@@ -183,7 +183,7 @@ def rest(
     x[2] = 0.0
     energy = press(x, shift, geometry, local, r_ball, profile, contact)
     best = 1e300
-    for _ in range(100):
+    for _ in range(SETTLING):
         net, scale = inner_gradient(x, contact, local, g)
         if scale <= tiny:
             for k in range(4):
@@ -202,14 +202,18 @@ def rest(
         for k in range(3):
             slope += trial[k] * g[k]
         sx, sz, sy = trial[0], trial[1], trial[2]
-        t, new = 1.0, energy
+        t, new, lower = 1.0, energy, False
         ox, oz, oy = x[0], x[1], x[2]
-        for _ in range(40):
+        for _ in range(HALVINGS):
             x[0], x[1], x[2] = ox + t * sx, oz + t * sz, oy + t * sy
             new = press(x, shift, geometry, local, r_ball, profile, contact)
-            if new <= energy + 1e-4 * t * slope or abs(t * slope) <= 1e-13 * energy:
+            lower = new <= energy + 1e-4 * t * slope or abs(t * slope) <= 1e-13 * energy
+            if lower:
                 break
             t *= 0.5
+        if not lower:
+            x[0], x[1], x[2] = ox, oz, oy
+            return press(x, shift, geometry, local, r_ball, profile, contact)
         energy = new
     return energy
 

@@ -11,11 +11,21 @@ import numpy as np
 from lowfi.jit import kernel
 from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 
-from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, reduced_hessian, settle
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle
 from .banded import solve_banded
 from .beam import add_element, element_force, positions
 
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
+#: Relative round-off of an energy, summed over springs of both signs of work.
+ROUNDING = 1e-14
+#: Relative residual from which on whole steps are tried first, and growth at which one is taken back and searched along.
+WHOLE_STEPS, GROWN = 1e-7, 10.0
+#: Trials of a line search: on a convex energy they never run out, where they do twice the iteration ends.
+TRIALS = 60
+#: Iterations in which the residual was not halved once, after which the iteration ends.
+PATIENCE = 60
+#: Net force on a ball over the largest force up to which it counts as balanced.
+BALANCED = 1e-10
 
 
 @kernel
@@ -127,6 +137,15 @@ def residual_of(gradient: Array, fixed: Array, scale: float, arm: float) -> floa
 
 
 @kernel
+def ball_mismatch(contact: Array, scale: float) -> float:
+    """Largest net contact force on a ball over ``scale`` [N]; contact (N, 4, 5). The beam's equations do not see it."""
+    worst = 0.0
+    for i in range(contact.shape[0]):
+        worst = max(worst, net_force(contact[i])[0])
+    return worst / scale if scale > 0.0 else worst
+
+
+@kernel
 def advance(q: Array, d: Array, lengths: Array, q0: Array, d0: Array, step: Array, t: float) -> None:
     """State at q0 + t step, in element deformations: the strain of the step is taken from the step alone."""
     for k in range(6):
@@ -163,30 +182,31 @@ def line_search(
 ) -> tuple[float, float, int]:
     """Step length along ``step``: shrunk on overshoot, stretched while the slope does not change (open gaps).
 
-    Returns the energy, scale, and the number of evaluations; the state is left at the accepted point.
+    limit: largest step length, also of the first trial: a step that carries flanks past their balls says nothing of the
+    contacts. Returns the energy, scale, and the number of evaluations; the state is left at the accepted point.
     """
     q, d, fixed = state.q, state.d, beam.fixed
     q0, d0 = q[0].copy(), d.copy()
-    low, high, t = 0.0, 0.0, 1.0
-    new, scale = energy, 0.0
+    low, high, t = 0.0, 0.0, min(1.0, limit)
+    new, scale, rounding = energy, 0.0, ROUNDING * abs(energy)
     evaluations = 0
-    while evaluations < 60:
+    while evaluations < TRIALS:
         advance(q, d, beam.lengths, q0, d0, step, t)
         new, scale = evaluate(beam, contacts, state, out)
         evaluations += 1
         ahead = slope_along(out.gradient, step, fixed)
         if ahead > 0.0:
-            if ahead <= 0.5 * abs(slope) and new <= energy:
+            if ahead <= 0.5 * abs(slope) and new <= energy + rounding:
                 break
             if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
                 break
             high = t
             t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
         else:
-            if ahead >= 0.9 * slope or high > 0.0 or t > limit:
+            if ahead >= 0.9 * slope or high > 0.0 or t >= limit:
                 break
             low = t
-            t *= 4.0
+            t = min(4.0 * t, limit)
     return new, scale, evaluations
 
 
@@ -214,12 +234,11 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
     scale = max(scale, floor)
     residual = residual_of(out.gradient, fixed, scale, arm)
     history[0] = residual
-    evaluations, stalled, factor = 1, 0, 1e-3
-    status, it = ITERATIONS, 0
+    evaluations, stalled, factor, furthest = 1, 0, 1e-3, contacts.r_ball.max()
+    status, it, stuck = ITERATIONS, 0, 0
     best = residual
-    if residual <= tolerance:
-        status = CONVERGED
-        return Outcome(status, it, evaluations, residual, energy, scale)
+    if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
+        return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
     for it in range(1, options.most + 1):
         step = np.empty((n, 6))
         solved = False
@@ -237,19 +256,27 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
             status = SINGULAR
             break
         slope = slope_along(out.gradient, step, fixed)
-        if residual < 1e-7:
-            q0, d0 = q[0].copy(), d.copy()
+        reach = flank_reach(contacts, step.ravel())
+        limit = furthest / reach if reach > 0.0 else 1e12
+        whole = residual < WHOLE_STEPS and limit >= 1.0
+        if whole:
+            q0, d0, before = q[0].copy(), d.copy(), energy
             advance(q, d, lengths, q0, d0, step, 1.0)
             energy, scale = evaluate(beam, contacts, state, out)
             evaluations += 1
-        else:
-            energy, scale, used = line_search(beam, contacts, state, out, step, energy, slope, 1e12)
+            worst = residual_of(out.gradient, fixed, max(scale, floor), arm)
+            if not worst <= GROWN * max(residual, tolerance):
+                whole, energy = False, before
+                advance(q, d, lengths, q0, d0, step, 0.0)
+        if not whole:
+            energy, scale, used = line_search(beam, contacts, state, out, step, energy, slope, limit)
             evaluations += used
+            stuck += 1 if used >= TRIALS else 0
         scale = max(scale, floor)
         residual = residual_of(out.gradient, fixed, scale, arm)
         history[it] = residual
         factor = max(1e-3, factor * 0.1)
-        if residual <= tolerance:
+        if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
             status = CONVERGED
             break
         moved = 0.0
@@ -260,8 +287,11 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
             break
         stalled = stalled + 1 if residual >= 0.5 * best else 0
         best = min(best, residual)
-        if stalled >= 2 and residual <= 1e-9:
+        if (stalled >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
             break
+    loose = ball_mismatch(state.contact, scale)
+    if loose > BALANCED:
+        residual = max(residual, loose)
     return Outcome(status, it, evaluations, residual, energy, scale)
 
 

@@ -156,7 +156,7 @@ CASES = {  # name: (changes to the template, key, value as found, a part of rang
         {'groove_radius = "3.254 mm"': 'groove_radius = "32.54 cm"'},
         "screw.groove_radius",
         '"32.54 cm"',
-        "277.8 mm",
+        "27.78 mm",
     ),
     "random balls jam": (
         {"[[supports]]": '[errors.balls]\nsigma = "0.1 mm"\n[[supports]]'},

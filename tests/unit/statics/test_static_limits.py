@@ -84,7 +84,8 @@ def test_a_screw_that_is_not_held_has_no_loads(monkeypatch, status, model):
     monkeypatch.setattr(module, "run", lambda *a, **k: real(*a, **k)._replace(status=status))
     result = (solve_static if model == "lin" else solve_elastic)(small_screw(force=(0.0, 0.0, 100.0)))
     assert not result.converged
-    assert result.status.startswith("not held" if status == 2 else "stopped")
+    # this screw is held: the linear program finds the forces, so that running away proves nothing
+    assert result.status.startswith("not converged: the screw ran away" if status == 2 else "stopped")
     assert np.isnan(result.load).all()
     assert np.isnan(result.contact_angle).all()
 

@@ -1,0 +1,194 @@
+"""An independent judge of static results: from the printed numbers of a result and the scene alone.
+
+It shares no code with the solvers: forces on every ball and on the screw are summed anew from loads, contact angles and
+azimuths; a refusal is checked by a linear program of its own; the loads of a rigid screw by plain minimisation.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linprog, minimize
+
+from lowfi.statics.result import StaticResult
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import Scene
+
+Array = NDArray[np.float64]
+
+#: Signs of the contact directions of SL, SR, NL, NR in the section: along the radius, along the binormal.
+WAYS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
+FREEDOM = {name: k for k, name in enumerate(("ux", "uy", "uz", "rx", "ry", "rz"))}
+#: Share of the largest force (or moment) that may be out of balance: printed numbers and lever arms of the nominal state.
+BALLS, SCREW = 1e-6, 1e-4
+
+
+def frames(scene: Scene) -> tuple[Array, Array]:
+    """Centres ``(N, 3)`` [m] and section axes ``(N, 2, 3)`` of all balls, from the helix's equation."""
+    track, layout = scene.track, ball_layout(scene)
+    hand = 1.0 if track.hand == "right" else -1.0
+    a, z = layout.azimuth, layout.z
+    slope = hand * np.arctan2(track.lead, 2.0 * np.pi * track.pitch_radius)
+    c, s, zero = np.cos(a), np.sin(a), np.zeros_like(a)
+    radial = np.stack([c, s, zero], axis=1)
+    binormal = np.stack([s * np.sin(slope), -c * np.sin(slope), zero + np.cos(slope)], axis=1)
+    centre = np.stack([track.pitch_radius * c, track.pitch_radius * s, z], axis=1)
+    return centre, np.stack([radial, binormal], axis=1)
+
+
+def forces(scene: Scene, result: StaticResult) -> Array:
+    """Force ``(N, 4, 3)`` [N] of every ball on its flanks, by load and contact angle."""
+    _, axes = frames(scene)
+    angle = np.nan_to_num(result.contact_angle)
+    way = WAYS * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return np.asarray(result.load[..., None] * np.einsum("nsa,nak->nsk", way, axes))
+
+
+def free_of(scene: Scene) -> Array:
+    """Motions ``(6, k)`` of a rigid screw about the nut's centre that no support holds (rotations times pitch radius)."""
+    rows = [row for support in scene.supports for row in _held(scene, support.at, [name for name, _ in support.fixed])]
+    if not rows:
+        return np.eye(6)
+    _, size, vt = np.linalg.svd(np.array(rows))
+    return np.asarray(vt[int((size > 1e-9 * size[0]).sum()) :].T)
+
+
+def _held(scene: Scene, at: float, names: list[str]) -> list[Array]:
+    arm, reach = scene.track.pitch_radius, at - scene.nut.position
+    rigid = np.eye(6)
+    rigid[0, 4], rigid[1, 3] = reach, -reach
+    rigid[:, 3:] /= arm
+    return [rigid[FREEDOM[name]] for name in names]
+
+
+def wrench_of_loads(scene: Scene) -> Array:
+    """Loads about the nut's centre (moments over the pitch radius) ``(6,)`` [N]."""
+    total, middle = np.zeros(6), np.array([0.0, 0.0, scene.nut.position])
+    for load in scene.loads:
+        total[:3] += load.force
+        total[3:] += (np.array(load.moment) + np.cross([0.0, 0.0, load.at] - middle, load.force)) / scene.track.pitch_radius
+    return total
+
+
+def unbalanced(scene: Scene, result: StaticResult) -> str:
+    """What is out of balance in a converged result, in words; empty where nothing is."""
+    load = result.load
+    if not np.isfinite(load).all() or (load < 0.0).any():
+        return "loads are not finite, or negative"
+    own, (centre, _) = forces(scene, result), frames(scene)
+    applied = wrench_of_loads(scene)
+    size = max(float(load.max()), float(np.abs(applied).max()))
+    if size == 0.0:
+        return ""
+    if float(np.linalg.norm(own.sum(axis=1), axis=1).max()) > BALLS * size:
+        return f"ball {int(np.linalg.norm(own.sum(axis=1), axis=1).argmax()) + 1} is not in balance"
+    middle = np.array([0.0, 0.0, scene.nut.position])
+    total = applied.copy()
+    for s in (0, 1):
+        total[:3] += own[:, s].sum(axis=0)
+        total[3:] += np.cross(result.contact_point[:, s] - middle, own[:, s]).sum(axis=0) / scene.track.pitch_radius
+    # what no support can carry must vanish; a free motion along the helix is held by a pin of the model
+    free = free_of(scene)
+    left = free.T @ total
+    helix = neutral(scene, free)
+    left -= helix @ (helix.T @ left)
+    largest = max(size, float(np.abs(own[:, :2].sum(axis=(0, 1))).max()), float(load.sum()) * 1e-3)
+    arm = max(1.0, float(np.abs(centre[:, 2] - scene.nut.position).max()) / scene.track.pitch_radius)
+    if float(np.abs(left).max(initial=0.0)) > SCREW * largest * arm:
+        return f"the screw is out of balance by {float(np.abs(left).max()):.3g} N"
+    return ""
+
+
+def neutral(scene: Scene, free: Array) -> Array:
+    """Those of the free motions, as coordinates ``(k, c)``, that move no flank at the balls' centres."""
+    centre, axes = frames(scene)
+    if not free.shape[1]:
+        return np.zeros((0, 0))
+    x = centre - np.array([0.0, 0.0, scene.nut.position])
+    rows = np.concatenate([axes, np.cross(x[:, None, :], axes) / scene.track.pitch_radius], axis=2).reshape(-1, 6)
+    _, size, vt = np.linalg.svd(rows @ free)
+    return np.asarray(vt[int((size > 1e-9 * max(1.0, size.max(initial=0.0))).sum()) :].T)
+
+
+def proven(scene: Scene) -> bool:
+    """Whether a motion that no support holds and no contact resists lets the load do work: by rank, or a linear program."""
+    free, applied = free_of(scene), wrench_of_loads(scene)
+    size = float(np.abs(applied).max())
+    if size == 0.0 or not free.shape[1]:
+        return False
+    still = free @ neutral(scene, free)
+    if still.shape[1] and float(np.abs(still.T @ applied).max()) > 1e-8 * size:
+        return True
+    centre, axes = frames(scene)
+    x, N, k = centre - np.array([0.0, 0.0, scene.nut.position]), len(centre), free.shape[1]
+    beta = scene.track.contact_angle
+    rows = np.zeros((4 * N, k + 2 * N))
+    for s, way in enumerate(WAYS * np.array([np.cos(beta), np.sin(beta)])):
+        for i in range(N):
+            rows[4 * i + s, k + 2 * i : k + 2 * i + 2] = way
+            if s < 2:
+                normal = way @ axes[i]
+                rows[4 * i + s, :k] = -np.concatenate([normal, np.cross(x[i], normal) / scene.track.pitch_radius]) @ free
+    cost = np.concatenate([-(free.T @ applied) / size, np.zeros(2 * N)])
+    bounds = [(-1.0, 1.0)] * k + [(None, None)] * (2 * N)
+    found = linprog(cost, A_ub=rows, b_ub=np.zeros(4 * N), bounds=bounds)
+    return found.status == 0 and bool(found.fun < -1e-7)
+
+
+def brute_force(scene: Scene, result: StaticResult) -> float | None:
+    """How much less energy plain minimisation finds than the result has, over its stored energy; None where it does not
+    apply: a rigid screw without a free motion (which the model pins), all supports at zero, no uneven flanks, up to 40
+    balls."""
+    moved = any(value != 0.0 for s in scene.supports for _, value in s.fixed)
+    drawn = specimen(scene, ball_layout(scene))
+    few = len(drawn.ball_radius) <= 40
+    if (
+        scene.ingredients.screw != "rigid"
+        or moved
+        or drawn.profile.shape[1]
+        or not few
+        or scene.ingredients.arm == "nominal"
+    ):
+        return None
+    free, applied = free_of(scene), wrench_of_loads(scene)
+    if neutral(scene, free).size:
+        return None
+    _, axes = frames(scene)
+    centre, arm = ball_layout(scene).centre - np.array([0.0, 0.0, scene.nut.position]), scene.track.pitch_radius
+    N, k, unit = len(centre), free.shape[1], 1e-6
+    C, groove = result.hertz_C, drawn.centre
+    point = centre[:, None, :] + np.einsum("nsa,nak->nsk", groove, axes)
+    rows = np.zeros((N, 4, 2, k))
+    for s in (0, 1):
+        arms = np.cross(point[:, s, None, :], axes) / arm
+        rows[:, s] = np.concatenate([axes, arms], axis=2) @ free
+
+    def energy(x: Array) -> tuple[float, Array]:
+        a, p = unit * x[:k], unit * x[k:].reshape(N, 2)
+        w = -groove + p[:, None, :] - rows @ a
+        size = np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-15)
+        delta = np.maximum(drawn.ball_radius[:, None] - (drawn.radius - size), 0.0)
+        force = (delta / C) ** 1.5
+        push = force[..., None] * w / size[..., None]
+        slope = np.concatenate([-np.einsum("nsa,nsak->k", push, rows) - free.T @ applied, push.sum(axis=1).ravel()])
+        return float((0.4 * force * delta).sum() - (free.T @ applied) @ a), unit * slope
+
+    stored = max(float((0.4 * result.load ** (5.0 / 3.0) * C).sum()), 1e-300)
+    start = np.zeros(k + 2 * N)
+    best, _ = energy(start)
+    for _ in range(3):
+        found = minimize(
+            lambda x: tuple(v / stored for v in energy(x)), start, jac=True, method="BFGS", options={"gtol": 1e-9}
+        )
+        start, best = found.x, min(best, float(found.fun) * stored)
+    own = float((0.4 * result.load ** (5.0 / 3.0) * C).sum()) - _work(scene, result, applied)
+    return (own - best) / stored
+
+
+def _work(scene: Scene, result: StaticResult, applied: Array) -> float:
+    """Work of the loads on the screw's motion at the nut's centre [J]."""
+    z, u = result.centreline_z, result.centreline
+    at = np.array([np.interp(scene.nut.position, z, u[:, k]) for k in range(6)])
+    at[3:] *= scene.track.pitch_radius
+    return float(applied @ at)

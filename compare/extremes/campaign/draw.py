@@ -1,0 +1,125 @@
+"""Random extreme screws and bearings as scene files: within what a file may say, far beyond what anyone builds."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+import numpy as np
+
+#: Largest number of balls of a drawn scene.
+MOST = 400
+
+
+def scene_text(seed: int, number: int) -> str:
+    """TOML text of scene ``number`` of a campaign; the same for the same seed and number, whatever was drawn before."""
+    rng = np.random.default_rng([seed, number])
+    ring = rng.random() < 0.4
+    ball = _log(rng, 0.3e-3, 10e-3)
+    count = round(_log(rng, 3, MOST))
+    angle = np.radians(rng.uniform(0.5, 60.0))
+    pitch, lead, starts, turns, room = _path(rng, ring, ball, count)
+    count -= count % starts
+    count = max(starts, count)
+    tight = rng.choice([0.0, 1.0, -1.0]) * _log(rng, 1e-8, 30e-6)
+    grooves = [ball * (1.0 + _log(rng, 5e-3, 0.2)) for _ in range(2)]
+    nut = max(1.15 * room + 2.5 * ball, 4.0 * ball)
+    length = nut * rng.uniform(1.0, 8.0)
+    position = rng.uniform(nut / 2.0, length - nut / 2.0)
+    outer = 2.0 * (pitch - ball * rng.uniform(0.05, 0.4))
+    bore = rng.choice([0.0, 0.0, 0.5]) * 2.0 * max(pitch - 1.6 * ball, 0.0)
+    stiff = rng.choice([3.0, 70.0, 210.0, 310.0, 700.0])
+    ratio = rng.choice([0.0, 0.2, 0.3, 0.499])
+    turning = "" if ring else f"turns = {turns:.9g}\n"
+    return (
+        f'title = "campaign {seed}, scene {number}"\n'
+        f'[material]\nyoungs_modulus = "{stiff:g} GPa"\npoissons_ratio = {ratio:g}\n'
+        f'[track]\npitch_radius = "{1e3 * pitch:.9g} mm"\nlead = "{1e3 * lead:.9g} mm"\n'
+        f'contact_angle = "{np.degrees(angle):.6g} deg"\nhand = "{rng.choice(["right", "left"])}"\nstarts = {starts}\n'
+        f'phase = "{rng.uniform(-360, 360):.4g} deg"\n'
+        f'[screw]\nlength = "{1e3 * length:.9g} mm"\nouter_diameter = "{1e3 * outer:.9g} mm"\n'
+        f'bore = "{1e3 * bore:.9g} mm"\n'
+        f'groove_radius = "{1e3 * max(grooves[0], ball + 2.0 * abs(tight)):.12g} mm"\n'
+        f'[nut]\nposition = "{1e3 * position:.9g} mm"\nlength = "{1e3 * nut:.9g} mm"\n'
+        f'outer_diameter = "{2e3 * (pitch + ball) * rng.uniform(1.05, 1.6):.9g} mm"\n'
+        f'groove_radius = "{1e3 * max(grooves[1], ball + 2.0 * abs(tight)):.12g} mm"\n'
+        f'[balls]\nradius = "{1e3 * ball:.9g} mm"\ncount = {count}\n{turning}'
+        f'[errors]\nseed = {int(rng.integers(2**31))}\n[errors.balls]\noversize = "{1e6 * tight:.6g} um"\n'
+        f"{_errors(rng)}{_supports(rng, length)}{_loads(rng, length, pitch)}[ingredients]\n{_choices(rng)}"
+    )
+
+
+def _log(rng: np.random.Generator, low: float, high: float) -> float:
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _path(rng: np.random.Generator, ring: bool, ball: float, count: int) -> tuple[float, float, int, float, float]:
+    """Pitch radius, lead [m], starts, turns and length of nut that the balls take [m]."""
+    spacing = 2.0 * ball * rng.uniform(1.02, 3.0)
+    if ring:
+        pitch = max(count * spacing / (2.0 * pi), 2.2 * ball) * rng.uniform(1.0, 1.5)
+        return pitch, 0.0, 1, 1.0, 0.0
+    starts = int(rng.choice([1, 1, 2, 3]))
+    own = max(1, count // starts)
+    pitch = ball * _log(rng, 3.0, 25.0)
+    lead = starts * 2.0 * ball * rng.uniform(1.15, 4.0)
+    turns = own * spacing / float(np.hypot(2.0 * pi * pitch, lead))
+    return pitch, lead, starts, turns, turns * lead + lead
+
+
+def _errors(rng: np.random.Generator) -> str:
+    """Random balls, pitch and roundness, on a third of the scenes each; uneven flanks on a tenth."""
+    text = ""
+    if rng.random() < 0.3:
+        text += f'sigma = "{1e6 * _log(rng, 1e-8, 2e-6):.4g} um"\n'
+    for side in ("SL", "NR"):
+        if rng.random() < 0.3:
+            text += (
+                f"[errors.{side}]\npitch = [{{ harmonic = {rng.choice([0.5, 1, 2, 7])}, "
+                f'sin = "{1e6 * _log(rng, 1e-7, 2e-5):.4g} um" }}]\n'
+            )
+            if rng.random() < 0.3:
+                text += f'profile = ["{rng.normal():.3g} um", "{rng.normal():.3g} um"]\n'
+    return text
+
+
+def _supports(rng: np.random.Generator, length: float) -> str:
+    text = ""
+    for _ in range(int(rng.choice([0, 1, 1, 2, 3]))):
+        held = [name for name in ("ux", "uy", "uz", "rx", "ry", "rz") if rng.random() < 0.6]
+        moved = {}
+        if held and rng.random() < 0.3:
+            name = held.pop()
+            moved[name] = f"{rng.normal(0, 100):.3g} um" if name[0] == "u" else f"{rng.normal():.3g} mrad"
+        if held or moved:
+            fix = ", ".join(f'"{name}"' for name in held)
+            text += f'[[supports]]\nat = "{1e3 * length * rng.random():.9g} mm"\nfix = [{fix}]\n'
+            if moved:
+                text += "displace = { " + ", ".join(f'{k} = "{v}"' for k, v in moved.items()) + " }\n"
+    return text
+
+
+def _loads(rng: np.random.Generator, length: float, pitch: float) -> str:
+    """Nothing, axial, radial, a moment, or all of it."""
+    kind, size = rng.choice(["none", "axial", "radial", "moment", "all", "all"]), _log(rng, 1e-3, 1e5)
+    if kind == "none":
+        return ""
+    force, moment = np.zeros(3), np.zeros(3)
+    turn = rng.uniform(0, 2 * pi)
+    if kind in ("axial", "all"):
+        force[2] = rng.choice([-1, 1]) * size * rng.random()
+    if kind in ("radial", "all"):
+        force[:2] = size * rng.random() * np.array([cos(turn), sin(turn)])
+    if kind in ("moment", "all"):
+        moment[:2] = size * pitch * rng.random() * np.array([sin(turn), cos(turn)])
+    newton = ", ".join(f'"{x:.6g} N"' for x in force)
+    metre = ", ".join(f'"{x:.6g} N m"' for x in moment)
+    return f'[[loads]]\nat = "{1e3 * length * rng.random():.9g} mm"\nforce = [{newton}]\nmoment = [{metre}]\n'
+
+
+def _choices(rng: np.random.Generator) -> str:
+    text = f'hertz = "{rng.choice(["nominal", "nominal", "error-free", "actual", "as printed"])}"\n'
+    if rng.random() < 0.25:
+        text += 'screw = "rigid"\n'
+    elif rng.random() < 0.3:
+        text += 'partition = "source"\n'
+    return text

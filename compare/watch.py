@@ -1,0 +1,67 @@
+"""Watching a long solution: a line on screen after two seconds, and a limit of time."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from time import monotonic
+
+from compare.errors import InputError
+
+#: Seconds after which a solution says that it is still at work, and between two such lines.
+FIRST, AGAIN = 2.0, 1.0
+#: Exit code of a solution that its limit of time ended: as where no equilibrium is found.
+ENDED = 1
+
+
+def checked(limit: float | None) -> float | None:
+    """A limit of time [s]. Raises InputError for one that is no time."""
+    if limit is not None and not 0.0 < limit <= 1e9:
+        raise InputError("command line", "--time-limit", str(limit), "above 0 to 1e9 seconds", "give seconds, e.g. 60")
+    return limit
+
+
+@contextmanager
+def watched(label: str, limit: float | None = None) -> Iterator[None]:
+    """Show on a terminal's standard error how long ``label`` has been at work; at ``limit`` [s] say so and end the process.
+
+    The process ends at once, whatever it computes (compiled kernels cannot be interrupted, but leave the interpreter
+    free): only for work that writes no file.
+    """
+    done = threading.Event()
+    watcher = threading.Thread(target=_watch, args=(label, limit, done), daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        done.set()
+        watcher.join()
+
+
+def _watch(label: str, limit: float | None, done: threading.Event) -> None:
+    begin, shown = monotonic(), False
+    while True:
+        spent = monotonic() - begin
+        if limit is not None and spent >= limit:
+            _say(f"{chr(13) if shown else ''}rollbench: {label}: stopped: the limit of time, {limit:g} s, is reached\n")
+            sys.stdout.flush()
+            os._exit(ENDED)
+        pause = max(FIRST - spent, AGAIN) if spent < FIRST else AGAIN
+        if done.wait(pause if limit is None else min(pause, limit - spent)):
+            break
+        if monotonic() - begin >= FIRST and sys.stderr.isatty():
+            _say(f"\rrollbench: {label}: at work for {monotonic() - begin:.0f} s ")
+            shown = True
+    if shown:
+        _say("\r" + " " * (len(label) + 40) + "\r")
+
+
+def _say(text: str) -> None:
+    try:
+        sys.stderr.write(text)
+        sys.stderr.flush()
+    except (OSError, ValueError):  # nobody reads it any more
+        return

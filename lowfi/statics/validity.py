@@ -1,0 +1,173 @@
+"""Where a solution leaves the range in which the static models hold: one sentence for each."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.statics.problem import Problem, nominal_hertz
+from lowfi.statics.solved import SolvedState
+from meshes.section import groove_section, nut_groove_range
+
+Array = NDArray[np.float64]
+
+#: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
+#: largest contact approach that they leave away.
+SMALL_TILT, SECOND_ORDER = 3e-3, 0.01
+#: Rotation of any section of the shaft [rad] beyond which a linear beam is left: half its square is a per mille.
+SMALL_ROTATION = 0.045
+#: Pole pressure [Pa] above which contacts of hardened bearing steel are indented by more than 1e-4 ball diameters
+#: (ISO 76, static load rating of ball bearings).
+YIELD_PRESSURE = 4.2e9
+#: Part of the distance between groove centre and ball centre by which an uneven profile may shift the centre of curvature.
+PROFILE_SHARE = 0.5
+#: Overlap of neighbouring balls [m] from which on they are called wedged.
+OVERLAP = 1e-9
+
+
+def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> tuple[str, ...]:
+    """All warnings of a solved state. gamma ``(N, 4)`` [rad]: contact angles; z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad]
+    of the centreline."""
+    problem, force = solved.problem, solved.force
+    loaded = (force.sum(axis=1, keepdims=True) > 0.0) * 1.0
+    shift = solved.centre * loaded
+    return (
+        *_places(problem, force, gamma, shift),
+        *_pressure(problem, force),
+        *_wedged(problem, shift),
+        *profile_warning(solved, gamma),
+        *tilt_warning(problem, force, z, motion),
+        *_rotation(z, motion),
+    )
+
+
+def groove_range(problem: Problem) -> tuple[Array, Array]:
+    """Smallest and largest contact angle of each side's arc, ``(4,)`` [rad]: apex and land's edge."""
+    screw, nut = groove_section(problem.scene), nut_groove_range(problem.scene)
+    low, high = (screw.gamma_1, nut[0]), (screw.gamma_2, nut[1])
+    return np.repeat(low, 2), np.repeat(high, 2)
+
+
+def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[str]:
+    """Contacts beyond the arc or whose ellipse is, balls that move far, ellipses as large as the ball."""
+    notes, loaded = [], force > 0.0
+    low, high = groove_range(problem)
+    radius = problem.scene.balls.radius
+    off = loaded & ((gamma < low) | (gamma > high))
+    if off.any():
+        notes.append(f"{int(off.sum())} contact(s) lie beyond the groove's arc (apex or land edge): not valid there")
+    semi_axis = nominal_hertz(problem.scene).C_a * np.cbrt(force)  # the long axis lies across the groove
+    half = semi_axis / problem.drawn.radius
+    cut = loaded & ~off & ((gamma - half < low) | (gamma + half > high))
+    if cut.any():
+        worst = int(np.argmax(np.where(cut, np.maximum(low - gamma + half, gamma + half - high), -np.inf)))
+        notes.append(
+            f"the ellipse of {int(cut.sum())} contact(s) reaches beyond the groove's arc (apex or land edge), most on ball "
+            f"{worst // 4 + 1}: pressure is higher there than Hertz's, and so is the approach"
+        )
+    if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
+        notes.append("a ball moves by more than a tenth of its radius: small-displacement theory is left")
+    if (loaded & (semi_axis > 0.5 * radius)).any():
+        notes.append("a contact ellipse is longer than the ball's radius: Hertz's half space does not hold")
+    return notes
+
+
+def _pressure(problem: Problem, force: Array) -> list[str]:
+    pressure = nominal_hertz(problem.scene).pressure(force)
+    most = float(pressure.max(initial=0.0))
+    if most <= YIELD_PRESSURE:
+        return []
+    ball = int(pressure.argmax()) // 4 + 1
+    count = int((pressure > YIELD_PRESSURE).sum())
+    return [
+        f"{count} contact(s) above {1e-9 * YIELD_PRESSURE:g} GPa, up to {1e-9 * most:.3g} GPa on ball {ball}: hardened "
+        "steel yields, and the loads are those of elastic bodies"
+    ]
+
+
+def _wedged(problem: Problem, shift: Array) -> list[str]:
+    """Neighbouring balls that overlap at the solution, by their shifts in their sections."""
+    layout, radius = problem.layout, problem.drawn.ball_radius
+    if len(radius) < 2:
+        return []
+    from scipy.spatial import cKDTree
+
+    centre = layout.centre + shift[:, :1] * layout.radial + shift[:, 1:] * layout.binormal
+    if not np.isfinite(centre).all():
+        return []
+    pairs = cKDTree(centre).query_pairs(2.0 * float(radius.max()) + OVERLAP, output_type="ndarray")
+    if not pairs.size:
+        return []
+    a, b = pairs.T
+    overlap = radius[a] + radius[b] - np.linalg.norm(centre[a] - centre[b], axis=1)
+    worst = int(overlap.argmax())
+    if overlap[worst] <= OVERLAP:
+        return []
+    i, j = sorted((int(a[worst]) + 1, int(b[worst]) + 1))
+    return [
+        f"balls {i} and {j} overlap by {1e6 * overlap[worst]:.3g} um ({int((overlap > OVERLAP).sum())} pair(s) in all): "
+        "they are wedged against one another, and contact between balls is left out"
+    ]
+
+
+def bent_profile(solved: SolvedState, gamma: Array) -> tuple[int, int, float] | None:
+    """Ball, side and share of the contact whose profile bends most against its distance from the groove's centre.
+
+    The profile's centre of curvature lies beside the groove's by its slope rho' [m]; where that is of the size of the
+    distance of the ball's centre from there, a ball may touch one flank in more places than one. None without a profile.
+    """
+    profile = solved.problem.drawn.profile
+    if not profile.shape[1] or solved.shifts is None:
+        return None
+    powers = np.arange(1, profile.shape[1])
+    angle = np.nan_to_num(gamma)
+    slope = np.abs(np.einsum("sk,nsk->ns", profile[:, 1:] * powers, angle[..., None] ** (powers - 1)))
+    w = -solved.problem.drawn.centre + solved.centre[:, None, :] - solved.shifts
+    size = np.maximum(np.hypot(w[..., 0], w[..., 1]), 1e-12)
+    share = np.where(solved.force > 0.0, slope / size, 0.0)
+    i, s = np.unravel_index(int(share.argmax()), share.shape)
+    return int(i), int(s), float(share[i, s])
+
+
+def profile_warning(solved: SolvedState, gamma: Array) -> list[str]:
+    """Whether an uneven profile lets a ball touch a flank in more places than one."""
+    found = bent_profile(solved, gamma)
+    if found is None or found[2] <= PROFILE_SHARE:
+        return []
+    return [
+        f"the contact pattern is not unique: at ball {found[0] + 1} the groove's profile error shifts the flank's centre "
+        f"of curvature by {100.0 * found[2]:.3g} % of its distance from the ball's, so that it may touch that flank in "
+        "more than one place, of which the model has one"
+    ]
+
+
+def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> list[str]:
+    """Whether the screw tilts so far at the balls that what small rotations leave away shows in the contacts.
+
+    A tilt t moves a groove by R t^2/2 beyond its linear motion, R the pitch radius; rotations about the axis are exact on
+    the helix. force ``(N, 4)`` [N]; z ``(k,)`` [m] and motion ``(k, 6)`` of the centreline.
+    """
+    approach = float((problem.C * np.cbrt(force) ** 2).max(initial=0.0))
+    low, high = float(problem.layout.z.min()), float(problem.layout.z.max())
+    stations = np.array([low, high])
+    tilt = max(float(np.hypot(*(np.interp(s, z, motion[:, k]) for k in (3, 4)))) for s in stations)
+    inside = (z >= low) & (z <= high)
+    tilt = max(tilt, float(np.hypot(motion[inside, 3], motion[inside, 4]).max(initial=0.0)))
+    beyond = 0.5 * problem.scene.track.pitch_radius * tilt**2
+    if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
+        return []
+    return [
+        f"the screw tilts by {1e3 * tilt:.2g} mrad at the balls: small rotations leave away {1e6 * beyond:.2g} um "
+        f"of a groove's motion, {100.0 * beyond / approach:.2g} % of the largest contact approach"
+    ]
+
+
+def _rotation(z: Array, motion: Array) -> list[str]:
+    size = np.abs(motion[:, 3:]).max(axis=1)
+    if not size.size or not float(size.max()) > SMALL_ROTATION:
+        return []
+    at = int(size.argmax())
+    return [
+        f"a section of the screw turns by {1e3 * size[at]:.3g} mrad (at {1e3 * z[at]:.4g} mm): rotations beyond "
+        f"{1e3 * SMALL_ROTATION:g} mrad are not small, and the beam is linear"
+    ]

@@ -1,0 +1,57 @@
+"""Names of temporary files and folders beside those they become, and what killed processes left of them.
+
+A name tells machine and process, so that the next writer of the same file knows which are nobody's any more.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import re
+import shutil
+import time
+import uuid
+from contextlib import suppress
+from pathlib import Path
+
+#: Age [s] at which a temporary file of another machine counts as left behind.
+OLD = 86_400.0
+
+
+def temporary(path: Path, ending: str = "tmp") -> Path:
+    """A new name beside ``path`` for what will become it; leftovers of earlier ones of dead processes are removed."""
+    clean(path, ending)
+    return path.with_name(f".{path.name}.{_machine()}-{os.getpid()}-{uuid.uuid4().hex[:8]}.{ending}")
+
+
+def clean(path: Path, ending: str = "tmp") -> None:
+    """Remove the temporary files and folders of ``path`` whose process is dead, or that are a day old."""
+    name = re.compile(rf"\.{re.escape(path.name)}\.([0-9a-f]{{8}})-(\d+)-[0-9a-f]{{8}}\.{re.escape(ending)}")
+    with suppress(OSError):
+        for other in path.parent.iterdir():
+            found = name.fullmatch(other.name)
+            if found is None or not _dead(other, found[1], int(found[2])):
+                continue
+            if other.is_dir() and not other.is_symlink():
+                shutil.rmtree(other, ignore_errors=True)
+            else:
+                with suppress(OSError):
+                    other.unlink()
+
+
+def _dead(path: Path, machine: str, process: int) -> bool:
+    """Whether nobody writes a temporary file any more."""
+    try:
+        if machine != _machine():
+            return time.time() - path.lstat().st_mtime > OLD
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return True
+    except OSError:  # another user's, or gone
+        return False
+    return False
+
+
+def _machine() -> str:
+    return hashlib.sha256(platform.node().encode()).hexdigest()[:8]

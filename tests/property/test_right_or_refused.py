@@ -1,0 +1,91 @@
+"""Extreme scenes of a random campaign: a right answer or a proven refusal, whatever the engine."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare.scenes.scene_file import load
+from lowfi.statics.elastic import solve_elastic
+from lowfi.statics.problem import build
+from lowfi.statics.proof import opening_motion, words_of
+from lowfi.statics.static import solve_static, unheld
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import Load, Support
+from tests.helpers import small_screw
+
+SCENES = Path(__file__).parent / "scenes"
+
+
+def read(number):
+    return load(SCENES / f"extreme-{number}.toml")
+
+
+@cache
+def solved(number, engine):
+    return solve_static(read(number), engine=engine)
+
+
+def problem_of(scene):
+    layout = ball_layout(scene)
+    return build(scene, specimen(scene, layout), layout, np.ones(4, dtype=bool))
+
+
+@pytest.mark.parametrize("number", [3182, 90])
+def test_both_engines_find_the_same_loads(number):
+    """A small load beside a large twist: a whole step was taken at once, and went kilometres away."""
+    compiled, interpreted = solved(number, "compiled"), solved(number, "interpreted")
+    assert compiled.status == interpreted.status == "converged"
+    assert compiled.load == pytest.approx(interpreted.load, rel=1e-5, abs=1e-7 * interpreted.load.max())
+    for result in (compiled, interpreted):
+        assert result.equilibrium.largest < 1e-9
+
+
+def test_loads_of_compressive_forces_are_not_called_unheld():
+    for number in (3182, 90):
+        problem = problem_of(read(number))
+        assert opening_motion(problem) is None
+        assert unheld(problem).startswith("not converged")
+
+
+def test_a_load_that_opens_every_contact_is_proven():
+    """One ball at the top, and a pull away from it: no contact can carry it."""
+    scene = small_screw(8, fixed=tuple((name, 0.0) for name in ("uy", "uz", "rx", "ry", "rz")))
+    alone = replace(scene, balls=replace(scene.balls, azimuths=(0.0,)))
+    pulled = replace(alone, loads=(Load(scene.nut.position, (-5.0, 0.0, 0.0), (0.0, 0.0, 0.0)),))
+    motion = opening_motion(problem_of(pulled))
+    assert motion is not None
+    assert motion[0] < 0.0
+    assert "ux" in words_of(motion)
+    assert unheld(problem_of(pulled)).startswith("not held: the load opens every contact")
+    pushed = replace(alone, loads=(Load(scene.nut.position, (5.0, 0.0, 0.0), (0.0, 0.0, 0.0)),))
+    assert opening_motion(problem_of(pushed)) is None
+
+
+def test_a_ball_on_one_contact_is_no_equilibrium():
+    """Residual of the screw 2e-15, and ball 5 pushed by one contact alone: convergence is judged on every ball."""
+    result = solved(3570, "compiled")
+    assert not result.converged
+    assert "contact pattern is not unique" in result.status
+    assert result.equilibrium.ball_residual > 1e-5
+
+
+@pytest.mark.parametrize("solve", [solve_static, solve_elastic])
+def test_a_pin_is_no_support(solve):
+    """A screw free along its helix under lateral load: no support of the scene carries what the pin takes."""
+    scene = small_screw(9, 1.5, fixed=(), force=(0.0, 0.0, 0.0), oversize=3e-6)
+    held = replace(scene, supports=(Support(0.0, (("ux", 20e-6), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))),))
+    result = solve(held, engine="interpreted")
+    assert result.converged
+    balance = result.equilibrium
+    taken = np.abs(balance.pin_moment).max() + np.abs(balance.pin_force).max()
+    assert taken > 0.0
+    assert balance.pin_share > 1e-8
+    assert balance.reaction_force[2] == 0.0  # no support holds uz or rz
+    assert balance.reaction_moment[2] + balance.pin_moment[2] + balance.contact_moment[2] == pytest.approx(0.0, abs=1e-9)
+    assert any("instead, loads change by up to" in note for note in result.solver.notes)

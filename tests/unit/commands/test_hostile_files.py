@@ -1,0 +1,161 @@
+"""Files that do harm: damaged, endless, hostile. One line and exit code 2, whatever they hold."""
+
+from __future__ import annotations
+
+import os
+import struct
+import zipfile
+from dataclasses import asdict, replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from compare.cli import main
+from compare.reference.sealing import DEEPEST, sealed, unsealed
+from compare.scenes import catalogue
+from meshes.condensed import CondensedBodies, geometry_digest, load_condensed
+
+SCENE = "lin-case1"
+
+
+@cache
+def bodies():
+    scene = catalogue.scene(SCENE)
+    n = 2 * scene.ball_count
+    one = np.eye(n) * 1e-9
+    small = np.eye(4) * 1e-10
+    line = np.full((4, 3), 1e-11)
+    force = np.tile([10.0, 100.0, 300.0], (4, 1))
+    return CondensedBodies(geometry_digest(scene), 1, np.arange(4.0), 0.3, one, one, small, line, force, np.full(4, 1e-7))
+
+
+def refused(capsys, *words):
+    """The one line on standard error of a command that refuses its input."""
+    with pytest.raises(SystemExit) as ended:
+        main(list(words))
+    found = capsys.readouterr()
+    assert ended.value.code == 2
+    assert found.out == ""
+    assert found.err.count("\n") == 1
+    assert found.err.startswith("rollbench: ")
+    return found.err
+
+
+def changed(name, value):
+    return replace(bodies(), **{name: value})
+
+
+def skew(x):
+    out = x.copy()
+    out[0, 1] = 1e-10
+    return out
+
+
+BODIES = {
+    "nan": lambda: changed("screw", np.full_like(bodies().screw, np.nan)),
+    "infinite": lambda: changed("local", bodies().local * np.inf),
+    "negative": lambda: changed("nut", -bodies().nut),
+    "not symmetric": lambda: changed("screw", skew(bodies().screw)),
+    "side twice": lambda: changed("sides", np.array([0.0, 0.0, 1.0, 3.0])),
+    "no such side": lambda: changed("sides", np.array([0.0, 1.0, 2.0, 7.0])),
+    "Hertz of zero": lambda: changed("hertz", np.zeros(4)),
+    "base at infinity": lambda: changed("base", np.inf),
+}
+
+
+@pytest.mark.parametrize("how", BODIES)
+def test_bodies_that_no_part_has_are_refused(how, tmp_path, capsys):
+    path = tmp_path / "x.npz"
+    with np.errstate(all="ignore"):
+        BODIES[how]().save(path)
+    refused(capsys, "solve", SCENE, "--condensed", str(path))
+
+
+def test_good_bodies_are_read(tmp_path):
+    bodies().save(tmp_path / "x.npz")
+    assert np.array_equal(load_condensed(tmp_path / "x.npz").screw, bodies().screw)
+
+
+def rewritten(path, **members):
+    """A file with other arrays under its old checksum."""
+    bodies().save(path)
+    with np.load(path) as data:
+        values = {name: data[name] for name in data.files}
+    np.savez_compressed(path, **(values | members))
+
+
+def test_a_changed_number_does_not_fit_the_checksum(tmp_path, capsys):
+    rewritten(tmp_path / "x.npz", screw=bodies().screw * 1.001)
+    assert "checksum" in refused(capsys, "solve", SCENE, "--condensed", str(tmp_path / "x.npz"))
+
+
+@pytest.mark.parametrize("value", [np.array("text"), np.array([b"x"]), np.zeros((2, 2, 2)), np.array([], dtype=complex)])
+@pytest.mark.parametrize("name", ["format", "level", "screw", "geometry", "sides"])
+def test_arrays_of_another_kind_are_refused(name, value, tmp_path, capsys):
+    rewritten(tmp_path / "x.npz", **{name: value})
+    refused(capsys, "solve", SCENE, "--condensed", str(tmp_path / "x.npz"))
+
+
+def test_damaged_bytes_are_refused(tmp_path, capsys):
+    """Single flipped bytes all over the file: zlib, headers, directory."""
+    path = tmp_path / "x.npz"
+    bodies().save(path)
+    whole = path.read_bytes()
+    for place in np.linspace(0, len(whole) - 1, 60).astype(int):
+        broken = bytearray(whole)
+        broken[place] ^= 0xFF
+        path.write_bytes(bytes(broken))
+        try:
+            found = load_condensed(path)
+        except ValueError:
+            continue
+        assert all(np.array_equal(a, b) for a, b in zip(asdict(found).values(), asdict(bodies()).values(), strict=True))
+    path.write_bytes(whole[: len(whole) // 2])
+    refused(capsys, "solve", SCENE, "--condensed", str(path))
+
+
+def test_a_small_file_that_declares_a_huge_one_is_refused(tmp_path, capsys):
+    path = tmp_path / "bomb.npz"
+    head = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000, 1000000000), }".ljust(117) + "\n"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("screw.npy", b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head.encode())
+    assert "larger than it is" in refused(capsys, "solve", SCENE, "--condensed", str(path))
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        np.lib.format.write_array(member := __import__("io").BytesIO(), np.zeros(26_000_000))
+        archive.writestr("screw.npy", member.getvalue())
+    assert path.stat().st_size < 1_000_000
+    assert "declares" in refused(capsys, "solve", SCENE, "--condensed", str(path))
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+@pytest.mark.parametrize("words", [("solve", "{}"), ("friction", "{}"), ("solve", SCENE, "--condensed", "{}")])
+def test_a_pipe_is_no_file(words, tmp_path, capsys):
+    path = tmp_path / "pipe.toml"
+    os.mkfifo(path)
+    refused(capsys, *(w.format(path) for w in words))
+
+
+@pytest.mark.parametrize("path", ["/dev/zero", "/dev/stdin"])
+def test_devices_are_no_files(path, capsys):
+    if not os.path.exists(path):
+        pytest.skip("no such device here")
+    refused(capsys, "solve", path)
+
+
+def test_a_stored_run_fits_its_checksum(tmp_path):
+    path = tmp_path / "run.json"
+    data = {"load": [[1.0, 2.0], [3.0, 4.0]], "scene": "x"}
+    path.write_text(sealed(data), encoding="utf-8")
+    assert unsealed(path) == data
+    path.write_text(sealed(data).replace("3.0", "3.1"), encoding="utf-8")
+    with pytest.raises(ValueError, match="checksum"):
+        unsealed(path)
+    path.write_text('{"load":[[1.0]]}', encoding="utf-8")
+    with pytest.raises(ValueError, match="checksum"):
+        unsealed(path)
+    path.write_text("[" * (DEEPEST + 1) + "]" * (DEEPEST + 1), encoding="utf-8")
+    with pytest.raises(ValueError, match="nested"):
+        unsealed(path)
+    with pytest.raises(ValueError, match="regular"):
+        unsealed(tmp_path)

@@ -1,0 +1,121 @@
+"""Where the program runs: outputs nobody reads, folders that cannot be written, what killed processes left."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from compare.errors import InputError
+from compare.scenes import scene_file
+from compare.scenes.catalogue import scene_text
+from compare.writing import need_writable, replace_file
+from lowfi import jit
+from meshes.leftovers import temporary
+from reports.html import harmless
+
+COMMAND = [sys.executable, "-P", "-m", "compare"]
+
+
+def dead_process():
+    """Number of a process that has ended."""
+    child = subprocess.Popen([sys.executable, "-c", ""])
+    child.wait()
+    return child.pid
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no such device here")
+@pytest.mark.parametrize("words", [("list",), ("list", "--json")])
+def test_a_full_output_ends_in_one_line(words):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([*COMMAND, *words], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 74
+    assert done.stderr == "rollbench: standard output: No space left on device\n"
+
+
+def test_a_closed_output_ends_quietly():
+    done = subprocess.run(
+        ["/bin/sh", "-c", '"$@" >&-', "sh", *COMMAND, "list"], stderr=subprocess.PIPE, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_kernels_are_kept_elsewhere_where_the_cache_cannot_be_written(tmp_path, monkeypatch, capsys):
+    (tmp_path / "file").write_text("")
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setenv("ROLLBENCH_CACHE", str(tmp_path / "file" / "cache"))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    found = jit.code_folder.__wrapped__()
+    assert found.is_relative_to(tmp_path / f"rollbench-{os.getuid()}")
+    assert found.is_dir()
+    assert "are kept in" in capsys.readouterr().err
+    (tmp_path / f"rollbench-{os.getuid()}").chmod(0o777)  # whoever may write there could have put code into it
+    assert jit.code_folder.__wrapped__() is None
+    assert "not this user's alone" in capsys.readouterr().err
+
+
+def test_what_a_killed_process_left_is_removed(tmp_path):
+    path = tmp_path / "a.json"
+    mine = temporary(path)
+    left = Path(str(mine).replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
+    folder = Path(str(temporary(path, "new")).replace(f"-{os.getpid()}-", f"-{dead_process()}-"))
+    folder.mkdir()
+    (folder / "x").write_text("half")
+    for other in (mine, left, tmp_path / ".a.json.notes.tmp"):
+        other.write_text("half")
+    replace_file(path, "whole")
+    temporary(path, "new")
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted([mine.name, ".a.json.notes.tmp", "a.json"])
+
+
+def test_an_output_is_tried_before_it_is_computed(tmp_path):
+    (tmp_path / "file").write_text("")
+    for bad in (tmp_path, tmp_path / "file" / "x.npz"):
+        with pytest.raises(InputError):
+            need_writable(bad)
+    need_writable(tmp_path / "new" / "x.npz")
+    assert list((tmp_path / "new").iterdir()) == []
+
+
+def test_no_code_comes_from_the_working_folder(tmp_path):
+    """A numpy.py beside a scene was executed by children of pictures and bench."""
+    (tmp_path / "numpy.py").write_text("raise SystemExit('code of the working folder ran')")
+    code = (
+        "import sys, runpy; from reports import offscreen\n"
+        "try: offscreen.draw_in_child('reports.nowhere', None, 'x.png')\n"
+        "except RuntimeError as error: print(error)\n"
+        "from compare.costs.bench import _launch\n"
+        "print(_launch(['-c', 'import numpy; print(numpy.__file__)'])[1].stdout)\n"
+    )
+    root = str(Path(__file__).parents[3])
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", code],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": root},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "working folder ran" not in done.stdout + done.stderr
+    assert "reports.nowhere" in done.stdout
+    assert str(tmp_path) not in done.stdout
+
+
+def test_control_characters_of_a_scene_are_escaped():
+    text = scene_text("lin-case1").replace('title = "', 'title = "\\u001b[31m\\u202e', 1)
+    scene = scene_file.loads(text, "bad\x1bname.toml")
+    assert scene.title.startswith("\\x1b[31m\\u202e")
+    assert scene.name == "bad\\x1bname"
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1"])
+def test_formulas_in_tables_are_neutralised(text):
+    assert harmless(text) == "'" + text
+
+
+@pytest.mark.parametrize("text", ["-3.5", "+1e-9", "plain", "", "–", "-5 um"])
+def test_numbers_and_words_in_tables_stay(text):
+    assert harmless(text) == text

@@ -1,0 +1,37 @@
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from compare.cli import main
+
+SCENES = Path(__file__).parents[2] / "property" / "scenes"
+
+
+def run(*words, timeout=120):
+    command = [sys.executable, "-P", "-m", "compare", *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+
+
+def test_a_limit_of_time_ends_a_solution_in_one_line():
+    done = run("solve", str(SCENES / "extreme-2513.toml"), "--model", "lin", "--time-limit", "0.05", "--json")
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert done.stderr.splitlines()[-1].endswith("stopped: the limit of time, 0.05 s, is reached")
+    assert "Traceback" not in done.stderr
+
+
+def test_a_limit_that_is_not_reached_changes_nothing(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["solve", "lin-case1", "--model", "lin", "--time-limit", "600", "--json"])
+    assert ended.value.code == 0
+    assert '"status": "converged"' in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("limit", ["0", "-3", "nan", "1e12"])
+def test_a_limit_that_is_no_time_is_refused(limit, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["solve", "lin-case1", f"--time-limit={limit}"])
+    assert ended.value.code == 2
+    assert "--time-limit" in capsys.readouterr().err
