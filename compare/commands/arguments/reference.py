@@ -1,0 +1,221 @@
+"""The 3D reference of scenes, and what goes to other programs: mesh-study, compare, export, crosscheck."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from compare.commands.arguments.terminal import Json, app, cache_folder, print_json, show
+from compare.errors import InputError
+
+
+@app.command(name="mesh-study")
+def mesh_study(
+    scenes: list[str],
+    *,
+    levels: int = 3,
+    store: Path = Path("rollbench-reference"),
+    spread: Annotated[bool, Parameter(negative="")] = False,
+    source_mesh: Annotated[bool, Parameter(negative="")] = False,
+    fresh: Annotated[bool, Parameter(negative="")] = False,
+    as_json: Json = False,
+    backend: str = "joblib",
+    scheduler: str | None = None,
+    workers: int | None = None,
+) -> int:
+    """Run the 3D reference on several mesh levels: observed orders, uncertainty, modelling spread.
+
+    Parameters
+    ----------
+    scenes
+        Names of shipped scenes, or scene files; those of the same parts share their meshes.
+    levels
+        Number of mesh levels; each is stored when it is done, so an interrupted study resumes.
+    store
+        Folder of the results; the table goes there as CSV, the figure as SVG.
+    spread
+        Also vary the modelling choices that are not printed, on the coarsest level.
+    source_mesh
+        Also run the source's mesh: first-order tetrahedra of 0.08 mm around every contact.
+    fresh
+        Compute runs even where they are stored.
+    backend
+        joblib (this machine) or dask (a cluster).
+    scheduler
+        Address of the Dask scheduler.
+    workers
+        Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
+    """
+    from compare.commands.study import run_mesh_study
+    from compare.reference.jobs import Engine
+
+    return run_mesh_study(
+        scenes,
+        levels,
+        store,
+        Engine(backend, scheduler, workers, cache_folder()),
+        spread=spread,
+        source=source_mesh,
+        json_out=as_json,
+        show=show,
+        print_json=print_json,
+        fresh=fresh,
+    )
+
+
+@app.command
+def compare(
+    scenes: list[str],
+    *,
+    model: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
+    levels: str | None = None,
+    store: Path = Path("rollbench-reference"),
+    fresh: Annotated[bool, Parameter(negative="")] = False,
+    as_json: Json = False,
+    backend: str = "joblib",
+    scheduler: str | None = None,
+    workers: int | None = None,
+) -> int:
+    """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
+
+    Parameters
+    ----------
+    scenes
+        Names of shipped scenes, or scene files.
+    model
+        Low-order models: lin, lin-source-partition, lin-printed-hertz, mei, mei-nut; all that suit the scene unless given.
+    levels
+        Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given.
+    store
+        Folder of the reference's results, besides those shipped.
+    fresh
+        Compute runs even where they are stored or shipped.
+    backend
+        joblib (this machine) or dask (a cluster).
+    scheduler
+        Address of the Dask scheduler.
+    workers
+        Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
+    """
+    from compare.commands.study import parse_levels, run_compare
+    from compare.reference.jobs import Engine
+
+    return run_compare(
+        scenes,
+        model or (),
+        None if levels is None else parse_levels(levels),
+        store,
+        Engine(backend, scheduler, workers, cache_folder()),
+        json_out=as_json,
+        show=show,
+        print_json=print_json,
+        fresh=fresh,
+    )
+
+
+@app.command
+def export(
+    scene: str,
+    part: str = "",
+    *,
+    out: Path | None = None,
+    format: Annotated[str, Parameter(name="--format")] = "",
+    level: int = 1,
+    ball: int | None = None,
+    deck: str = "",
+    unit: str = "mm",
+    balls: str = "",
+    b_over_h: float = 1.5,
+    growth: float = 0.4,
+    stiffness: float = 2e8,
+) -> int:
+    """Write a mesh or a result field of the 3D reference for other programs (VTU, MSH, MED or INP, lengths in m), or a
+    small scene as one deck that CalculiX runs (--deck ccx).
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    part
+        screw, nut, ball, patch-SL (the groove's fine patch; SR, NL, NR), ball-patch-SL, or block-source; none with --deck.
+    out
+        File to write, replaced if it exists; <scene>-<part>.vtu unless given, <scene>.inp with --deck.
+    format
+        vtu, msh, med or inp; by the file's name unless given.
+    level
+        Mesh level, 1 (coarse) to 3; 0 is the source's mesh.
+    ball
+        Solve the scene and add displacement and stress: of this ball and its patches, or of the whole screw or nut.
+    deck
+        Program to write the whole contact problem for: ccx (CalculiX; Abaqus reads the same file).
+    unit
+        Unit of length in the deck: mm (with N and MPa) or m (with N and Pa).
+    balls
+        Cut the screw of the deck to some neighbouring balls: 3:5 keeps balls 3, 4 and 5.
+    b_over_h
+        Elements of the deck across the short half axis of a contact of mean load.
+    growth
+        Growth of the deck's element sizes per distance from the contacts.
+    stiffness
+        Contact pressure per overclosure of the deck, in N/mm3.
+    """
+    from compare.commands.export import run_export
+    from compare.scenes import catalogue
+
+    if deck:
+        from compare.commands.deck import DeckChoices, run_deck
+
+        if part or format or level != 1 or ball is not None:
+            raise InputError(
+                "command line", "--deck", deck, "no part, --format, --level or --ball with it", "leave them out"
+            )
+        choices = DeckChoices(deck, unit, balls, b_over_h, growth, stiffness)
+        return run_deck(catalogue.scene(scene), choices, out, show)
+    if (unit, balls, b_over_h, growth, stiffness) != ("mm", "", 1.5, 0.4, 2e8):
+        raise InputError(
+            "command line", "--unit, --balls, --b-over-h, --growth, --stiffness", "given", "with --deck", "add --deck ccx"
+        )
+    return run_export(catalogue.scene(scene), part, format, out, level, cache=cache_folder(), show=show, ball=ball)
+
+
+@app.command
+def crosscheck(
+    scene: str,
+    *,
+    run: Annotated[bool, Parameter(negative="")] = False,
+    data: Path | None = None,
+    work: Path = Path("rollbench-crosscheck"),
+    store: Path = Path("rollbench-reference"),
+    as_json: Json = False,
+) -> int:
+    """Compare the 3D reference with CalculiX, contact by contact: two-balls or lin-case1-cut.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene that was solved by CalculiX.
+    run
+        Solve its decks with CalculiX (ccx) now, 10 to 20 min of one core, and rewrite the stored results.
+    data
+        Folder of the stored results; that of the package unless given.
+    work
+        Folder of the decks and their results; a deck whose result is there is not solved again.
+    store
+        Folder of the reference's runs, besides those shipped; computed where none is stored.
+    """
+    from compare.commands.crosscheck import run_crosscheck
+    from compare.reference.jobs import Engine
+
+    return run_crosscheck(
+        scene,
+        run=run,
+        data=data,
+        work=work,
+        store=store,
+        engine=Engine(cache=cache_folder()),
+        json_out=as_json,
+        show=show,
+        print_json=print_json,
+    )

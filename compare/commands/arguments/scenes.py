@@ -1,0 +1,158 @@
+"""What is shipped, one scene's files, and one scene by a low-order model: list, schema, new, solve, friction, condense."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from compare.commands.arguments.terminal import Json, app, cache_folder, print_json, show
+from compare.errors import InputError
+
+
+@app.command(name="list")
+def list_(*, trace: Annotated[bool, Parameter(negative="")] = False, as_json: Json = False) -> None:
+    """List the scenes, the models and the printed tables that are shipped.
+
+    Parameters
+    ----------
+    trace
+        Instead: every printed number and claim with its scenes, the function that computes it and its test.
+    """
+    from compare.commands import listing
+
+    if trace:
+        print_json(listing.trace_json()) if as_json else show(listing.trace_table())
+    elif as_json:
+        print_json(listing.shipped_json())
+    else:
+        show(*listing.shipped_lines())
+
+
+@app.command
+def schema() -> None:
+    """Print the JSON Schema of a scene file, of all kinds."""
+    from compare.scenes.kinds.table import json_schema
+
+    print_json(json_schema())
+
+
+@app.command
+def new(file: Path, *, kind: str = "ball-screw") -> None:
+    """Write a commented scene to edit.
+
+    Parameters
+    ----------
+    file
+        Where to write it; an existing file is never overwritten.
+    kind
+        ball-screw, bearing, or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
+        screw-pair, screw-run.
+    """
+    from compare.scenes.keys import WHOLE
+    from compare.scenes.template import template
+    from compare.writing import write_new
+
+    write_new(file, template(kind))
+    command = "solve" if kind.replace("-", " ") in WHOLE else "friction"
+    show(f"wrote {file}; solve it with: rollbench {command} {file}")
+
+
+@app.command
+def solve(
+    scene: str,
+    *,
+    model: str = "",
+    as_json: Json = False,
+    everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
+    member: int = 0,
+    condensed: Path | None = None,
+) -> int:
+    """Solve one scene with one model.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    model
+        refined unless given, or "condensed" where its file is given; see: rollbench list.
+    everything
+        Build everything, also what the scene does not need.
+    member
+        Which specimen of a scene with random errors.
+    condensed
+        File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+    """
+    from compare.commands.solve_output import as_json as to_json
+    from compare.commands.solve_output import as_table
+    from compare.models.model_form import estimate
+    from compare.models.registry import DEFAULT, Options, run_model
+    from compare.scenes import catalogue
+
+    model = model or (DEFAULT if condensed is None else "condensed")
+    if condensed is not None and model != "condensed":
+        raise InputError("command line", "--condensed", str(condensed), "the model condensed", "leave --model out")
+    if not 0 <= member < 10**9:
+        raise InputError("command line", "--member", str(member), "0 to 999999999", "give the specimen's number")
+    parts = catalogue.scene(scene)
+    result = run_model(parts, model, Options(everything=everything, member=member, condensed=condensed))
+    worth = estimate(parts, result) if result.converged else None
+    if as_json:
+        print_json(to_json(parts, result, worth))
+    else:
+        show(*as_table(parts, result, worth))
+    return 0 if result.converged else 1
+
+
+@app.command
+def friction(
+    scene: str,
+    *,
+    model: str = "",
+    mu: Annotated[list[float] | None, Parameter(negative="")] = None,
+    member: int = 0,
+    condensed: Path | None = None,
+    as_json: Json = False,
+) -> int:
+    """Friction of a screw or bearing at its static loads: ball motion, losses, friction torque, efficiency, drag.
+
+    Also solves the kinds of scenes that only friction solves: balls of a rotary or linear bearing, two balls or a whole
+    ball screw in time, bearings in pairs; these take no further options.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene of any kind, or a scene file.
+    model
+        Model of the contact loads: refined unless given, or "condensed" where its file is given; see: rollbench list.
+    mu
+        Coefficient of friction in place of the scene's; several: a table over them, with the balls of the first.
+    member
+        Which specimen of a scene with random errors.
+    condensed
+        File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+    """
+    from compare.commands.friction import Choices, run
+
+    choices = Choices(model, tuple(mu or ()), member, condensed)
+    return run(scene, choices, as_json, show, print_json)
+
+
+@app.command
+def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
+    """Condense the 3D bodies of a scene to the contacts, for: rollbench solve SCENE --condensed FILE.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file. The file serves all loads, supports and errors of the same parts.
+    out
+        File to write, replaced if it exists; <scene>-condensed.npz unless given.
+    level
+        Mesh level, 1 (coarse) to 3.
+    """
+    from compare.commands.condense import run_condense
+    from compare.scenes import catalogue
+
+    return run_condense(catalogue.scene(scene), out, level, cache=cache_folder(), show=show)
