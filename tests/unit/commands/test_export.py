@@ -23,6 +23,8 @@ from meshes.bridge import FORMATS, MeshData, form_of, from_skfem, reduced, write
 from meshes.fem import mesh_of
 from tests.fe_meshes import boundary_faces, cube, jacobians, nodal_areas
 
+pytestmark = pytest.mark.xdist_group("exported meshes")
+
 VOLUMES = ["P1", "P2", "Q1", "Q2"]
 GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}
 EDGES = {

@@ -15,6 +15,8 @@ from meshes.parts import Time
 from tests.friction_runs import MU, TURN, crowded, setting, sparse
 from tests.helpers import small_screw
 
+pytestmark = pytest.mark.xdist_group("run in time")
+
 
 def with_time(scene, **time):
     return replace(scene, friction=MU, motion=TURN, time=Time(**time))

@@ -40,6 +40,8 @@ from meshes.parts import (
 from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
 from tests.helpers import FLANK_ERRORS, small_screw, solved
 
+pytestmark = pytest.mark.xdist_group("run in time")
+
 SCENES = {
     "balls that meet": lambda: crowded(),
     "left hand": lambda: crowded(hand="left"),

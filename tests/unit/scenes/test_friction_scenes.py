@@ -368,7 +368,8 @@ def test_files_and_names_that_do_not_exist(tmp_path):
 def test_every_kind_says_what_it_leaves_out(kind):
     lines = left_out_of_kind(kind, "none" if kind.startswith("screw") else None)
     assert len(set(lines)) == len(lines) >= 9
-    for word in ("lubricant", "hysteresis", "Heathcote", "cage", "gyroscopic", "yielding", "friction in the balance of loads"):
+    words = "lubricant", "hysteresis", "Heathcote", "cage", "gyroscopic", "yielding", "friction in the balance of loads"
+    for word in words:
         assert sum(word in line for line in lines) == 1, word
 
 
