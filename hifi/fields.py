@@ -37,7 +37,7 @@ from meshes.grooved_body import GroovedBody
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import SIDE_SIGNS, Material, Scene
 from meshes.sockets import local_points
-from meshes.solid import dimensions
+from meshes.solid import Dimensions, dimensions
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -106,17 +106,20 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
     Raises ValueError where ``scene`` (the set-up's own if left out) supports or loads the screw beyond the low end:
     then the high end carries a reaction that is not known here.
     """
-    scene = scene or setup.scene
-    low, high = setup.dims.ends(setup.scene)
-    if setup.dims.screw_held != "bore":
-        stations = [x.at for x in scene.supports] + [x.at for x in scene.loads]
-        beyond = sorted({z for z in stations if z > low})
-        if beyond:
-            raise ValueError(
-                f"{scene.name}: the screw is held or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
-                f"stretch at {1e3 * low:.4g} mm; its field is recovered only where all supports and loads lie below that"
-            )
+    refuse_beyond_low_end(scene or setup.scene, setup.dims)
+    high = setup.dims.ends(setup.scene)[1]
     return _answer(setup, mesh, forces, screw_transform(mesh, setup.dims, high), screw=True)
+
+
+def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
+    """Raise ValueError where a scene supports or loads its screw beyond the low end of the 3D stretch."""
+    low = dims.ends(scene)[0]
+    beyond = sorted({x.at for x in (*scene.supports, *scene.loads) if x.at > low})
+    if dims.screw_held != "bore" and beyond:
+        raise ValueError(
+            f"{scene.name}: the screw is held or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
+            f"stretch at {1e3 * low:.4g} mm; its field is recovered only where all supports and loads lie below that"
+        )
 
 
 def nut_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]) -> Array:

@@ -48,7 +48,8 @@ def axis_ratio(curvature_ratio: Array) -> Array:
     if np.any(ratio <= 0.0) or np.any(ratio > 1.0 + 1e-12):
         worst = float(np.min(ratio)) if np.any(ratio <= 0.0) else float(np.max(ratio))
         raise ValueError(f"ratio of relative curvatures {worst:.3g} must lie in (0, 1]")
-    target = np.log(np.minimum(ratio, 1.0))
+    few, place = np.unique(ratio, return_inverse=True)  # most contacts of a scene are alike
+    target = np.log(np.minimum(few, 1.0))
     x = 0.636 * target
     for _ in range(60):
         f = _log_ratio(x) - target
@@ -58,7 +59,7 @@ def axis_ratio(curvature_ratio: Array) -> Array:
         x = np.minimum(x - step, 0.0)
         if np.all(np.abs(step) <= 4e-16 * np.maximum(1.0, np.abs(x)) * 4.0):
             break
-    return np.asarray(np.exp(x))
+    return np.asarray(np.exp(x)[place].reshape(ratio.shape))
 
 
 def _log_ratio(x: Array) -> Array:

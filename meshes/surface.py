@@ -19,7 +19,10 @@ def groove_profile(gamma: Array, radius: float | Array, profile: Array) -> Array
 
     ``profile``: polynomial coefficients of the inward offset [m], ascending powers of gamma [rad] (Lin 2.27).
     """
-    poly = np.polynomial.Polynomial(profile if profile.size else np.zeros(1))
+    if not profile.size:
+        flat = 0.0 * gamma
+        return np.stack([radius + flat, flat, flat])
+    poly = np.polynomial.Polynomial(profile)
     return np.stack([radius - poly(gamma), -poly.deriv()(gamma), -poly.deriv(2)(gamma) + 0.0 * gamma])
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from compare.commands.left_out import left_out_of_kind
 from compare.commands.solve_output import number
 from compare.measure import error_percent
 from lowfi.friction.contact.ellipse import Array
@@ -35,9 +36,15 @@ class Answer:
     converged: bool
 
 
-def head(scene: KindScene, status: str, converged: bool) -> dict[str, Any]:
-    """What every answer begins with."""
-    return {"scene": scene.name, "title": scene.title, "kind": scene.kind, "status": status, "converged": converged}
+def head(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
+    """What every answer of a kind holds; coupling: of friction to loads, of a screw."""
+    named = {"scene": scene.name, "title": scene.title, "kind": scene.kind}
+    return named | {
+        "status": status,
+        "converged": converged,
+        "assumed": list(scene.assumed),
+        "left_out": left_out_of_kind(scene.kind, coupling),
+    }
 
 
 def by_side(sides: Sequence[str], values: Array) -> dict[str, Any]:

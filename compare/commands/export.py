@@ -53,7 +53,8 @@ def run_export(
     if it exists; None: ``<scene>-<part>.<form>``; level: mesh level of the reference (0: the source's mesh); cache: folder
     of the reference's meshes, None for none.
     Raises InputError for an unknown part, format or level, a package that is missing, a mesh that cannot be built and a
-    file that cannot be written; all except the last two before anything is meshed.
+    file that cannot be written; all except the last two before anything is meshed, as is a screw's field where the scene
+    holds or loads it beyond the low end of its 3D stretch.
     """
     if part not in parts_of(scene):
         raise InputError("command line", "part", part, ", ".join(parts_of(scene)), "choose one of these")
@@ -77,6 +78,11 @@ def run_export(
         raise InputError("command line", "--ball", str(ball), allowed, "leave it out for the mesh alone")
     fields: dict[str, Array] = {}
     try:
+        if ball is not None and part.startswith(("screw", "patch-S")):
+            from hifi.fields import refuse_beyond_low_end
+            from meshes.solid import dimensions
+
+            refuse_beyond_low_end(scene, dimensions(scene))
         data = part_mesh(scene, part, level, cache)
         if ball is not None:
             fields = result_fields(scene, part, level, ball - 1, cache)

@@ -40,7 +40,7 @@ from lowfi.friction.whole.heathcote import heathcote
 from lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from lowfi.jit import cached
 from lowfi.statics.result import StaticResult
-from meshes.parts import Friction, Motion, Scene
+from meshes.parts import Friction, Motion, Scene, Support
 
 #: Largest coefficient of friction that is taken.
 MOST = 2.0
@@ -65,10 +65,12 @@ class Choices:
 
 @dataclass(frozen=True)
 class Drag:
-    """Friction torque [N m] with the scene's loads removed; None where there is none to speak of, and why."""
+    """Friction torque [N m] with the scene's loads removed; None where there is none to speak of, and why. note: how the
+    screw was left free, where its supports would press it along its axis."""
 
     torque: float | None
     reason: str = ""
+    note: str = ""
 
 
 def run(name: str, choices: Choices, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
@@ -156,24 +158,43 @@ def _with_run(answer: Answer, run: Run) -> Answer:
 def drag_torques(
     scene: Scene, states: Sequence[FrictionState], pairs: Sequence[Friction], model: str, options: Options
 ) -> list[Drag]:
-    """Friction torque without the scene's loads, for each pair of coefficients; supports and what they prescribe stay."""
-    if any(np.any(load.force) or np.any(load.moment) for load in scene.loads):
-        bare = replace(scene, loads=())
-        result = run_model(bare, model, options)
+    """Friction torque without the scene's loads, for each pair of coefficients; supports and what they prescribe stay.
+
+    Where these press the screw along its axis, which is an axial load too, its supports let it go along the axis: drag is
+    the friction torque at no axial load.
+    """
+    bare, motion = replace(scene, loads=()), scene.motion or Motion(ONE_TURN)
+
+    def solved(changed: Scene) -> list[FrictionState] | str:
+        result = run_model(changed, model, options)
         if not result.converged:
-            return [Drag(None, result.status)] * len(pairs)
-        motion = scene.motion or Motion(ONE_TURN)
-        states = [friction_state(bare, result, pair, motion, options.member) for pair in pairs]
-    return [drag_of(state) for state in states]
+            return result.status
+        return [friction_state(changed, result, pair, motion, options.member) for pair in pairs]
+
+    without: Sequence[FrictionState] | str = states
+    if any(np.any(load.force) or np.any(load.moment) for load in scene.loads):
+        without = solved(bare)
+    if isinstance(without, str):
+        return [Drag(None, without)] * len(pairs)
+    if not any(state.torque.translating for state in without):
+        return [drag_of(state) for state in without]
+    pressed = f"its supports press it with {without[0].torque.load:.4g} N along its axis"
+    let_go = solved(replace(bare, supports=without_axial(scene.supports)))
+    if isinstance(let_go, str):
+        return [Drag(None, f"{pressed}, and without them: {let_go}")] * len(pairs)
+    note = f"the screw left free along its axis: {pressed}"
+    return [replace(drag_of(state), note=note) for state in let_go]
+
+
+def without_axial(supports: Sequence[Support]) -> tuple[Support, ...]:
+    """The supports without what they hold along the axis."""
+    freed = (replace(s, fixed=tuple(held for held in s.fixed if held[0] != "uz")) for s in supports)
+    return tuple(s for s in freed if s.fixed)
 
 
 def drag_of(state: FrictionState) -> Drag:
-    """The drag torque, refused where the supports press the screw along its axis or a ball failed."""
-    if state.torque.translating:
-        return Drag(None, f"the supports press the screw with {state.torque.load:.4g} N along its axis")
-    if not settled(state):
-        return Drag(None, "no balance of friction found")
-    return Drag(state.torque.friction)
+    """The drag torque of a state without axial load; none where a ball failed."""
+    return Drag(state.torque.friction) if settled(state) else Drag(None, "no balance of friction found")
 
 
 def settled(state: FrictionState) -> bool:
@@ -221,6 +242,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         "balls": rows,
         "torque": torque,
         "drag_unknown": drag.reason or None,
+        "drag_note": drag.note or None,
         "over_friction": over,
         "losses": {
             "total_W": number(e.power),
@@ -257,4 +279,4 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
         tables = [("per ball", BALL_COLUMNS, flat_rows(rows)), ("losses by contact and cause", LOSS_COLUMNS, losses)]
     if len(over) > 1:
         tables.append(("over the coefficient of friction", mu_columns(kind_of(scene)), over))
-    return Answer(data, tables, lines_of(motion, state, (drag.torque, drag.reason)), good)
+    return Answer(data, tables, lines_of(motion, state, (drag.torque, drag.reason or drag.note)), good)

@@ -126,7 +126,6 @@ def solve_ball(scene: KindScene) -> Answer:
             "motion_steps": motion.steps,
             "motion": motion.status,
         },
-        "assumed": list(scene.assumed),
         "warnings": size_warnings(at.a[held], b.ball_radius),
     }
     return Answer(data, [("per contact", CONTACT_COLUMNS, contact_rows(ball))], ball_lines(data), converged)
@@ -201,7 +200,6 @@ def solve_bearings(scene: KindScene) -> Answer:
         "force_N": number(case.force),
         "tilt": case.tilt,
         "load_angle_deg": angle,
-        "assumed": list(scene.assumed),
     }
     mechanisms = loose(scene)
     if mechanisms:

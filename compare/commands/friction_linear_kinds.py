@@ -118,7 +118,6 @@ def solve_linear(scene: KindScene) -> Answer:
             "lag": number(near.lag),
             "iterations": near.iterations,
         },
-        "assumed": list(scene.assumed),
         "warnings": size_warnings(semi, scene.bearing.ball_radius),
     }
     tables = [

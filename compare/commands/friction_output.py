@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from compare.commands.answer import Column, size_warnings
+from compare.commands.left_out import BESIDES, WHOLE
 from compare.commands.solve_output import number
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.whole.feedback import JAMMED
@@ -22,31 +23,10 @@ from meshes.parts import SIDES, Friction, Motion, Scene
 #: Pole pressure [Pa] from which ball contacts yield lastingly: the static load rating of ISO 76.
 YIELD = 4.2e9
 
-#: What no friction result of a whole screw or bearing holds.
-LEFT_OUT = (
-    "feedback of friction on how the balls share the load: each keeps the load that it carries without friction",
-    "lubricant: film thickness, churning, and a coefficient that depends on speed, slip and temperature",
-    "rolling hysteresis of the materials",
-    "Heathcote slip over the curved contact in torques and losses: losses.heathcote_percent says what it would add",
-    "cage or spacers, return tube or deflectors, wipers and seals",
-    "gyroscopic moments and centrifugal forces of the balls",
-    "ripple: the work of loads that change as balls roll over errors, and enter and leave the loaded track",
-    "torques of a second, jammed state of a ball, which may exist at high coefficients of friction (seen from 0.3 on)",
-)
-#: What coupling leaves out besides, by its word.
-BESIDES = {
-    "none": ("friction that moves a ball across its grooves", "contact between balls at the scene's instant"),
-    "ball": ("contact between balls at the scene's instant",),
-    "balls": (
-        "friction, and forces between balls, that move a ball across its grooves",
-        "forces between balls in the balance of contact loads",
-    ),
-}
-
 
 def left_out(friction: Friction) -> list[str]:
     """What the result for a scene's instant does not hold."""
-    return [*LEFT_OUT, *BESIDES[friction.coupling]]
+    return [*WHOLE, *BESIDES[friction.coupling]]
 
 
 def jam_words(state: FrictionState) -> str:
@@ -248,7 +228,7 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
 
 def _torque_lines(t: ScrewTorque, drag: tuple[float | None, str]) -> list[str]:
     inner = "inner ring" if t.ratio == 0.0 else "screw"
-    without = "unknown: " + drag[1] if drag[0] is None else f"{1e3 * drag[0]:.6g} N mm"
+    without = "unknown: " + drag[1] if drag[0] is None else f"{1e3 * drag[0]:.6g} N mm" + f" ({drag[1]})" * bool(drag[1])
     lines = [
         f"friction torque {1e3 * t.friction:.6g} N mm, against the {inner}'s motion; drag torque without loads {without}"
     ]

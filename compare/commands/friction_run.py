@@ -106,7 +106,7 @@ def run_data(run: Run) -> dict[str, Any]:
         for t in h.balls.tracks
     ]
     data["torque"] = torque_data(h)
-    data["energy"] = {"largest_imbalance": number(float(np.abs(h.imbalance).max()))}
+    data["energy"] = energy_data(h)
     data["over_angle"] = {
         "angle_deg": _list(np.degrees(h.turned)),
         "torque_Nmm": _list(1e3 * h.torque),
@@ -114,6 +114,7 @@ def run_data(run: Run) -> dict[str, Any]:
         "ball_sliding_Nmm": _list(1e3 * h.ball_torque),
         "ball_closing_Nmm": _list(1e3 * h.closing_torque),
         "axial_load_N": _list(h.axial),
+        "driving_torque_on_screw_Nmm": _list(1e3 * h.on_screw),
     }
     if run.time.output == "balls":
         data["balls"] = [ball_data(h, own, k) for own in h.balls.bounds for k in range(own.start, own.stop)]
@@ -131,6 +132,22 @@ def error_data(e: StepError, goal: float) -> dict[str, Any]:
         "steps": list(e.steps),
         "goal_percent": number(100.0 * goal),
         "small": e.small(goal),
+    }
+
+
+def energy_data(h: History) -> dict[str, Any]:
+    """Work over the run [J] of the torque on the screw and of its axial load, losses, and the largest imbalance of a step
+    over its losses: of the power that contacts take in, and of torque and load against losses."""
+    dt, (turning, along) = h.span / h.steps, h.advance
+    loss = h.torque * abs(turning)
+    rubs = bool(np.all(loss > 0.0))
+    return {
+        "torque_work_J": number(dt * turning * float(h.on_screw.sum())),
+        "load_work_J": number(dt * along * float(h.axial.sum())),
+        "loss_J": number(dt * float(loss.sum())),
+        "balance_J": number(dt * float(h.torque_balance.sum())),
+        "largest_imbalance": number(float(np.abs(h.imbalance).max())),
+        "largest_torque_imbalance": number(float(np.abs(h.torque_balance / loss).max())) if rubs else None,
     }
 
 

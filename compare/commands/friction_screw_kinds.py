@@ -96,7 +96,7 @@ def solve_screw_pair(scene: KindScene) -> Answer:
         "feedback_change_N": number(max(c.change for c in chains)) if pair.coupling != "none" else 0.0,
         "rounds": max(c.rounds for c in chains),
     }
-    data = head(scene, pair_status(r), r.converged) | {
+    data = head(scene, pair_status(r), r.converged, pair.coupling) | {
         "law": "coulomb",
         "hertz": hertz_word(pair.groove),
         "coupling": pair.coupling,
@@ -112,7 +112,6 @@ def solve_screw_pair(scene: KindScene) -> Answer:
         "ball_to_ball_loss_W": number(ball_loss),
         "energy": spent,
         "solver": solver,
-        "assumed": list(scene.assumed),
         "warnings": screw_warnings(pair.groove, r.touching.load.force),
     }
     return Answer(
@@ -222,7 +221,7 @@ def solve_run(scene: KindScene) -> Answer:
     known = spent["balance_percent"] is not None
     spent["largest_step_balance_percent"] = number(100.0 * np.abs(r.imbalance).max()) if known else None
     summary = run_summary(r)
-    data = head(scene, status, failed == 0) | {
+    data = head(scene, status, failed == 0, run.coupling) | {
         "law": "coulomb",
         "hertz": hertz_word(run.groove),
         "coupling": run.coupling,
@@ -236,7 +235,6 @@ def solve_run(scene: KindScene) -> Answer:
         "energy": spent,
         "series": run_series(r),
         "solver": {"failed_steps": failed, "feedback_change_N": number(r.change.max()) if run.coupling != "none" else 0.0},
-        "assumed": list(scene.assumed),
         "step_error": None if error is None else error_data(error, STEP_GOAL),
         "warnings": [*screw_warnings(run.groove, r.load), *step_warnings(error)],
     }

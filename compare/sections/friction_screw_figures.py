@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
-from math import radians
 
 import numpy as np
 
+from compare.evidence.assumptions_3_4 import AXIAL, OVERSIZE, pair_map
 from compare.evidence.screw import ANGLES, THETA, curve, cut, loose_run, run, variation
 from compare.evidence.source_cases import inferred
 from compare.printed.printed_data import entry
@@ -15,7 +14,6 @@ from compare.sections.curves import numbers
 from lowfi.friction.bearing.pairs import TorqueCurve
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.motion import Coupling
-from lowfi.friction.screw.pair import oversize_map
 from lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
 from reports.records import Figure, Panel, Series
 
@@ -74,15 +72,14 @@ def run_figure() -> Figure:
     return Figure("friction-run", "Whole screw over two seconds (Figures 3.23 to 3.25)", panels, caption, 3)
 
 
-def map_panels(case: str, coupling: Coupling, oversize: Array, axial: Array) -> list[Panel]:
+def map_panels(case: str, coupling: Coupling) -> list[Panel]:
     """Force and increase over oversize, a curve for each load on the screw."""
-    m = oversize_map(replace(inferred(radians(THETA[case])), coupling=coupling), oversize, axial)
-    x = numbers(oversize, 1e6)
+    m, x = pair_map(case, coupling), [1e6 * oversize for oversize in OVERSIZE]
     words = "not coupled" if coupling == "none" else "friction moves the balls"
     panels = []
     for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.increase, "increase / %")):
         values = np.where(m.converged, values, np.nan)
-        curves = [Series(f"{f:g} N", x, numbers(values[:, j]), "line", emphasis=f == 50.0) for j, f in enumerate(axial)]
+        curves = [Series(f"{f:g} N", x, numbers(values[:, j]), "line", emphasis=f == 50.0) for j, f in enumerate(AXIAL)]
         printed = entry("lin-3.7", f"{key}_{case}").value or np.nan
         curves.append(Series("printed", [x[0], x[-1]], [printed, printed], "line"))
         title = f"{'ball-to-ball force' if key == 'force' else 'friction increase'}, θ = {THETA[case]:g}°, {words}"
@@ -92,9 +89,8 @@ def map_panels(case: str, coupling: Coupling, oversize: Array, axial: Array) -> 
 
 def map_figure() -> Figure:
     """Maps of the pair over oversize and load, as curves."""
-    oversize, axial = np.linspace(-1e-6, 3e-6, 17), np.array([25.0, 50.0, 100.0, 200.0])
     sets: tuple[tuple[str, Coupling], ...] = (("a", "none"), ("b", "none"), ("a", "ball"))
-    panels = [p for case, coupling in sets for p in map_panels(case, coupling, oversize, axial)]
+    panels = [p for case, coupling in sets for p in map_panels(case, coupling)]
     caption = (
         "Once all four contacts are loaded (a bend, the later the larger the axial force) the force grows with "
         "the oversize whatever the axial force is, while the friction increase falls, because grooves' losses grow "

@@ -7,6 +7,8 @@ logarithm is left, averaged over the contact for its own term.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import eval_legendre
@@ -36,6 +38,7 @@ def expansion(poisson: float) -> tuple[float, float]:
     return a, 2.0 - poisson - a * (1.0 + 2.0 * poisson)
 
 
+@lru_cache(maxsize=64)
 def smooth_part(cosine: float, poisson: float) -> float:
     """Series at angle arccos(cosine) without its first two terms' sums in closed form (both vanish at the contact)."""
     a, b = expansion(poisson)

@@ -13,6 +13,14 @@ from meshes.section import BeamSection
 
 Array = NDArray[np.float64]
 
+#: Which motion (r, t, z) by which load the parts of a harmonic hold. The first ``EVEN`` go as the cosine of its multiple of
+#: the angle between two contacts, the others as the sine.
+PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
+EVEN = 4
+#: Points and weights of the quadrature over a patch, and the shapes of an element there.
+NODE, WEIGHT = np.polynomial.legendre.leggauss(8)
+SHAPES = quadratic(NODE)[0]
+
 
 @dataclass(frozen=True)
 class Tube:
@@ -33,11 +41,12 @@ class Tube:
 
 @dataclass(frozen=True)
 class TubeCompliance:
-    """Motion of the loaded grid line by loads on it, one matrix ``(3 k, 3 k)`` per harmonic; stations ``(k,)`` [m]."""
+    """Motion [m/N] of the loaded grid line by loads on it at stations z ``(k,)`` [m]: for each harmonic the parts ``PARTS``
+    of a symmetric matrix, side by side ``(k, 6 k)``."""
 
     tube: Tube
     z: Array
-    S: tuple[Array, ...]
+    parts: tuple[Array, ...]
 
 
 @dataclass(frozen=True)
@@ -115,8 +124,9 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     body = Body(grid, tube.material.youngs_modulus, tube.material.poissons_ratio)
     held = held_nodes(tube, grid.shape)
     springs = end_springs(tube) if tube.held == "section" else ()
-    S = tuple(line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs))
-    return TubeCompliance(tube, z[rows[0] : rows[1]], S)
+    found = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
+    parts = tuple(np.hstack([S[i::3, j::3] for i, j in PARTS]) for S in found)
+    return TubeCompliance(tube, z[rows[0] : rows[1]], parts)
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
@@ -127,26 +137,14 @@ def end_springs(tube: Tube) -> tuple[float, float, float, float]:
 
 def patch_weights(z: Array, at: Array, width: float) -> Array:
     """Shares ``(c, k)`` of a Gaussian patch around ``at`` ``(c,)`` on the nodes of quadratic elements z ``(k,)``."""
-    node, weight = np.polynomial.legendre.leggauss(8)
-    values = quadratic(node)[0]
     low, high = z[:-2:2], z[2::2]
-    x = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * node
-    density = np.exp(-0.5 * ((x[None] - at[:, None, None]) / width) ** 2) * (0.5 * (high - low)[:, None] * weight)
-    shares = np.einsum("ceg,gk->cek", density, values)
+    x = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * NODE
+    density = np.exp(-0.5 * ((x[None] - at[:, None, None]) / width) ** 2) * (0.5 * (high - low)[:, None] * WEIGHT)
+    shares = density @ SHAPES
     out = np.zeros((at.size, z.size))
     for k in range(3):
         out[:, k : k + z.size - 2 : 2] += shares[:, :, k]
     return np.asarray(out / out.sum(axis=1, keepdims=True))
-
-
-def harmonic_rows(n: int, points: Points, weights: Array) -> Array:
-    """Work of unit loads along the axes of every contact on both sets of harmonic n, ``(2, c, 2, 3 k)``."""
-    c, s = np.cos(n * points.azimuth), np.sin(n * points.azimuth)
-    sets = [np.stack([c, s if n else c, c], axis=-1)]
-    if n:
-        sets.append(np.stack([s, -c, s], axis=-1))
-    out = [np.einsum("ck,ct,cat->cakt", weights, one, points.axes) for one in sets]
-    return np.stack(out).reshape(len(sets), *points.axes.shape[:2], 3 * weights.shape[1])
 
 
 def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool = True) -> Array:
@@ -155,16 +153,25 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
     Spreading a force around the axis lessens what it does to harmonic n by exp(-(n width / radius)^2 / 2), but for 0 and 1:
     there a patch must have the resultant of its force, which a beam answers too (``resultant``; else they are lessened like
     the others, as a true patch is).
+
+    A load at azimuth s makes cos(n (t - s)) of radial and axial motion and sin(n (t - s)) of the other (the reverse if it
+    acts around the axis), so that only the angle between two contacts counts.
     """
-    tube = found.tube
+    tube, count = found.tube, points.z.size
     weights = patch_weights(found.z, points.z, tube.width)
-    G = np.zeros((2 * points.z.size,) * 2)
-    for n, S in enumerate(found.S):
+    total = np.zeros((count, len(PARTS), count))
+    for n, parts in enumerate(found.parts):
         share = np.exp(-((n * tube.width / tube.radius) ** 2)) if n > 1 or not resultant else 1.0
-        for one in harmonic_rows(n, points, weights):
-            rows = one.reshape(G.shape[0], -1)
-            G += share * (rows @ S) @ rows.T
-    return 0.5 * (G + G.T)
+        moved = ((weights @ parts).reshape(-1, found.z.size) @ weights.T).reshape(total.shape)
+        c, s = np.sqrt(share) * np.cos(n * points.azimuth), np.sqrt(share) * np.sin(n * points.azimuth)
+        total[:, :EVEN] += (np.outer(c, c) + np.outer(s, s))[:, None] * moved[:, :EVEN]
+        total[:, EVEN:] += (np.outer(s, c) - np.outer(c, s))[:, None] * moved[:, EVEN:]
+    whole = np.empty((count, 3, 3, count))
+    for k, (i, j) in enumerate(PARTS):
+        whole[:, i, j], whole[:, j, i] = total[:, k], total[:, k].T
+    by_load = np.matmul(points.axes, whole.reshape(count, 3, -1)).reshape(count, 2, 3, count).transpose(3, 2, 0, 1)
+    G = np.matmul(points.axes, by_load.reshape(count, 3, -1)).reshape(2 * count, 2 * count)
+    return np.asarray(0.5 * (G + G.T))
 
 
 def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
@@ -187,16 +194,15 @@ def cantilever(rows: Array, stations: Array, base: float, section: BeamSection) 
     a = stations - base
     same = a[:, None] * a[None, :] > 0.0
     m = np.where(same, np.minimum(np.abs(a)[:, None], np.abs(a)[None, :]), 0.0)
-    m1, m2 = 0.5 * m**2 * np.sign(a)[:, None], m**3 / 3.0
+    m1, m2 = 0.5 * m * m * np.sign(a)[:, None], m * m * m / 3.0
     left, right = a[:, None], a[None, :]
     uu = (left * right * m - (left + right) * m1 + m2) / section.EI + m / section.kGA
     ur = (left * m - m1) / section.EI  # deflection by a moment
     ru = (right * m - m1) / section.EI
-    p, q = rows[:, None, :], rows[None, :, :]
-    G = uu * (p[..., 0] * q[..., 0] + p[..., 1] * q[..., 1]) + m / section.EA * p[..., 2] * q[..., 2]
-    G += ur * (p[..., 0] * q[..., 4] - p[..., 1] * q[..., 3]) + ru * (p[..., 4] * q[..., 0] - p[..., 3] * q[..., 1])
-    G += m / section.EI * (p[..., 3] * q[..., 3] + p[..., 4] * q[..., 4]) + m / section.GJ * p[..., 5] * q[..., 5]
-    return np.asarray(G)
+    shift, turn = rows[:, :2], rows[:, [4, 3]] * np.array([1.0, -1.0])
+    yielding = rows[:, 2:] / np.array([section.EA, section.EI, section.EI, section.GJ])
+    G = uu * (shift @ shift.T) + ur * (shift @ turn.T) + ru * (turn @ shift.T)
+    return np.asarray(G + m * (yielding @ rows[:, 2:].T))
 
 
 def clamped(rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection) -> Array:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from lowfi.compliance.bodies import REFINED, Backend
 from lowfi.statics import elastic as elastic_solver
-from lowfi.statics.elastic_system import Rebuild
+from lowfi.statics.elastic_system import Rebuild, one_thread
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import Array, build
 from lowfi.statics.records import Outcome
@@ -67,15 +66,13 @@ def elastic_loads(
 ) -> ContactLoads:
     """The same with elastic bodies, ``solve_elastic`` with all four flanks."""
     kernels, use = pick_engine(engine, layout.z.size), np.ones(4, dtype=bool)
-    with threadpool_limits(1, "blas"):
+    with one_thread():
         rebuild = Rebuild(scene, drawn, layout, use, None, backend, None, kernels, False, 1)
         problem = rebuild.problem()
         mechanism = free_motions(problem)
         if mechanism.driven:
             return _none(problem.C, f"not held: {mechanism.text}")
-        pinned = pin(problem, mechanism)
-        rebuild = replace(rebuild, held=(pinned.fixed, pinned.prescribed, pinned.pins))
-        system = rebuild()
+        rebuild, system = rebuild.pinned(pin(problem, mechanism))
         outcome: Outcome = elastic_solver.solve_with_hertz(system)
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
             system, outcome = elastic_solver.follow_profile(system, outcome, rebuild)

@@ -11,12 +11,11 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from lowfi import jit
 from lowfi.compliance.bodies import REFINED, Backend, idealised
 from lowfi.compliance.imported import Condensed
-from lowfi.statics.elastic_system import Array, Elastic, Rebuild
+from lowfi.statics.elastic_system import Array, Elastic, Rebuild, one_thread
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import actual_hertz
 from lowfi.statics.records import Outcome
@@ -209,7 +208,7 @@ def solve_elastic(
     record; engine, everything, member, refine, drawn, layout: as for `lowfi.statics.static.solve_static`. Raises
     ValueError for bodies that the dimensions make impossible; a scene without equilibrium is named in ``status``.
     """
-    with threadpool_limits(1, "blas"):  # small matrices: more threads only wait for one another
+    with one_thread():
         return _solve(scene, backend, condensed, name, engine, everything, member, refine, drawn, layout)
 
 
@@ -238,9 +237,7 @@ def _solve(
         mechanism = free_motions(problem)
         if mechanism.driven:
             return failed_result(problem, name, f"not held: {mechanism.text}", perf_counter() - start)
-        pinned = pin(problem, mechanism)
-        rebuild = replace(rebuild, held=(pinned.fixed, pinned.prescribed, pinned.pins))
-        elastic = rebuild()
+        rebuild, elastic = rebuild.pinned(pin(problem, mechanism))
         prepared_at = perf_counter()
         outcome = solve_with_hertz(elastic)
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
+from functools import cache
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
 
 from lowfi.compliance.bodies import (
     Backend,
@@ -34,6 +38,18 @@ Array = NDArray[np.float64]
 LARGEST = 250
 #: Number of balls from which on the bodies' soft modes serve the solution, instead of a dense factor.
 MODES_FROM = 24
+
+
+@cache
+def _libraries() -> Any:
+    """The libraries of linear algebra of this process: to find them takes as long as to solve a scene."""
+    return ThreadpoolController()
+
+
+def one_thread() -> AbstractContextManager[object]:
+    """Linear algebra on one thread: with small matrices, more only wait for one another."""
+    found: AbstractContextManager[object] = _libraries().limit(limits=1, user_api="blas")
+    return found
 
 
 @dataclass(frozen=True)
@@ -290,6 +306,11 @@ class Rebuild:
         """The problem, ready; ``more``: see `lowfi.statics.problem.build`."""
         problem = self.problem(more)
         return ready(problem, self.backend, self.engine, self.layout, self.condensed)
+
+    def pinned(self, problem: Problem) -> tuple[Rebuild, Elastic]:
+        """What builds the problem anew with the freedoms held that ``problem`` holds, and ``problem`` itself, ready."""
+        held = replace(self, held=(problem.fixed, problem.prescribed, problem.pins))
+        return held, ready(problem, self.backend, self.engine, self.layout, self.condensed)
 
     def problem(self, more: Array | None = None) -> Problem:
         """The problem with the backend's section."""

@@ -39,7 +39,7 @@ def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
     arm = problem.scene.track.pitch_radius
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
     z = problem.nodes
-    transport = np.stack([rigid_transport(float(x - z[0])) for x in z])
+    transport = rigid_transport(z - z[0])
     if problem.basis is not None:
         motions = problem.basis[:, ~problem.fixed[0]]
         work = problem.load[0, ~problem.fixed[0]]

@@ -77,9 +77,16 @@ class Problem:
         return width
 
 
+@lru_cache(maxsize=64)
 def nominal_hertz(scene: Scene) -> HertzConstants:
-    """Hertz constants of the error-free parts for each side, shape ``(4,)``, at the nominal contact angle."""
-    return constants_of(scene, nominal_curvatures(scene))
+    """Hertz constants of the error-free parts for each side, shape ``(4,)``, at the nominal contact angle.
+
+    Kept for all solutions of a scene: not to be written to.
+    """
+    found = constants_of(scene, nominal_curvatures(scene))
+    for values in (found.C, found.C_a, found.C_b, found.eccentricity):
+        values.flags.writeable = False
+    return found
 
 
 @lru_cache(maxsize=64)

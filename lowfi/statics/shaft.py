@@ -56,7 +56,7 @@ def unheld(problem: Problem) -> Array:
     scale = np.array([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
     z = problem.nodes
     origin = z[pin_node(problem)]
-    rows = np.array([rigid_transport(float(z[i] - origin))[k] * scale for i, k in np.argwhere(problem.fixed)])
+    rows = rigid_transport(z - origin)[problem.fixed] * scale
     if rows.size == 0:
         return np.diag(scale)
     _, sv, vt = np.linalg.svd(rows)
@@ -91,11 +91,9 @@ def shaft_of(problem: Problem) -> Shaft:
         _, _, order = qr(motions.T, pivoting=True)
         held[pin, order[: motions.shape[1]]] = True
     free = np.flatnonzero(~held.ravel())
-    work = np.zeros(motions.shape[1])
-    for z, load in zip(problem.nodes, problem.load, strict=True):
-        work += motions.T @ (rigid_transport(float(z - problem.nodes[pin])).T @ load)
+    at_pin = np.einsum("nij,ni->j", rigid_transport(problem.nodes - problem.nodes[pin]), problem.load)
     lower = band.T.copy()
-    return Shaft(problem, motions, work, np.ones(motions.shape[1]), pin, free, _factor(lower, free), lower)
+    return Shaft(problem, motions, motions.T @ at_pin, np.ones(motions.shape[1]), pin, free, _factor(lower, free), lower)
 
 
 def _factor(lower: Array, free: NDArray[np.int64]) -> Array:
@@ -160,7 +158,7 @@ def free_state(shaft: Shaft) -> Array:
 def rigid_nodes(shaft: Shaft) -> Array:
     """Nodal motions ``(6 n, k)`` by the free rigid motions."""
     z = shaft.problem.nodes
-    return np.concatenate([rigid_transport(float(x - z[shaft.pin])) @ shaft.motions for x in z])
+    return np.asarray((rigid_transport(z - z[shaft.pin]) @ shaft.motions).reshape(-1, shaft.motions.shape[1]))
 
 
 def node_motions(shaft: Shaft, forces: Array, amplitudes: Array, used: list[int]) -> Array:

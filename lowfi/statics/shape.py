@@ -63,10 +63,13 @@ def motion_matrix(z: float, nodes: Array, section: BeamSection) -> tuple[int, Ar
     return j, m
 
 
-def rigid_transport(reach: float) -> Array:
-    """Motion at a station from that of another ``reach`` [m] before it, rigidly: u + theta x reach e_z, ``(6, 6)``."""
-    t = np.eye(6)
-    t[0, 4], t[1, 3] = reach, -reach
+def rigid_transport(reach: float | Array) -> Array:
+    """Motion at a station from that of another ``reach`` ``(...)`` [m] before it, rigidly: u + theta x reach e_z,
+    ``(..., 6, 6)``."""
+    t = np.zeros((*np.shape(reach), 6, 6))
+    t[...] = np.eye(6)
+    t[..., 0, 4] = reach
+    t[..., 1, 3] = -np.asarray(reach)
     return t
 
 

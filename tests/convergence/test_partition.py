@@ -8,6 +8,8 @@ import pytest
 from compare.scenes import catalogue
 from tests.helpers import relative, solved, with_ingredients
 
+pytestmark = pytest.mark.xdist_group("partition")
+
 CASES = ("lin-case1", "lin-case2", "lin-case3-offset")
 LENGTHS = (16e-3, 8e-3, 4e-3, 2e-3, 1e-3, 0.5e-3)
 

@@ -15,6 +15,8 @@ from meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
 from meshes.parts import Material
 from tests.helpers import relative
 
+pytestmark = pytest.mark.xdist_group("tube in 3D")
+
 STEEL = Material(210e9, 0.28)
 BORE, OUTER, LENGTH, WIDTH = 17.4e-3, 24e-3, 54e-3, 3e-3
 AZIMUTH = np.array([0.3, 0.3, 2.1, -1.7, -2.84, 1.2, -0.6])

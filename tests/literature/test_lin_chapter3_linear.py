@@ -9,6 +9,8 @@ from compare.evidence.rotary_linear import claim_maps, pair
 from compare.printed.printed_data import load_table
 from tests.literature.entries import check, keys
 
+pytestmark = pytest.mark.xdist_group("friction of bearings")
+
 TABLES = ("lin-3.3", "lin-3.4", "lin-3.5")
 
 

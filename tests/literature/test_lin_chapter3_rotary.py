@@ -19,6 +19,8 @@ from lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_pri
 from lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from tests.literature.entries import check, found, keys
 
+pytestmark = pytest.mark.xdist_group("friction of bearings")
+
 PRINTED = source_cases.rotary("I", printed=True)
 #: The source's law with exact integrals in place of its maps.
 EXACT = source_law(ROTARY, PRINTED.sharpness, None)

@@ -14,6 +14,8 @@ from lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_l
 from lowfi.friction.screw.run import RunSummary, simulate, summarise
 from tests.literature.entries import check, keys
 
+pytestmark = pytest.mark.xdist_group("friction of screws")
+
 THETA = {case: deviation(case) for case in PAIR_SCENES}
 
 

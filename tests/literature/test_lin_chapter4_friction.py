@@ -14,6 +14,8 @@ from lowfi.friction.screw.errors import Onset, contact_onset, groove_of
 from lowfi.statics.static import solve_static
 from tests.literature.entries import check, keys
 
+pytestmark = pytest.mark.xdist_group("friction of screws")
+
 ANGLES = np.radians(np.arange(0.0, 18.1, 2.0))
 
 

@@ -14,6 +14,8 @@ from lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
 from lowfi.random_errors.ensemble import percentile, solve_ensemble
 from tests.literature.entries import STUDY, check, keys
 
+pytestmark = pytest.mark.xdist_group("Liu")
+
 TABLES = ("liu-2", "liu-3", "liu-4.1", "liu-4.2", "liu-4.3", "liu-4.4")
 FOUND = evidence(STUDY, *TABLES)
 BY_KEY = {f.printed.key: f for f in FOUND}

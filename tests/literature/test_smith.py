@@ -13,6 +13,8 @@ from lowfi.bearings import as_printed
 from lowfi.bearings.angular_contact import contact_parameters
 from tests.literature.entries import STUDY, check, keys
 
+pytestmark = pytest.mark.xdist_group("Smith")
+
 TABLES = (
     "smith-table-2-1",
     "smith-2.1",

@@ -14,6 +14,8 @@ from lowfi.statics.static import run, solve_static
 from meshes.parts import BallErrors
 from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw, with_ingredients
 
+pytestmark = pytest.mark.xdist_group("convexity")
+
 SCENES = {
     "lin-case1": lambda: catalogue.scene("lin-case1"),
     "lin-case3-offset": lambda: catalogue.scene("lin-case3-offset"),

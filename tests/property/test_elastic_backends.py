@@ -21,6 +21,8 @@ from meshes.parts import BallErrors, Errors, Load, Support
 from tests.helpers import relative, small_screw
 from tests.property.test_invariance import end_for_end, mirrored
 
+pytestmark = pytest.mark.xdist_group("random scenes")
+
 SEEDS = range(14)
 RINGS = ("bearing-9", "bearing-9-preload")
 

@@ -35,6 +35,8 @@ def test_energy_order_and_forces(seed):
     assert h.good, h.status
     # a groove that is rougher than the other one holds its contacts at rest, found to 1e-9 of mu F at a small loss
     assert np.abs(h.imbalance).max() < (1e-8 if friction.screw == friction.nut else 1e-7)
+    losses = h.torque * abs(h.advance[0])
+    assert np.abs(h.torque_balance / losses).max() < (1e-8 if friction.screw == friction.nut else 1e-7)
     assert h.axial == pytest.approx(np.full(h.steps, scene.loads[0].force[2]), rel=1e-8)
     for track, own in zip(h.balls.tracks, h.balls.bounds, strict=True):
         gap, force = h.gap[:, own], h.ball_force[:, own]

@@ -22,6 +22,7 @@ from lowfi.friction.whole.balls import Balls
 from lowfi.friction.whole.chain import chain_motion
 from lowfi.friction.whole.contacts import StaticContacts, contacts_at, spread
 from lowfi.friction.whole.feedback import feed_back, feeds_back, seats_at
+from lowfi.friction.whole.torque import about_axis
 from lowfi.statics.again import ContactLoads
 from lowfi.statics.result import StaticResult
 from meshes.errors import Drawn, Specimen
@@ -42,8 +43,9 @@ class History:
     turned (T,): angle of the part that turns, azimuth (T, N), unwrapped in the nut's frame, and loaded (T, N), whether on a
     loaded arc, at the middle of each step; gap (T, N) [rad] at its end; ball_force (T, N) of ball k on the next one of its
     circuit; omega (T, N): speed in the nut's frame; load (T, N, 4): contact forces; torques (T,) [N m] of grooves, of
-    ball-to-ball sliding and of closing gaps, the losses per angle; axial (T,): external axial load on the screw; imbalance
-    (T,): power taken in less losses, over the losses; converged (T,). status: of the whole run, in words.
+    ball-to-ball sliding and of closing gaps, the losses per angle; axial (T,): external axial load on the screw; on_screw
+    (T,): torque about +z that drives it, from the moments of all contact forces and friction in space; imbalance (T,):
+    power taken in less losses, over the losses; converged (T,). status: of the whole run, in words.
     """
 
     balls: Balls
@@ -59,6 +61,7 @@ class History:
     ball_torque: Array
     closing_torque: Array
     axial: Array
+    on_screw: Array
     imbalance: Array
     converged: NDArray[np.bool_]
     status: str
@@ -67,6 +70,19 @@ class History:
     def torque(self) -> Array:
         """Friction torque (T,) [N m]."""
         return np.asarray(self.groove_torque + self.ball_torque + self.closing_torque)
+
+    @property
+    def advance(self) -> tuple[float, float]:
+        """Angular speed of the screw against the nut [rad/s], and its speed along the axis without end play [m/s]."""
+        grooves = self.balls.grooves
+        turning = grooves.screw_speed - grooves.nut_speed
+        return turning, grooves.ratio * turning
+
+    @property
+    def torque_balance(self) -> Array:
+        """Torque times speed and axial load times advance less all losses (T,) [W]: zero but for round-off."""
+        turning, along = self.advance
+        return np.asarray(self.on_screw * turning + self.axial * along - self.torque * abs(turning))
 
     @property
     def steps(self) -> int:
@@ -224,6 +240,7 @@ def _record(
         for name in ("groove_loss", "ball_loss", "closing_loss", "input_power")
     )
     loss = groove + ball + closing
+    axial = -at.axial_force - (_pull(at, moved) if feeds_back(setting.scene, setting.friction) else 0.0)
     state.log(
         turned=where[0],
         azimuth=where[1],
@@ -235,10 +252,23 @@ def _record(
         groove_torque=groove / speed,
         ball_torque=ball / speed,
         closing_torque=closing / speed,
-        axial=-at.axial_force - (_pull(at, moved) if feeds_back(setting.scene, setting.friction) else 0.0),
+        axial=axial,
+        on_screw=_torque(setting, at, moved, axial),
         imbalance=(power - loss) / loss if loss > 0.0 else power,
         converged=all(m.converged for m in moved),
     )
+
+
+def _torque(setting: Setting, at: StaticContacts, moved: list[ChainMotion], axial: float) -> float:
+    """Torque [N m] about +z that drives the screw under the external axial load [N].
+
+    Moments of contact forces and friction about the axis; an axial force of friction that the loads do not know of is
+    carried down the helix.
+    """
+    wrench = np.concatenate([m.wrench for m in moved])
+    wrench[..., :3] -= at.force[..., None] * at.normals
+    along, moment = (float(part[:, ON_SCREW].sum()) for part in about_axis(at, wrench))
+    return moment + reduced_lead(setting.scene.track) * (along - axial)
 
 
 def _pull(at: StaticContacts, moved: list[ChainMotion]) -> float:

@@ -23,6 +23,8 @@ from meshes.bridge import FORMATS, MeshData, form_of, from_skfem, reduced, write
 from meshes.fem import mesh_of
 from tests.fe_meshes import boundary_faces, cube, jacobians, nodal_areas
 
+pytestmark = pytest.mark.xdist_group("exported meshes")
+
 VOLUMES = ["P1", "P2", "Q1", "Q2"]
 GMSH_TYPES = {"P1": 4, "P2": 11, "Q1": 5, "Q2": 12}
 EDGES = {
@@ -284,7 +286,21 @@ def test_files_are_replaced_whole_or_not_at_all(tmp_path: Path, monkeypatch):
     assert os.listdir(tmp_path) == ["a.vtu"]
 
 
-SCENE = catalogue.scene("lin-case1")
+def four_balls():
+    """Case 1 cut to four balls in a short nut."""
+    s = catalogue.scene("lin-case1")
+    return replace(
+        s,
+        nut=replace(s.nut, position=22e-3, length=34e-3),
+        screw=replace(s.screw, length=44e-3),
+        balls=replace(s.balls, azimuths=(-2.9, -0.6, 0.4, 2.6)),
+        loads=(replace(s.loads[0], force=(0.0, 0.0, 300.0)),),
+        supports=(s.supports[0], replace(s.supports[0], at=44e-3, fixed=(("ux", 0.0), ("uy", 0.0)))),
+        solid=replace(s.solid, shaft=4e-3, shaft_diameter=30e-3),
+    )
+
+
+SCENE = four_balls()
 
 
 @pytest.fixture(scope="module")
@@ -457,27 +473,13 @@ def test_meshes_and_files_that_fail_are_reported(tmp_path: Path, cache: Path, mo
 
 
 class TestResults:
-    """Result fields of a small solved scene."""
+    """Result fields of the scene, solved with the meshes of the tests before."""
 
-    def scene(self):
-        s = catalogue.scene("lin-case1")
-        at = (-2.9, -0.6, 0.4, 2.6)
-        return replace(
-            s,
-            nut=replace(s.nut, position=22e-3, length=34e-3),
-            screw=replace(s.screw, length=44e-3),
-            balls=replace(s.balls, azimuths=at),
-            loads=(replace(s.loads[0], force=(0.0, 0.0, 300.0)),),
-            supports=(s.supports[0], replace(s.supports[0], at=44e-3, fixed=(("ux", 0.0), ("uy", 0.0)))),
-            solid=replace(s.solid, shaft=4e-3, shaft_diameter=30e-3),
-        )
-
-    def test_nut_and_ball_carry_displacement_and_stress(self, tmp_path):
-        scene, cache = self.scene(), tmp_path / "cache"
+    def test_nut_and_ball_carry_displacement_and_stress(self, tmp_path, cache):
         lines = []
         for part in ("nut", "ball", "patch-NR"):
             out = tmp_path / f"{part}.vtu"
-            run_export(scene, part, "", out, 1, cache=cache, show=lines.append, ball=2)
+            run_export(SCENE, part, "", out, 1, cache=cache, show=lines.append, ball=2)
             read = meshio.read(out)
             u, stress = read.point_data["displacement"], read.point_data["von_mises"]
             assert u.shape == (len(read.points), 3)
@@ -493,7 +495,7 @@ class TestResults:
     def test_what_cannot_be_had_is_refused(self, tmp_path):
         for part, ball, form in (("nut", 0, ""), ("nut", 5, ""), ("block-source", 1, ""), ("nut", 1, "inp")):
             with pytest.raises(InputError, match="--ball"):
-                run_export(self.scene(), part, form, tmp_path / "a", 1, ball=ball)
+                run_export(SCENE, part, form, tmp_path / "a", 1, ball=ball)
         with pytest.raises(InputError, match="low end"):
-            run_export(self.scene(), "screw", "", tmp_path / "a.vtu", 1, cache=tmp_path / "cache", ball=1)
+            run_export(SCENE, "screw", "", tmp_path / "a.vtu", 1, cache=cache, ball=1)
         assert not (tmp_path / "a.vtu").exists()

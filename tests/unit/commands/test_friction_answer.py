@@ -16,7 +16,7 @@ from compare.reference.runs import key_of
 from compare.scenes import catalogue, scene_file
 from lowfi.friction.whole import feedback as ball_feedback
 from meshes.parts import Friction, Motion, Time
-from tests.helpers import small_screw
+from tests.helpers import ALL_BUT_AXIAL, small_screw
 
 MINE = """
 title = "Feed drive 40 x 20 of two starts, left hand, preloaded"
@@ -112,14 +112,21 @@ def test_drag_is_the_friction_torque_of_the_scene_without_loads():
     assert bare["load_moves"] is None
 
 
-def test_drag_without_preload_is_nothing_and_unknown_where_supports_press():
+def test_drag_without_preload_is_nothing():
     loose = answer(small_screw(force=(0.0, 0.0, 500.0)), mu=(0.1,)).data
-    assert (loose["torque"]["drag_torque_Nmm"], loose["drag_unknown"]) == (0.0, None)
-    pressed = (("ux", 0.0), ("uy", 0.0), ("uz", 5e-6), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
-    held = answer(small_screw(fixed=pressed), mu=(0.1,)).data
-    assert held["torque"]["drag_torque_Nmm"] is None
-    assert "the supports press the screw" in held["drag_unknown"]
+    assert (loose["torque"]["drag_torque_Nmm"], loose["drag_unknown"], loose["drag_note"]) == (0.0, None, None)
+
+
+@pytest.mark.parametrize("oversize", [0.0, 5e-6])
+def test_drag_where_supports_press_is_that_of_the_screw_left_free_along_its_axis(oversize):
+    pressed = (*ALL_BUT_AXIAL, ("uz", 3e-6))
+    held, free = (answer(small_screw(fixed=fixed, oversize=oversize), mu=(0.1,)).data for fixed in (pressed, ALL_BUT_AXIAL))
     assert abs(held["torque"]["axial_load_N"]) > 1.0
+    assert held["torque"]["friction_torque_Nmm"] > 1.01 * held["torque"]["drag_torque_Nmm"]
+    assert held["torque"]["drag_torque_Nmm"] == pytest.approx(free["torque"]["drag_torque_Nmm"], rel=1e-9)
+    assert (free["torque"]["drag_torque_Nmm"] > 0.0) == (oversize > 0.0)
+    assert "left free along its axis: its supports press it with" in held["drag_note"]
+    assert (held["drag_unknown"], free["drag_note"]) == (None, None)
 
 
 def test_nothing_loaded_is_said():

@@ -15,6 +15,8 @@ from meshes.parts import Time
 from tests.friction_runs import MU, TURN, crowded, setting, sparse
 from tests.helpers import small_screw
 
+pytestmark = pytest.mark.xdist_group("run in time")
+
 
 def with_time(scene, **time):
     return replace(scene, friction=MU, motion=TURN, time=Time(**time))
@@ -35,7 +37,11 @@ def test_run_follows_the_instant_and_holds_the_torque_with_its_parts(answer):
     assert run["torque"]["mean_Nmm"] == pytest.approx(np.mean(over["torque_Nmm"]))
     assert run["torque"]["largest_ball_force_N"] > 0.0
     assert over["angle_deg"][0] == pytest.approx(np.degrees(1.0) / 40.0)
-    assert run["energy"]["largest_imbalance"] < 1e-8
+    energy = run["energy"]
+    assert energy["largest_imbalance"] < 1e-8
+    assert energy["largest_torque_imbalance"] < 1e-8
+    assert energy["torque_work_J"] + energy["load_work_J"] == pytest.approx(energy["loss_J"], rel=1e-8)
+    assert abs(energy["balance_J"]) < 1e-8 * energy["loss_J"]
     json.dumps(answer.data, allow_nan=False)
 
 

@@ -21,6 +21,8 @@ from lowfi.compliance.groove import (
 )
 from lowfi.compliance.sphere import expansion, legendre_compliance, own_compliance, own_slope
 
+pytestmark = pytest.mark.xdist_group("flank")
+
 NU = 0.28
 #: alpha and beta of `at_size`.
 ALPHA, BETA = 2 * (1 - NU) * (1 - 2 * NU), -(1 - 2 * NU) * (3 - 2 * NU)

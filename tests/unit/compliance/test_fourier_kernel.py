@@ -18,8 +18,8 @@ from lowfi.compliance.tube import (
     Tube,
     clamped,
     contact_compliance,
-    harmonic_rows,
     motion_rows,
+    patch_weights,
     points_of,
     spring_compliance,
     tube_compliance,
@@ -182,6 +182,39 @@ def test_rigid_motions_cost_nothing_and_nothing_else_is_free(bore):
         values = np.linalg.eigvalsh(K[np.ix_(free, free)])
         loose = 2 if n < 2 else 0
         assert abs(values[:loose]).max(initial=0.0) < 1e-12 * values[-1] < values[loose] * 1e-3
+
+
+def harmonic_rows(n, points, weights):
+    """Work of unit loads along the axes of every contact on both sets of harmonic n, (2, c, 2, 3 k)."""
+    c, s = np.cos(n * points.azimuth), np.sin(n * points.azimuth)
+    sets = [np.stack([c, s if n else c, c], axis=-1)]
+    if n:
+        sets.append(np.stack([s, -c, s], axis=-1))
+    out = [np.einsum("ck,ct,cat->cakt", weights, one, points.axes) for one in sets]
+    return np.stack(out).reshape(len(sets), *points.axes.shape[:2], 3 * weights.shape[1])
+
+
+@pytest.mark.parametrize("resultant", [True, False])
+def test_angles_between_contacts_stand_for_both_sets_of_a_harmonic(resultant):
+    """Against the sum over both sets of every harmonic, of matrices made anew for motions and loads node by node."""
+    rng = np.random.default_rng(11)
+    body = replace(smooth_body(geometry_only(catalogue.scene("lin-case1")), True, REFINED), harmonics=4)
+    low, high = body.ends
+    zone = (0.5 * (low + high) - 10e-3, 0.5 * (low + high) + 10e-3)
+    found = tube_compliance(body, zone)
+    z, t = rng.uniform(zone[0] + 2e-3, zone[1] - 2e-3, 5), rng.uniform(-np.pi, np.pi, 5)
+    points = Points(t, z, np.linalg.qr(rng.normal(size=(5, 3, 3)))[0][:, :2])
+    weights, k = patch_weights(found.z, points.z, body.width), found.z.size
+    expected = np.zeros((10, 10))
+    for n, parts in enumerate(found.parts):
+        rr, tt, zz, rz, tr, tz = parts.reshape(k, 6, k).transpose(1, 0, 2)
+        S = np.block([[rr, tr.T, rz], [tr, tt, tz], [rz.T, tz.T, zz]])
+        S = S.reshape(3, k, 3, k).transpose(1, 0, 3, 2).reshape(3 * k, 3 * k)
+        share = 1.0 if resultant and n < 2 else np.exp(-((n * body.width / body.radius) ** 2))
+        for one in harmonic_rows(n, points, weights):
+            rows = one.reshape(10, -1)
+            expected += share * rows @ S @ rows.T
+    assert relative(contact_compliance(found, points, resultant=resultant), expected) < 1e-12
 
 
 def test_both_sets_of_a_harmonic_are_the_motions_in_space():

@@ -23,6 +23,8 @@ from meshes.helix import ball_layout
 from meshes.parts import FourierTerm, Material
 from tests.fe_meshes import cube
 
+pytestmark = pytest.mark.xdist_group("deck")
+
 CCX = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
 COARSE = DeckOptions(b_over_h=0.7, growth=0.8)
 #: Ends of the edges whose middles are a C3D10's nodes 5 to 10, and corners of its faces S1 to S4, from Abaqus' manual.

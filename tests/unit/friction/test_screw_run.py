@@ -11,6 +11,8 @@ from compare.evidence.source_cases import lin_3_4_4
 from lowfi.friction.screw.motion import ball_motion
 from lowfi.friction.screw.run import RunResult, deviation, groups, run_cell, simulate, summarise
 
+pytestmark = pytest.mark.xdist_group("whole run of the source")
+
 THREE = np.radians(3.0)
 
 

@@ -16,6 +16,8 @@ from lowfi.as_source.starts import from_linear_starts, from_pair_starts, shaken
 from lowfi.friction.contact.motion import balance_by_root, least_dissipation
 from lowfi.friction.screw.pair import solve_pair
 
+pytestmark = pytest.mark.xdist_group("ways of the source")
+
 TWO = np.radians(2.0)
 
 

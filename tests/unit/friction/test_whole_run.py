@@ -20,7 +20,7 @@ from lowfi.statics.again import beam_loads, elastic_loads
 from lowfi.statics.elastic import solve_elastic
 from lowfi.statics.static import solve_static
 from meshes.errors import draw, specimen
-from meshes.helix import ball_layout, layout_at
+from meshes.helix import ball_layout, layout_at, reduced_lead
 from meshes.parts import (
     BallErrors,
     Balls,
@@ -39,6 +39,8 @@ from meshes.parts import (
 )
 from tests.friction_runs import MU, TURN, WAVES, crowded, setting, sparse
 from tests.helpers import FLANK_ERRORS, small_screw, solved
+
+pytestmark = pytest.mark.xdist_group("run in time")
 
 SCENES = {
     "balls that meet": lambda: crowded(),
@@ -67,6 +69,21 @@ def test_power_in_is_dissipation_at_every_instant(name, motion):
     assert h.good
     assert np.all(h.torque > 0.0)
     assert np.abs(h.imbalance).max() < 1e-8
+
+
+@pytest.mark.parametrize("friction", [MU, Friction(0.1, 0.1, coupling="ball")], ids=["loads given", "balls moved"])
+@pytest.mark.parametrize("motion", [TURN, Motion(-3.0, "nut")], ids=["screw", "nut"])
+@pytest.mark.parametrize("name", SCENES)
+def test_torque_times_speed_is_load_times_advance_and_losses(name, motion, friction):
+    """Moments of all contact forces about the axis, normal ones included, against external load and losses."""
+    h = run(name, friction, motion)
+    turning, along = h.advance
+    assert turning == pytest.approx(10.0 if motion is TURN else 3.0, rel=1e-12)
+    if SCENES[name]().track.lead != 0.0:
+        assert along / turning == pytest.approx(reduced_lead(SCENES[name]().track), rel=1e-12)
+        assert np.abs(h.axial * along).min() > 10.0 * np.abs(h.torque * turning).max()
+    losses = h.torque * abs(turning)
+    np.testing.assert_allclose(h.on_screw * turning, losses - h.axial * along, atol=1e-8 * losses.min(), rtol=0.0)
 
 
 @pytest.mark.parametrize("friction", [MU, Friction(0.1, 0.1, coupling="ball")], ids=["loads given", "balls moved"])

@@ -9,6 +9,8 @@ from scipy.linalg import block_diag
 from hifi.compliance import BallBlock, coupled, plain, uncoupled
 from tests.helpers import relative
 
+pytestmark = pytest.mark.xdist_group("ball of blocks")
+
 SIZES, MODES = (5, 7, 4), (2, 3, 1)
 
 

@@ -35,6 +35,8 @@ from meshes.parts import Material, Solid
 from tests.fe_meshes import cube
 from tests.helpers import relative, small_screw
 
+pytestmark = pytest.mark.xdist_group("recovered fields")
+
 SIDES = (0, 3)
 
 

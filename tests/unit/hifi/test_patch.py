@@ -23,6 +23,8 @@ from meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box
 from tests.fe_meshes import boundary, boundary_faces, cube, jacobians, stiffness, strain_stress, volume
 from tests.helpers import relative, small_screw
 
+pytestmark = pytest.mark.xdist_group("condensed patches")
+
 E, NU = 210e9, 0.28
 MAP = GrooveMap.of(small_screw(6))
 SIZE = SocketSize(0.30, 1.2e-3, 1.24e-3 / MAP.R)

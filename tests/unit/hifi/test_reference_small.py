@@ -23,6 +23,8 @@ from meshes.cache import Cache
 from meshes.parts import Load, Support
 from meshes.sockets import local_points
 
+pytestmark = pytest.mark.xdist_group("two balls in 3D")
+
 SMALL = Settings(
     b_over_h=0.8,
     semi=(0.5e-3, 0.14e-3),

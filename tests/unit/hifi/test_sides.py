@@ -21,6 +21,8 @@ from meshes.solid import dimensions
 from tests.helpers import relative
 from tests.unit.hifi.test_reference_small import SMALL, two_balls
 
+pytestmark = pytest.mark.xdist_group("both flanks")
+
 SETTINGS = replace(SMALL, modes=8, ball_modes=12)
 
 

@@ -9,6 +9,8 @@ from hifi.response import compliance
 from hifi.solvers import FactorError, factor, gram, nested_dissection
 from tests.fe_meshes import cube, distorted, freedoms, stiffness
 
+pytestmark = pytest.mark.xdist_group("solvers")
+
 METHODS = ["cholmod", "splu"]
 
 

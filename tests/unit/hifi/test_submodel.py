@@ -17,6 +17,8 @@ from meshes.sockets import SocketMesh
 from tests.fe_meshes import boundary_faces, cube
 from tests.helpers import relative
 
+pytestmark = pytest.mark.xdist_group("submodel")
+
 E, NU = 1.0, 0.3
 TURN = np.array([[0.0, 0.8, 0.6], [1.0, 0.0, 0.0], [0.0, 0.6, -0.8]])
 

@@ -23,6 +23,8 @@ from meshes.sockets import SocketSize, local_points, socket_mesh, socket_points
 from tests.fe_meshes import one, space
 from tests.helpers import STEEL, body_specs, small_screw
 
+pytestmark = pytest.mark.xdist_group("grooved bodies")
+
 SIZE = SocketSize(0.30, 1.2e-3, 0.075)
 
 

@@ -10,6 +10,8 @@ from meshes.fem import mesh_of, points_of
 from meshes.quality import Quality, arc_deviation, measure, node_slopes, refuse_bad, scaled_jacobians, straighten, untangle
 from tests.fe_meshes import KINDS, LOCAL, jacobians
 
+pytestmark = pytest.mark.xdist_group("shaken meshes")
+
 #: Edges of a tetrahedron in the order of gmsh's mid-edge nodes.
 EDGES = ((0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1))
 REGULAR = np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])[[0, 2, 1, 3]]

@@ -13,6 +13,8 @@ from meshes.sockets import SocketMesh
 from meshes.tet_patch import SUB_TRIANGLES, TetBox, build_tets, signed_volumes, source_box, split_second_order
 from tests.fe_meshes import LOCAL, boundary_faces, cube, distorted, face_nodes, volume
 
+pytestmark = pytest.mark.xdist_group("patches of tetrahedra")
+
 BOX = TetBox((1.0e-3, 1.2e-3), 0.9e-3, (0.5, 0.15), (0.6e-3, 0.35e-3, 0.15e-3), 0.08e-3, 0.5e-3)
 SCALE = np.array([1.0e-3, 0.9e-3, 1.2e-3])
 INFLUENCE = np.array([0.6e-3, 0.15e-3, 0.35e-3])  # across, depth, along, as SCALE

@@ -16,6 +16,8 @@ from compare.sections.notes import assumptions
 from reports.figures import draw
 from reports.records import Figure, Section, Table
 
+pytestmark = pytest.mark.xdist_group("friction of bearings")
+
 
 @pytest.fixture(scope="module")
 def made() -> Section:

@@ -11,6 +11,8 @@ from compare.sections import liu, notes
 from reports.figures import draw
 from reports.records import Figure, Table
 
+pytestmark = pytest.mark.xdist_group("Liu")
+
 
 @pytest.fixture(scope="module")
 def made():

@@ -16,6 +16,8 @@ from compare.sections import notes, smith
 from reports.figures import draw
 from reports.records import Figure, Table
 
+pytestmark = pytest.mark.xdist_group("Smith")
+
 
 @pytest.fixture(scope="module")
 def made():

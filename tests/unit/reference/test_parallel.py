@@ -15,6 +15,8 @@ from compare.errors import InputError
 from compare.reference import parallel
 from compare.reference.parallel import as_done, run
 
+pytestmark = pytest.mark.xdist_group("scheduler")
+
 
 class Stubborn(Exception):
     """Cannot be made again from its message, so it cannot travel."""

@@ -8,6 +8,7 @@ import pytest
 from compare.commands.friction import Choices
 from compare.commands.friction import run as run_friction
 from compare.commands.friction_kinds import solve_kind
+from compare.commands.left_out import left_out_of_kind
 from compare.errors import InputError, SceneError
 from compare.scenes import catalogue, scene_file
 from compare.scenes.keys import tidy_schema
@@ -68,6 +69,7 @@ def test_every_shipped_scene_converges_and_balances_power():
         assert answer.converged, name
         assert scene.assumed, name
         assert answer.data["assumed"] == list(scene.assumed)
+        assert answer.data["left_out"] == left_out_of_kind(scene.kind)
         assert abs(answer.data["energy"]["balance_percent"]) < (0.2 if name.endswith("printed") else 1e-8), name
 
 
@@ -363,6 +365,21 @@ def test_files_and_names_that_do_not_exist(tmp_path):
 
 
 @pytest.mark.parametrize("kind", list(KINDS))
+def test_every_kind_says_what_it_leaves_out(kind):
+    lines = left_out_of_kind(kind, "none" if kind.startswith("screw") else None)
+    assert len(set(lines)) == len(lines) >= 9
+    words = "lubricant", "hysteresis", "Heathcote", "cage", "gyroscopic", "yielding", "friction in the balance of loads"
+    for word in words:
+        assert sum(word in line for line in lines) == 1, word
+
+
+def test_a_screw_whose_friction_moves_all_leaves_no_feedback_out():
+    for coupling, count in (("none", 1), ("ball", 1), ("ball and screw", 0)):
+        lines = left_out_of_kind("screw pair", coupling)
+        assert sum("friction in the balance of loads" in line for line in lines) == count
+
+
+@pytest.mark.parametrize("kind", list(KINDS))
 def test_schema_describes_every_key(kind):
     schema = tidy_schema(KINDS[kind].keys)
     nodes = [schema, *schema["$defs"].values()]
@@ -396,7 +413,7 @@ def test_table_shows_result_energy_and_assumptions(name):
     code, shown, printed = run(name, False)
     lines = [part for part in shown if isinstance(part, str)]
     assert (code, printed) == (0, [])
-    for word in (name, "energy: input power", "assumed: ", "solver: ", "law coulomb"):
+    for word in (name, "energy: input power", "assumed: ", "left out: lubricant", "solver: ", "law coulomb"):
         assert any(word in line for line in lines), word
     tables = [part for part in shown if not isinstance(part, str)]
     assert next(t.title for t in tables) in ("per contact", "per ball")
