@@ -200,7 +200,7 @@ def distances(scene: Scene, drawn: Specimen) -> tuple[Array, Array]:
     return offset, closure
 
 
-def _flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
+def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
     """Rows e . (u + theta x r) for the flank's point that carries the force, ``(N, 2, 6)``; u, theta at ``origin_z``.
 
     That point is the groove's centre of curvature, on every line of action of the arc (plus ``more`` (N, 4, 2) where
@@ -248,7 +248,7 @@ def build(
 ) -> Problem:
     """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many.
 
-    more: see ``_flank_rows``; section: of the screw, instead of the scene's (Lin C.8).
+    more: see ``flank_rows``; section: of the screw, instead of the scene's (Lin C.8).
     """
     parts = (scene, drawn, layout, more)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
@@ -273,9 +273,9 @@ def build(
                 if count < 400
                 else (_nearest(nodes, stations[:, s]))
             )
-            B[:, s] = _flank_rows(parts, s, nodes[node[:, s]])
+            B[:, s] = flank_rows(parts, s, nodes[node[:, s]])
         else:
-            rows = _flank_rows(parts, s, stations[:, s])
+            rows = flank_rows(parts, s, stations[:, s])
             for i in range(count):
                 node[i, s], m = motion_matrix(float(stations[i, s]), nodes, section)
                 B[i, s] = rows[i] @ m
@@ -326,7 +326,7 @@ def _rigid(
     origin = np.full(count, z0)
     shift = scale * lift
     for s in range(2):
-        rows_s = _flank_rows(parts, s, origin)
+        rows_s = flank_rows(parts, s, origin)
         B[:, s] = rows_s @ to_motion
     fixed = np.zeros((1, 6), dtype=bool)
     if held:
