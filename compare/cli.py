@@ -114,13 +114,20 @@ def solve(
     from compare.models.model_form import estimate
     from compare.models.registry import DEFAULT, Options, run_model
     from compare.scenes import catalogue
+    from compare.scenes.scene_file import whole
+    from meshes.axis import Assembly
 
-    model = model or (DEFAULT if condensed is None else "condensed")
+    asked, model = model, model or (DEFAULT if condensed is None else "condensed")
     if condensed is not None and model != "condensed":
         raise InputError("command line", "--condensed", str(condensed), "the model condensed", "leave --model out")
     if not 0 <= member < 10**9:
         raise InputError("command line", "--member", str(member), "0 to 999999999", "give the specimen's number")
-    parts = catalogue.scene(scene)
+    found = catalogue.any_scene(scene)
+    if isinstance(found, Assembly):
+        from compare.commands.axis_output import solve_shown
+
+        return solve_shown(found, asked, (everything, member, condensed), as_json, _show, _print_json)
+    parts = whole(found, scene)
     result = run_model(parts, model, Options(everything=everything, member=member, condensed=condensed))
     worth = estimate(parts, result) if result.converged else None
     if as_json:

@@ -7,7 +7,7 @@ housing: a rigid body that is held in some freedoms, stands on springs, or is jo
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,8 +77,8 @@ class RollerRow:
 
 @dataclass(frozen=True)
 class RollingSet:
-    """One set on the shaft. parts: its track, grooves, balls and errors as a scene without supports and loads whose screw is
-    the shaft with this set's inner groove, or a row of rollers; ``position``: station of the outer part's centre, of the
+    """One set on the shaft. parts: its track, grooves, balls and errors as a scene without supports and loads whose screw
+    is the shaft with this set's inner groove, or a row of rollers; ``position``: station of the outer part's centre, of the
     middle of the cup's contact lines [m].
 
     housing: the name of the housing of its outer part, None where that is held; offset: shift of the outer part along +z
@@ -98,8 +98,11 @@ class RollingSet:
 
 @dataclass(frozen=True)
 class Assembly:
-    """One load case of a shaft with its rolling sets. screw: the shaft; segments: its plain stretches; stiffness_at:
-    station [m], or name of the housing, whose tangent stiffness is asked for (None: where the loads act)."""
+    """One load case of a shaft with its rolling sets. screw: the shaft; segments: its plain stretches.
+
+    stiffness_at: station [m], or name of the housing, whose tangent stiffness is asked for (None: where the loads act);
+    thermal_strain: of the free shaft, the same along all of it.
+    """
 
     name: str
     title: str
@@ -116,6 +119,8 @@ class Assembly:
     friction: Friction | None = field(default=None, repr=False)
     motion: Motion | None = field(default=None, repr=False)
     stiffness_at: float | str | None = None
+    thermal_strain: float = 0.0
+    kind: ClassVar[str] = "axis"
 
     @property
     def ball_count(self) -> int:

@@ -159,7 +159,8 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
         row = printed_constants(scene) if kind == "as printed" else nominal_hertz(scene).C
         return np.array(np.broadcast_to(row, (*own.shape, 4)))
     if own.ndim == 1:
-        return drawn_hertz(scene, drawn, own).C
+        same = own[:1] if np.all(own == own[0]) else own  # equal balls have equal constants
+        return np.array(np.broadcast_to(drawn_hertz(scene, drawn, same).C, (own.size, 4)))
     # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
     middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
     node = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)

@@ -86,7 +86,7 @@ class BeamOptions(NamedTuple):
 
 
 class AxisArrays(NamedTuple):
-    """A shaft, bodies beside it, springs between them, and what acts on them; r rows of motions: n nodes, then the bodies."""
+    """A shaft, bodies beside it, springs between them, and loads; r rows of motions: n nodes, then the bodies."""
 
     #: Lengths (n - 1,) of the shaft's elements [m].
     lengths: Array

@@ -16,14 +16,17 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class SetResult:
     """One set. force, moment (3,): of its elements on the shaft, the moment about the axis at the set's position [N, N m];
+    reaction (6,): what they do to the outer part there, the opposite but for arms that grow with the displacements;
     stiffness (6, 6): of the set alone, tangent, its inner part moved at its position and the outer one held [N/m, N, N m];
-    outer (6,): motion of the outer part there, with its offset [m, rad]; balls: contacts as of a scene of one set (without ``equilibrium``), None for rollers; rollers
-    (count, 2): azimuth [rad] and load [N] of each, line_loads (count, slices) [N/m].
+    outer (6,): motion of the outer part there, with its offset [m, rad]; balls: contacts as of a scene of one set, without
+    ``equilibrium``, None for rollers; rollers (count, 2): azimuth [rad] and load [N] of each, line_loads
+    (count, slices) [N/m].
     """
 
     of: RollingSet
     force: Array
     moment: Array
+    reaction: Array
     stiffness: Array
     outer: Array
     balls: StaticResult | None = None

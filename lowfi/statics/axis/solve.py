@@ -51,7 +51,9 @@ def typical(system: System) -> tuple[float, float, float]:
     for b in system.balls:
         C = b.problem.C
         pair = float(np.mean(C[:, 0] + C[:, 3]))
-        squeeze = max(0.0, float(b.problem.closure.max(initial=0.0)), abs(b.of.offset) * np.sin(b.problem.scene.track.contact_angle))
+        squeeze = max(
+            0.0, float(b.problem.closure.max(initial=0.0)), abs(b.of.offset) * np.sin(b.problem.scene.track.contact_angle)
+        )
         squeezed = max(squeezed, (squeeze / pair) ** 1.5)
         if force == 0.0 and squeezed == 0.0 and np.any(system.structure.prescribed):
             squeezed = (1e-6 / pair) ** 1.5
@@ -184,7 +186,9 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     without equilibrium: ``status`` names the reason. Raises ValueError for dimensions that leave no body.
     """
     start = perf_counter()
-    kernels = pick_engine(engine, assembly.ball_count + sum(10 for s in assembly.sets if s.kind == "tapered roller bearing"))
+    kernels = pick_engine(
+        engine, assembly.ball_count + sum(10 for s in assembly.sets if s.kind == "tapered roller bearing")
+    )
     mounted, notes = mount(assembly, kernels, member)
     system = build(mounted, member)
     loose = loose_motions(system)
@@ -210,7 +214,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
         setup_seconds=ready - start,
         notes=notes,
     )
-    return assemble_axis(prepared.system, prepared.engine, prepared.state, prepared.options, (status, report, loose.text))
+    return assemble_axis(prepared.system, prepared.engine, prepared.state, (status, report, loose.text))
 
 
 def solve_with_hertz(prepared: Prepared) -> Outcome:
@@ -259,7 +263,9 @@ def mount(assembly: Assembly, kernels: ModuleType, member: int) -> tuple[Assembl
     which = [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
     if not which:
         return assembly, ()
-    bare = replace(assembly, loads=(), housings=tuple(replace(h, force=(0.0,) * 3, moment=(0.0,) * 3) for h in assembly.housings))
+    bare = replace(
+        assembly, loads=(), housings=tuple(replace(h, force=(0.0,) * 3, moment=(0.0,) * 3) for h in assembly.housings)
+    )
     goal = np.array([assembly.sets[i].preload for i in which])
     closing = np.array([closes(assembly.sets[i]) for i in which])
     depth = np.full(len(which), 2e-6)
@@ -273,7 +279,9 @@ def mount(assembly: Assembly, kernels: ModuleType, member: int) -> tuple[Assembl
         if float(np.abs(value - goal).max()) <= PRELOAD * float(goal.max()):
             break
         step = 1e-4 * np.maximum(np.abs(depth), 1e-7)
-        slope = np.column_stack([(forces(depth + h * e) - value) / h for h, e in zip(step, np.eye(len(which)), strict=True)])
+        slope = np.column_stack(
+            [(forces(depth + h * e) - value) / h for h, e in zip(step, np.eye(len(which)), strict=True)]
+        )
         move = np.linalg.lstsq(slope, goal - value, rcond=1e-12)[0]
         most = 2.0 * np.abs(depth) + 1e-6
         depth = depth + np.clip(move, -most, most)

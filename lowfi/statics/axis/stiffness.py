@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.statics.axis.system import System
-from lowfi.statics.records import AxisState, BeamOptions
+from lowfi.statics.records import AxisState
 from lowfi.statics.shape import rigid_transport
 
 Array = NDArray[np.float64]
@@ -30,9 +30,7 @@ def asked_station(system: System) -> tuple[int, str]:
     return row, f"shaft at {1e3 * float(s.nodes[row]):.6g} mm"
 
 
-def whole_stiffness(
-    system: System, engine: ModuleType, state: AxisState, hessians: Array, options: BeamOptions
-) -> Array | None:
+def whole_stiffness(system: System, engine: ModuleType, state: AxisState, hessians: Array) -> Array | None:
     """Stiffness (6, 6) [N/m, N, N m] against wrenches on the row that is asked about, all else free to follow.
 
     Rows and columns of held freedoms are nan. None where the row stands, or where contacts carry too little to be stiff.

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from lowfi.statics.shape import rigid_transport
 from meshes.axis import Assembly, Housing
-from meshes.parts import FREEDOMS, Scene
 from meshes.partition import MERGE, merge
+from meshes.parts import FREEDOMS, Scene
 from meshes.section import BeamSection, screw_section, tube_section
 
 Array = NDArray[np.float64]
@@ -97,35 +97,36 @@ def structure_of(assembly: Assembly, stations: Array) -> Structure:
             fixed[j, k], prescribed[j, k] = True, value
     for x in assembly.loads:
         load[int(np.abs(nodes - x.at).argmin())] += np.concatenate([x.force, x.moment])
-    for i, h in enumerate(moving):
-        load[nodes.size + i] += np.concatenate([h.force, h.moment])
+    for i, body in enumerate(moving):
+        load[nodes.size + i] += np.concatenate([body.force, body.moment])
+    sections = element_sections(assembly, nodes)
+    for e, section in enumerate(sections):  # what holds a warm shaft at its length pushes its nodes apart
+        load[e, 2] -= section.EA * assembly.thermal_strain
+        load[e + 1, 2] += section.EA * assembly.thermal_strain
     row = {h.name: -1 for h in assembly.housings} | {h.name: nodes.size + i for i, h in enumerate(moving)}
     ends, reach, springs = _springs(assembly, moving, row)
-    at_rows = np.array([h.at for h in moving])
-    return Structure(
-        nodes, at_rows, element_sections(assembly, nodes), fixed, prescribed, load, ends, reach, springs, row
-    )
+    places = np.array([h.at for h in moving])
+    return Structure(nodes, places, sections, fixed, prescribed, load, ends, reach, springs, row)
 
 
 def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> tuple[Ints, Array, Array]:
     """Springs to the frame and between housings."""
     at = {h.name: h.at for h in moving}
-    found: list[tuple[int, int, Array, Array, Array]] = []
-    for h in moving:
-        if h.stiffness is not None:
-            found.append((row[h.name], -1, np.eye(6), np.zeros((6, 6)), np.array(h.stiffness)))
+    one, none = np.eye(6), np.zeros((6, 6))
+    found: list[tuple[int, int, Array, Array, Array]] = [
+        (row[h.name], -1, one, none, np.array(h.stiffness)) for h in moving if h.stiffness is not None
+    ]
     for j in assembly.joints:
-        one, two = (row[name] for name in (j.first, j.second))
-        if max(one, two) >= 0:
-            near = [rigid_transport(j.at - at[name]) if name in at else np.zeros((6, 6)) for name in (j.first, j.second)]
-            found.append((one, two, near[0], -near[1], np.array(j.stiffness)))
+        names = j.first, j.second
+        near = [rigid_transport(j.at - at[name]) if name in at else none for name in names]
+        found.append((row[names[0]], row[names[1]], near[0], -near[1], np.array(j.stiffness)))
     ends = np.array([x[:2] for x in found], dtype=np.int64).reshape(-1, 2)
     reach = np.array([x[2:4] for x in found]).reshape(-1, 2, 6, 6)
     return ends, reach, np.array([x[4] for x in found]).reshape(-1, 6, 6)
 
 
 def rigid_motions(structure: Structure, arm: float) -> Array:
-    """Motions ``(6 r, 6 (1 + m))`` of all rows with the shaft and each housing as rigid bodies, rotations by the arm [m]."""
+    """Motions ``(6 r, 6 (1 + m))`` of all rows with shaft and housings as rigid bodies, rotations by the arm [m]."""
     scale = np.diag([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
     n, m = structure.nodes.size, structure.at.size
     out = np.zeros((n + m, 6, 6 * (1 + m)))
@@ -148,4 +149,3 @@ def held_rows(structure: Structure, motions: Array) -> Array:
     found = np.array(rows).reshape(-1, motions.shape[1])
     norm = np.linalg.norm(found, axis=1, keepdims=True)
     return np.asarray(found / np.where(norm > 0.0, norm, 1.0))
-

@@ -11,7 +11,7 @@ from lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
 from lowfi.statics.axis.stiffness import asked_station, set_stiffness, whole_stiffness
 from lowfi.statics.axis.system import BallSet, RollerSet, System
 from lowfi.statics.problem import SIGNS, nominal_hertz
-from lowfi.statics.records import AxisSlopes, AxisState, BeamOptions
+from lowfi.statics.records import AxisSlopes, AxisState
 from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from lowfi.statics.shape import rigid_transport
 from lowfi.statics.solved import SolvedState
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 #: Statements that hold for every run of the source's low-order model on several sets.
 AXIS_ASSUMPTIONS = (
-    "nuts, outer rings and housings are rigid, apart from the contacts (after Lin 2.3.1); inner rings are one with the shaft",
+    "nuts, outer rings and housings are rigid, apart from the contacts (Lin 2.3.1); inner rings are one with the shaft",
     *MODEL_ASSUMPTIONS[1:],
     "lever arms of contact forces are those of error-free flanks",
 )
@@ -34,7 +34,6 @@ def assemble_axis(
     system: System,
     engine: ModuleType,
     state: AxisState,
-    options: BeamOptions,
     end: tuple[str, SolverReport, str],
     *,
     model: str = "lin",
@@ -50,7 +49,7 @@ def assemble_axis(
     found = {b.of.name: ball_result(b, state, out.hessians, report, held[:n], structure.stations) for b in system.balls}
     found |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
     sets = tuple(found[s.name] for s in assembly.sets)
-    stiffness = whole_stiffness(system, engine, state, out.hessians, options)
+    stiffness = whole_stiffness(system, engine, state, out.hessians)
     left = (f"{loose}: held where it is, since nothing drives or resists it",) if loose else ()
     warnings = tuple(f"{s.of.name}: {w}" for s in sets if s.balls is not None for w in s.balls.warnings)
     return AxisResult(
@@ -60,7 +59,7 @@ def assemble_axis(
         tuple(_housing(system, i, sets, state.q, held) for i in range(r - n)),
         structure.nodes,
         state.q[:n].copy(),
-        _balance(assembly, structure.nodes, held, sets),
+        _balance(assembly, structure.nodes, held[:n], sets),
         asked_station(system)[1],
         stiffness,
         report,
@@ -82,7 +81,9 @@ def ball_result(
         rows = np.column_stack([problem.node, np.full((len(p), 2), b.outer)])
         moved = np.where((rows >= 0)[..., None], np.einsum("nsak,nsk->nsa", b.B, state.q[rows]), 0.0)
         shifts = b.v0 + moved
-    solved = SolvedState(problem, state.q[: problem.nodes.size], p, force, normal, held, shifts, float(force.max(initial=0.0)))
+    solved = SolvedState(
+        problem, state.q[: problem.nodes.size], p, force, normal, held, shifts, float(force.max(initial=0.0))
+    )
     points, on_ball = contact_geometry(solved)
     raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
     semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
@@ -106,9 +107,10 @@ def ball_result(
         left_out=(),
         warnings=notes,
     )
-    force_on, moment_on = _sum_at(points[:, :2], -on_ball[:, :2] * force[:, :2, None], b.of.position)
+    forces = -on_ball * force[..., None]
+    on_shaft, back = (_sum_at(points[:, half], forces[:, half], b.of.position) for half in (slice(2), slice(2, 4)))
     K = set_stiffness(problem.nodes[problem.node], b.B[:, :2], hessians[b.balls, :4, :4], b.of.position)
-    return SetResult(b.of, force_on, moment_on, K, _outer(b, state, stations), result)
+    return SetResult(b.of, *on_shaft, np.concatenate(back), K, _outer(b, state, stations), result)
 
 
 def roller_result(x: RollerSet, state: AxisState, stations: Array) -> SetResult:
@@ -120,7 +122,7 @@ def roller_result(x: RollerSet, state: AxisState, stations: Array) -> SetResult:
     loads = slices[:, 0].reshape(x.row.count, x.row.slices)
     rollers = np.column_stack([x.azimuths, loads.sum(axis=1)])
     lines = loads * x.row.slices / x.row.length
-    return SetResult(x.of, wrench[:3], wrench[3:], K, _outer(x, state, stations), None, rollers, lines)
+    return SetResult(x.of, wrench[:3], wrench[3:], -wrench, K, _outer(x, state, stations), None, rollers, lines)
 
 
 def _outer(x: BallSet | RollerSet, state: AxisState, stations: Array) -> Array:
@@ -142,14 +144,16 @@ def _balance(assembly: Assembly, nodes: Array, held: Array, sets: tuple[SetResul
     largest = 0.0
     for load in assembly.loads:
         applied += rigid_transport(load.at).T @ np.concatenate([load.force, load.moment])
-    for z, own in zip(nodes, held, strict=True):
-        reaction += rigid_transport(float(z)).T @ own
+    for j in np.flatnonzero(held.any(axis=1)):
+        reaction += rigid_transport(float(nodes[j])).T @ held[j]
     for s in sets:
         contact += rigid_transport(s.of.position).T @ np.concatenate([s.force, s.moment])
-        loads = s.balls.load if s.balls is not None else s.rollers
-        largest = max(largest, float(np.abs(s.force).max()), float(np.max(loads, initial=0.0)))
+        contacts = 0.0 if s.balls is None else float(s.balls.load.max(initial=0.0))
+        largest = max(largest, float(np.abs(s.force).max()), contacts)
     size = max(largest, float(np.abs(np.concatenate([applied[:3], reaction[:3]])).max()))
-    arm = max(size * float(nodes[-1] - nodes[0]), float(np.abs(np.concatenate([applied[3:], reaction[3:], contact[3:]])).max()))
+    arm = max(
+        size * float(nodes[-1] - nodes[0]), float(np.abs(np.concatenate([applied[3:], reaction[3:], contact[3:]])).max())
+    )
     rest = applied + reaction + contact
     return Equilibrium(
         applied[:3],
@@ -164,7 +168,7 @@ def _balance(assembly: Assembly, nodes: Array, held: Array, sets: tuple[SetResul
 
 
 def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, held: Array) -> HousingResult:
-    """Balance of one housing: its load, what holds it, its springs, and the sets it carries, which push the shaft back."""
+    """Balance of one housing: its load, what holds it, its springs, and the sets it carries."""
     structure = system.structure
     row = structure.nodes.size + i
     at = float(structure.at[i])
@@ -177,7 +181,7 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, held
     carried = np.zeros(6)
     for s in sets:
         if s.of.housing == name:
-            carried -= rigid_transport(s.of.position - at).T @ np.concatenate([s.force, s.moment])
+            carried += rigid_transport(s.of.position - at).T @ s.reaction
     wrench = held[row] + springs
     rest = structure.load[row] + carried + wrench
     size = max(float(np.abs(x[:3]).max()) for x in (structure.load[row], wrench, carried))

@@ -16,8 +16,8 @@ from lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers
 from meshes.axis import Assembly, RollerRow, RollingSet
 from meshes.errors import specimen
 from meshes.helix import ball_layout
-from meshes.parts import Scene
 from meshes.partition import contact_stations
+from meshes.parts import Scene
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -32,7 +32,7 @@ USE = {
 
 @dataclass(frozen=True)
 class BallSet:
-    """Balls of one set: their problem with the nodes of the whole shaft, its place ``balls`` among all balls, the row of its
+    """Balls of one set: their problem with the nodes of the whole shaft, its place ``balls`` among all, the row of its
     housing (-1: it stands), B ``(N, 4, 2, 6)`` and v0 ``(N, 4, 2)`` [m] of its flanks."""
 
     of: RollingSet

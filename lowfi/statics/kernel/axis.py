@@ -1,8 +1,8 @@
 """Newton's method on the energy of a shaft, the bodies beside it and the rolling elements between them.
 
-E(q) = shaft + springs - f q + sum over balls of min over the centre of their contact energies + sum over rollers. Unknowns
-are the motions of the shaft's nodes and of the bodies; the matrix is held in its envelope (``skyline``), so that the cost is
-linear in the number of sets. Same steps and line search as ``newton``, which is the case of one set whose outer part stands.
+E(q) = shaft + springs - f q + sum over balls of min over the centre of their contact energies + sum over rollers. The
+unknowns are the motions of the shaft's nodes and of the bodies; the matrix is held in its envelope (``skyline``), so that
+the cost is linear in the number of sets. Steps and line search as in ``newton``: the case of one set whose nut stands.
 """
 
 from math import exp, log, sqrt
@@ -343,9 +343,7 @@ def solve_axis(
 
 
 @kernel
-def start_axis(
-    axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, options: BeamOptions
-) -> bool:
+def start_axis(axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, options: BeamOptions) -> bool:
     """Start of the iteration: equilibrium on linear springs (reference stiffness) in place of balls and rollers.
 
     Overwrites motions and deformations of ``state``; False (state untouched) where it cannot be found. No flank goes
@@ -360,7 +358,14 @@ def start_axis(
     state.slices[:, 1] = options.stiffness
     out = AxisSlopes(np.zeros((r, 6)), np.zeros((0, 8, 8)))
     none = AxisBalls(
-        balls.row[:0], balls.B[:0], balls.v0[:0], balls.geometry[:0], balls.closure[:0], balls.r_ball[:0], balls.profile[:0], 0.0
+        balls.row[:0],
+        balls.B[:0],
+        balls.v0[:0],
+        balls.geometry[:0],
+        balls.closure[:0],
+        balls.r_ball[:0],
+        balls.profile[:0],
+        0.0,
     )
     bare = AxisRollers(rollers.row[:0], rollers.B[:0], rollers.drop[:0], rollers.width[:0], rollers.g[:0], rollers.s[:0])
     evaluate_axis(axis, none, bare, state, out)

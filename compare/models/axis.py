@@ -1,0 +1,29 @@
+"""Which models solve a shaft with several rolling sets, and how they are run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compare.errors import InputError, Refusal
+from compare.models.registry import MODELS
+from lowfi.statics.axis.result import AxisResult
+from lowfi.statics.axis.solve import solve_assembly
+from meshes.axis import Assembly
+
+#: Models that know several sets on one shaft.
+AXIS_MODELS = ("lin",)
+#: The one that is used unless another is asked for.
+AXIS_DEFAULT = "lin"
+
+
+def run_axis(assembly: Assembly, model: str = "", engine: str = "auto") -> AxisResult:
+    """Run a model on an assembly. Raises InputError for a model that knows one set only."""
+    model = model or AXIS_DEFAULT
+    if model not in AXIS_MODELS:
+        advice = "the other models describe one set on a shaft" if model in MODELS else "see: rollbench list"
+        raise InputError(assembly.name, "model", f'"{model}"', ", ".join(AXIS_MODELS), advice)
+    try:
+        with np.errstate(all="ignore"):
+            return solve_assembly(assembly, engine=engine)  # type: ignore[arg-type]
+    except ValueError as error:
+        raise Refusal(assembly.name, "scene", str(error), "check the geometry") from error
