@@ -16,8 +16,9 @@ from meshes.parts import Friction, Ingredients, Load, Material, Motion, Scene, S
 
 #: A symmetric stiffness (6, 6), rows by FREEDOMS [N/m, N, N m].
 Stiffness = tuple[tuple[float, ...], ...]
-#: Direction of the thrust on the shaft that a set can carry.
-Thrust = Literal["both", "+z", "-z"]
+#: Direction of the thrust on the shaft that a set can carry: a gothic arch or a row each for both, one row of an
+#: angular-contact bearing for one; the one arc of a deep groove carries both and turns its contact angle.
+Thrust = Literal["both", "+z", "-z", "deep groove"]
 
 
 @dataclass(frozen=True)

@@ -114,7 +114,7 @@ def _housing(h: HousingResult) -> dict[str, Any]:
 
 
 def as_json(assembly: Assembly, result: AxisResult) -> dict[str, Any]:
-    """The result as a JSON-ready object; rows of balls and rollers begin with their set, sums of each set are in ``sets``."""
+    """The result as a JSON-ready object; rows of balls and rollers begin with their set, sums of a set are in ``sets``."""
     return {
         "scene": assembly.name,
         "kind": assembly.kind,

@@ -16,6 +16,8 @@ from compare.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
 from meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, Segment, Stiffness, diagonal, full
 from meshes.parts import FREEDOMS, Ingredients, Load, Motion, Scene, Screw
 
+#: Thrusts of a row that carries one way.
+ONE_WAY = ("+z", "-z")
 #: Springs that do nothing.
 NONE = diagonal((0.0,) * 6)
 
@@ -121,7 +123,7 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
             yield Fault((f"{at}.{given[0]}",), "rollers or balls", "a set has one kind of them: make two sets", "both")
         if one.position is None:
             yield Fault((f"{at}.position",), "a station", 'write e.g. position = "30 mm"', "nothing")
-        if one.thrust not in ("+z", "-z"):
+        if one.thrust not in ONE_WAY:
             advice = "a tapered row carries thrust one way: write the way that it keeps the shaft from going"
             yield Fault((f"{at}.thrust",), '"+z" or "-z"', advice, "nothing" if one.thrust is None else "")
         if one.rollers.roller_angle * 2.0 >= one.rollers.cup_angle:
@@ -135,7 +137,7 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
     found_kind = kind_of_set(one)
     if one.kind not in (None, found_kind):
         yield Fault((f"{at}.kind",), f'"{found_kind}" with these tables', "mend kind, or track.lead")
-    if one.preload > 0.0 and one.thrust in (None, "both"):
+    if one.preload > 0.0 and one.thrust not in ONE_WAY:
         advice = "a row that carries thrust both ways is preloaded by errors.balls.oversize, or a pair by offset"
         yield Fault((f"{at}.preload",), 'thrust "+z" or "-z"', advice)
     if one.preload > 0.0 and one.offset != 0.0:

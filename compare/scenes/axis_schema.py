@@ -92,8 +92,10 @@ class SetKeys(Table):
         "what it is; by its tables if left out", None, "ball nut"
     )
     housing: Name | None = key("name of the housing that its outer part belongs to; held if left out", None, "carriage")
-    thrust: Literal["both", "+z", "-z"] | None = key(
-        'thrust on the shaft that it carries; "both" is a gothic arch, an angular-contact row carries one', None, "+z"
+    thrust: Literal["both", "+z", "-z", "deep groove"] | None = key(
+        'thrust on the shaft that it carries: "both" by a gothic arch, one way by an angular-contact row, or by one arc',
+        None,
+        "+z",
     )
     offset: Deviation = key(
         "shift of its outer part along the shaft against its housing (spacer, lead offset)", "0 um", "4 um"

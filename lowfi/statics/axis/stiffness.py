@@ -39,8 +39,10 @@ def whole_stiffness(system: System, engine: ModuleType, state: AxisState, hessia
     if row < 0:
         return None
     r = system.structure.stations.size
-    values, step = np.empty(system.axis.start[-1]), np.empty((r, 6))
-    if not engine.tangent(system.axis, system.contacts, system.slices, state, hessians, values, np.zeros(6)):
+    size = system.axis.start[-1]
+    base, values, step = np.zeros(size), np.empty(size), np.empty((r, 6))
+    engine.add_axis(base, system.axis)
+    if not engine.tangent(system.axis, system.contacts, system.slices, state, hessians, base, values, np.zeros(6)):
         return None
     compliance = np.empty((6, 6))
     for k in range(6):

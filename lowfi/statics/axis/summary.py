@@ -49,6 +49,7 @@ def assemble_axis(
     found = {b.of.name: ball_result(b, state, out.hessians, report, held[:n], structure.stations) for b in system.balls}
     found |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
     sets = tuple(found[s.name] for s in assembly.sets)
+    status = next((open_row(s) for s in sets if open_row(s)), status)
     stiffness = whole_stiffness(system, engine, state, out.hessians)
     left = (f"{loose}: held where it is, since nothing drives or resists it",) if loose else ()
     warnings = tuple(f"{s.of.name}: {w}" for s in sets if s.balls is not None for w in s.balls.warnings)
@@ -69,6 +70,13 @@ def assemble_axis(
     )
 
 
+def open_row(s: SetResult) -> str:
+    """Words for a row that carries thrust one way and is pulled the other way, past its balls; empty for all others."""
+    if s.balls is None or s.of.thrust not in ("+z", "-z") or not np.any(s.balls.contact_angle < 0.0):
+        return ""
+    return f"not held: the load opens {s.of.name}, which carries thrust along {s.of.thrust} only"
+
+
 def ball_result(
     b: BallSet, state: AxisState, hessians: Array, report: SolverReport, held: Array, stations: Array
 ) -> SetResult:
@@ -87,7 +95,8 @@ def ball_result(
     points, on_ball = contact_geometry(solved)
     raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
     semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
-    notes = warnings_of(problem, force, raw, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
+    from_apex = np.abs(raw) if b.of.thrust == "deep groove" else raw
+    notes = warnings_of(problem, force, from_apex, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
     result = StaticResult(
         model="lin",
         status="converged",

@@ -27,6 +27,7 @@ USE = {
     "both": np.array([True, True, True, True]),
     "+z": np.array([True, False, False, True]),
     "-z": np.array([False, True, True, False]),
+    "deep groove": np.array([True, False, False, True]),
 }
 
 

@@ -250,11 +250,20 @@ def search_axis(
 
 @kernel
 def tangent(
-    axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, hessians: Array, values: Array, shift: Array
+    axis: AxisArrays,
+    balls: AxisBalls,
+    rollers: AxisRollers,
+    state: AxisState,
+    hessians: Array,
+    base: Array,
+    values: Array,
+    shift: Array,
 ) -> bool:
-    """Factor (in ``values``) of the Hessian of the energy plus ``shift`` (6,) on the diagonal; False where not positive."""
-    values[:] = 0.0
-    add_axis(values, axis)
+    """Factor (in ``values``) of the Hessian of the energy plus ``shift`` (6,) on the diagonal; False where not positive.
+
+    base: stiffness of shaft and springs, of ``add_axis``.
+    """
+    values[:] = base
     add_balls(values, axis, balls, hessians)
     add_rollers(values, axis, rollers, state.slices)
     hold(values, axis, shift)
@@ -290,7 +299,9 @@ def solve_axis(
         for k in range(3, 6):
             floor = max(floor, abs(f[k]) / arm)
     out = AxisSlopes(np.empty((r, 6)), np.zeros((balls.row.shape[0], 8, 8)))
-    values, step, shift = np.empty(axis.start[-1]), np.empty((r, 6)), np.empty(6)
+    values, base = np.empty(axis.start[-1]), np.zeros(axis.start[-1])
+    step, shift = np.empty((r, 6)), np.empty(6)
+    add_axis(base, axis)
     energy, scale = evaluate_axis(axis, balls, rollers, state, out)
     if floor == 0.0:
         floor = 1e-3 * scale
@@ -306,7 +317,7 @@ def solve_axis(
         for _ in range(12):
             for k in range(6):
                 shift[k] = amount * options.stiffness * min(1.0, residual) * (1.0 if k < 3 else arm * arm)
-            solved = tangent(axis, balls, rollers, state, out.hessians, values, shift)
+            solved = tangent(axis, balls, rollers, state, out.hessians, base, values, shift)
             if solved:
                 break
             amount *= 100.0
@@ -369,11 +380,12 @@ def start_axis(axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: 
     )
     bare = AxisRollers(rollers.row[:0], rollers.B[:0], rollers.drop[:0], rollers.width[:0], rollers.g[:0], rollers.s[:0])
     evaluate_axis(axis, none, bare, state, out)
-    values, step = np.empty(axis.start[-1]), np.zeros((r, 6))
+    values, base, step = np.empty(axis.start[-1]), np.zeros(axis.start[-1]), np.zeros((r, 6))
+    add_axis(base, axis)
     shift = 1e-9 * options.stiffness * np.ones(6)
     for k in range(3, 6):
         shift[k] *= options.arm * options.arm
-    if not tangent(axis, balls, rollers, state, hessians, values, shift):
+    if not tangent(axis, balls, rollers, state, hessians, base, values, shift):
         return False
     solve_lines(axis, values, -out.gradient, step)
     reach, limit = 0.0, (balls.r_ball.max() if count else 1e-3)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lowfi.jit import kernel
+from lowfi.jit import is_compiled, kernel
 from lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers
 
 from .beam import add_element
@@ -53,7 +53,7 @@ def add_axis(values: Array, axis: AxisArrays) -> None:
 
 
 @kernel
-def add_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
+def loop_balls(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
     """Add the balls' stiffness: B^T h B for every two flanks that move."""
     hb, block = np.empty((2, 6)), np.empty((6, 6))
     for i in range(balls.row.shape[0]):
@@ -114,3 +114,21 @@ def hold(values: Array, axis: AxisArrays, shift: Array) -> None:
             for other in range(line + 1, n):
                 if axis.first[other] <= line:
                     values[axis.start[other] + line] = 0.0
+
+
+def _balls_at_once(values: Array, axis: AxisArrays, balls: AxisBalls, hessians: Array) -> None:
+    """As ``loop_balls``, for the interpreter."""
+    N = balls.row.shape[0]
+    six = np.arange(6)
+    for s in range(4):
+        for t in range(4):
+            both = np.flatnonzero((balls.row[:, s] >= 0) & (balls.row[:, t] >= 0)) if N else np.zeros(0, dtype=np.int64)
+            h = hessians[both, 2 * s : 2 * s + 2, 2 * t : 2 * t + 2]
+            K = np.einsum("nai,nab,nbj->nij", balls.B[both, s], h, balls.B[both, t])
+            lines = (6 * axis.place[balls.row[both, s]])[:, None, None] + six[None, :, None]
+            columns = (6 * axis.place[balls.row[both, t]])[:, None, None] + six[None, None, :]
+            lower = (lines >= columns) & (K != 0.0)
+            np.add.at(values, (axis.start[lines] + columns)[lower], K[lower])
+
+
+add_balls = loop_balls if is_compiled(__name__) else _balls_at_once
