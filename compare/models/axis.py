@@ -6,17 +6,19 @@ import numpy as np
 
 from compare.errors import InputError, Refusal
 from compare.models.registry import MODELS
+from lowfi.statics.axis.refined import solve_refined
 from lowfi.statics.axis.result import AxisResult
 from lowfi.statics.axis.solve import solve_assembly
+from lowfi.statics.static import Engine
 from meshes.axis import Assembly
 
 #: Models that know several sets on one shaft.
-AXIS_MODELS = ("lin",)
+AXIS_MODELS = ("refined", "lin")
 #: The one that is used unless another is asked for.
-AXIS_DEFAULT = "lin"
+AXIS_DEFAULT = "refined"
 
 
-def run_axis(assembly: Assembly, model: str = "", engine: str = "auto") -> AxisResult:
+def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto") -> AxisResult:
     """Run a model on an assembly. Raises InputError for a model that knows one set only."""
     model = model or AXIS_DEFAULT
     if model not in AXIS_MODELS:
@@ -24,6 +26,7 @@ def run_axis(assembly: Assembly, model: str = "", engine: str = "auto") -> AxisR
         raise InputError(assembly.name, "model", f'"{model}"', ", ".join(AXIS_MODELS), advice)
     try:
         with np.errstate(all="ignore"):
-            return solve_assembly(assembly, engine=engine)  # type: ignore[arg-type]
+            solve = solve_assembly if model == "lin" else solve_refined
+            return solve(assembly, engine=engine)
     except ValueError as error:
         raise Refusal(assembly.name, "scene", str(error), "check the geometry") from error

@@ -34,7 +34,8 @@ class Problem:
 
     nodes (n,) [m]; section; fixed (n, 6); prescribed (n, 6); load (n, 6); node (N, 2), B (N, 2, 2, m): motion of each
     screw flank in the section plane; geometry (N, 4, 9), closure (N, 2): see ``kernel.ball``; use (4,).
-    ``basis``: for a rigid screw the motions that its supports leave, (6, 6), else None.
+    ``basis``: for a rigid screw the motions that its supports leave, (6, 6), else None; ``sections``: of every element
+    where they differ.
     """
 
     scene: Scene
@@ -52,6 +53,7 @@ class Problem:
     use: NDArray[np.bool_]
     left_out_elements: int
     basis: Array | None = None
+    sections: tuple[BeamSection, ...] | None = None
 
     @property
     def C(self) -> Array:

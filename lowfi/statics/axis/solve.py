@@ -13,10 +13,11 @@ from lowfi import jit
 from lowfi.statics.axis.loose import loose_motions, pinned
 from lowfi.statics.axis.mount import mount
 from lowfi.statics.axis.result import AxisResult
-from lowfi.statics.axis.summary import assemble_axis, failed_axis
+from lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
+from lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
 from lowfi.statics.axis.system import System, build
 from lowfi.statics.problem import actual_hertz
-from lowfi.statics.records import AxisState, BeamOptions, Outcome
+from lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
 from lowfi.statics.result import SolverReport
 from lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, TOLERANCE, Engine, contact_angles, pick_engine, verdict
 from meshes.axis import Assembly, RollerRow
@@ -128,7 +129,18 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
         setup_seconds=ready - start,
         notes=notes,
     )
-    return assemble_axis(prepared.system, prepared.engine, prepared.state, (status, report, loose.text))
+    return assemble_axis(prepared.system, prepared.state, _ending(prepared, status, report, loose.text))
+
+
+def _ending(prepared: Prepared, status: str, report: SolverReport, loose: str) -> Ending:
+    """Reactions and stiffnesses at the state."""
+    system, state = prepared.system, prepared.state
+    out = AxisSlopes(np.zeros(state.q.shape), np.zeros((system.contacts.r_ball.size, 8, 8)))
+    prepared.engine.evaluate_axis(system.axis, system.contacts, system.slices, state, out)
+    held = np.where(system.structure.fixed, out.gradient, 0.0)
+    sets = [set_stiffness(b, out.hessians[b.balls, :4, :4]) for b in system.balls]
+    whole = whole_stiffness(system, prepared.engine, state, out.hessians)
+    return Ending(status, report, loose, held, sets, whole, "lin", AXIS_ASSUMPTIONS)
 
 
 def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:

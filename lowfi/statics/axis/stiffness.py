@@ -7,7 +7,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.statics.axis.system import System
+from lowfi.statics.axis.system import BallSet, System
 from lowfi.statics.records import AxisState
 from lowfi.statics.shape import rigid_transport
 
@@ -50,22 +50,32 @@ def whole_stiffness(system: System, engine: ModuleType, state: AxisState, hessia
         load[row, k] = 1.0
         engine.solve_lines(system.axis, values, load, step)
         compliance[:, k] = step[row]
-    free = np.flatnonzero(~system.structure.fixed[row])
+    return inverse(compliance, ~system.structure.fixed[row], system.arm)
+
+
+def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array:
+    """Stiffness (6, 6) of the free freedoms from a compliance, nan for the others; arm [m]: of one size in both units."""
+    which = np.flatnonzero(free)
     out = np.full((6, 6), np.nan)
-    if free.size:
-        arms = np.where(free < 3, 1.0, 1.0 / system.arm)  # both units of one size
-        inverse = np.linalg.inv(compliance[np.ix_(free, free)] / arms[:, None] / arms[None, :])
-        inverse = inverse / arms[:, None] / arms[None, :]
-        out[np.ix_(free, free)] = 0.5 * (inverse + inverse.T)
+    if which.size:
+        size = np.where(which < 3, 1.0, 1.0 / arm)
+        found = np.linalg.inv(compliance[np.ix_(which, which)] / size[:, None] / size[None, :])
+        found = found / size[:, None] / size[None, :]
+        out[np.ix_(which, which)] = 0.5 * (found + found.T)
     return out
 
 
-def set_stiffness(nodes: Array, B: Array, hessians: Array, position: float) -> Array:
-    """Stiffness (6, 6) of a set of N balls against motions of its inner part at ``position`` [m], the outer one held.
+def rigid_rows(b: BallSet) -> Array:
+    """Motion (N, 4, 6) of the screw's flanks of a set, two axes each, by its inner part as a rigid body at its position."""
+    nodes = b.problem.nodes[b.problem.node]
+    to = np.array([[rigid_transport(float(z - b.of.position)) for z in row] for row in nodes])
+    return np.asarray(np.einsum("nsak,nskj->nsaj", b.B[:, :2], to).reshape(len(nodes), 4, 6))
 
-    nodes (N, 2): stations of the flanks' motions [m]; B (N, 2, 2, 6): their motion; hessians (N, 4, 4): of the balls'
-    energy by the motion of their screw flanks [N/m].
+
+def set_stiffness(b: BallSet, hessians: Array) -> Array:
+    """Stiffness (6, 6) of a set of N balls against motions of its inner part at its position, the outer one held.
+
+    hessians (N, 4, 4): of the balls' energy by the motion of their screw flanks [N/m].
     """
-    to = np.array([[rigid_transport(float(z - position)) for z in row] for row in nodes])
-    rows = np.einsum("nsak,nskj->nsaj", B, to).reshape(len(nodes), 4, 6)
+    rows = rigid_rows(b)
     return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from types import ModuleType
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
-from lowfi.statics.axis.stiffness import asked_station, set_stiffness, whole_stiffness
+from lowfi.statics.axis.stiffness import asked_station
 from lowfi.statics.axis.system import BallSet, RollerSet, System
 from lowfi.statics.problem import SIGNS, nominal_hertz
-from lowfi.statics.records import AxisSlopes, AxisState
+from lowfi.statics.records import AxisState
 from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from lowfi.statics.shape import rigid_transport
 from lowfi.statics.solved import SolvedState
@@ -30,43 +31,43 @@ AXIS_ASSUMPTIONS = (
 ROLLERS = "rollers: slices of line contacts that do not feel one another, seated on their ribs; rings do not bend"
 
 
-def assemble_axis(
-    system: System,
-    engine: ModuleType,
-    state: AxisState,
-    end: tuple[str, SolverReport, str],
-    *,
-    model: str = "lin",
-    assumed: tuple[str, ...] = AXIS_ASSUMPTIONS,
-) -> AxisResult:
-    """Result of a finished solve; end: status, report, and words for what was held because nothing resists it."""
-    status, report, loose = end
+@dataclass(frozen=True)
+class Ending:
+    """How a solve ended: status, report, words for what was held because nothing resists it; held (r, 6): forces of what
+    holds the rows [N, N m]; stiffness: of each set of balls (6, 6), and of the whole; model, and what it assumes."""
+
+    status: str
+    report: SolverReport
+    loose: str
+    held: Array
+    sets: Sequence[Array]
+    whole: Array | None
+    model: str
+    assumed: tuple[str, ...]
+
+
+def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
+    """Result of a finished solve."""
     assembly, structure = system.assembly, system.structure
     r, n = structure.stations.size, structure.nodes.size
-    out = AxisSlopes(np.zeros((r, 6)), np.zeros((system.contacts.r_ball.size, 8, 8)))
-    engine.evaluate_axis(system.axis, system.contacts, system.slices, state, out)
-    held = np.where(structure.fixed, out.gradient, 0.0)
-    found = {b.of.name: ball_result(b, state, out.hessians, report, held[:n], structure.stations) for b in system.balls}
+    found = {b.of.name: ball_result(system, b, state, end.report, K) for b, K in zip(system.balls, end.sets, strict=True)}
     found |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
     sets = tuple(found[s.name] for s in assembly.sets)
-    status = next((open_row(s) for s in sets if open_row(s)), status)
-    stiffness = whole_stiffness(system, engine, state, out.hessians)
-    left = (f"{loose}: held where it is, since nothing drives or resists it",) if loose else ()
-    warnings = tuple(f"{s.of.name}: {w}" for s in sets if s.balls is not None for w in s.balls.warnings)
+    left = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
     return AxisResult(
-        model,
-        status,
+        end.model,
+        next((open_row(s) for s in sets if open_row(s)), end.status),
         sets,
-        tuple(_housing(system, i, sets, state.q, held) for i in range(r - n)),
+        tuple(_housing(system, i, sets, state.q, end.held) for i in range(r - n)),
         structure.nodes,
         state.q[:n].copy(),
-        _balance(assembly, structure.nodes, held[:n], sets),
+        _balance(assembly, structure.nodes, end.held[:n], sets),
         asked_station(system)[1],
-        stiffness,
-        report,
-        (*assembly.assumed, *assumed, *((ROLLERS,) if system.rollers else ())),
+        end.whole,
+        end.report,
+        (*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
         left,
-        warnings,
+        tuple(f"{s.of.name}: {w}" for s in sets if s.balls is not None for w in s.balls.warnings),
     )
 
 
@@ -77,10 +78,8 @@ def open_row(s: SetResult) -> str:
     return f"not held: the load opens {s.of.name}, which carries thrust along {s.of.thrust} only"
 
 
-def ball_result(
-    b: BallSet, state: AxisState, hessians: Array, report: SolverReport, held: Array, stations: Array
-) -> SetResult:
-    """Contacts, sums and stiffness of a set of balls."""
+def ball_result(system: System, b: BallSet, state: AxisState, report: SolverReport, stiffness: Array) -> SetResult:
+    """Contacts and sums of a set of balls."""
     problem = b.problem
     contact = state.contact[b.balls]
     force, normal, p = contact[..., 0].copy(), contact[..., 1:3].copy(), state.p[b.balls].copy()
@@ -89,16 +88,16 @@ def ball_result(
         rows = np.column_stack([problem.node, np.full((len(p), 2), b.outer)])
         moved = np.where((rows >= 0)[..., None], np.einsum("nsak,nsk->nsa", b.B, state.q[rows]), 0.0)
         shifts = b.v0 + moved
-    solved = SolvedState(
-        problem, state.q[: problem.nodes.size], p, force, normal, held, shifts, float(force.max(initial=0.0))
-    )
+    motion = state.q[: problem.nodes.size]
+    largest = float(force.max(initial=0.0))
+    solved = SolvedState(problem, motion, p, force, normal, np.zeros(motion.shape), shifts, largest)
     points, on_ball = contact_geometry(solved)
     raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
     semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
     from_apex = np.abs(raw) if b.of.thrust == "deep groove" else raw
     notes = warnings_of(problem, force, from_apex, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
     result = StaticResult(
-        model="lin",
+        model="",
         status="converged",
         azimuth=problem.layout.azimuth,
         z=problem.layout.z,
@@ -118,8 +117,8 @@ def ball_result(
     )
     forces = -on_ball * force[..., None]
     on_shaft, back = (_sum_at(points[:, half], forces[:, half], b.of.position) for half in (slice(2), slice(2, 4)))
-    K = set_stiffness(problem.nodes[problem.node], b.B[:, :2], hessians[b.balls, :4, :4], b.of.position)
-    return SetResult(b.of, *on_shaft, np.concatenate(back), K, _outer(b, state, stations), result)
+    outer = _outer(b, state, system.structure.stations)
+    return SetResult(b.of, *on_shaft, np.concatenate(back), stiffness, outer, result)
 
 
 def roller_result(x: RollerSet, state: AxisState, stations: Array) -> SetResult:

@@ -4,11 +4,12 @@ from .axis import evaluate_axis, solve_axis, solve_lines, start_axis, tangent
 from .axis_matrix import add_axis
 from .ball import settle
 from .elastic import solve_forces, start_forces
-from .elastic_balls import contact_law, evaluate_balls, rest
+from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
 from .newton import ensemble, evaluate, linear_start, solve
 
 __all__ = [
     "add_axis",
+    "ball_rows",
     "contact_law",
     "ensemble",
     "evaluate",

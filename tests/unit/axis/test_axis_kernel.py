@@ -57,8 +57,8 @@ def test_gradient_is_the_slope_of_the_energy_and_the_matrix_that_of_the_gradient
     s = ready.system
     step = np.random.default_rng(2).normal(0.0, 1e-7, ready.state.q.shape)
     step[s.structure.fixed] = 0.0
-    energy, out = evaluated(ready)
-    assert out.gradient.size and s.slices.drop.size and (ready.state.slices[:, 0] > 0.0).any()
+    _, out = evaluated(ready)
+    assert (ready.state.slices[:, 0] > 0.0).any()
     ends = [evaluated(ready, step, t) for t in (-1e-2, 1e-2)]
     slope = (ends[1][0] - ends[0][0]) / 2e-2
     assert slope == pytest.approx(float((out.gradient * step).sum()), rel=1e-6)
