@@ -72,15 +72,15 @@ def new(file: Path, *, kind: str = "ball-screw") -> None:
     file
         Where to write it; an existing file is never overwritten.
     kind
-        ball-screw, bearing, or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
+        ball-screw, bearing, several sets on one shaft: axis, double-nut; or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
         screw-pair, screw-run.
     """
     from compare.scenes.keys import WHOLE
-    from compare.scenes.template import template
+    from compare.scenes.template import AXES, template
     from compare.writing import write_new
 
     write_new(file, template(kind))
-    command = "solve" if kind.replace("-", " ") in WHOLE else "friction"
+    command = "solve" if kind.replace("-", " ") in (*WHOLE, *AXES) else "friction"
     _show(f"wrote {file}; solve it with: rollbench {command} {file}")
 
 

@@ -10,17 +10,18 @@ from lowfi.statics.axis.refined import solve_refined
 from lowfi.statics.axis.result import AxisResult
 from lowfi.statics.axis.solve import solve_assembly
 from lowfi.statics.static import Engine
-from meshes.axis import Assembly
+from meshes.axis import Assembly, RollerRow
 
 #: Models that know several sets on one shaft.
 AXIS_MODELS = ("refined", "lin")
-#: The one that is used unless another is asked for.
+#: The one that is used unless another is asked for, or rollers are there, which only lin has.
 AXIS_DEFAULT = "refined"
 
 
 def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto") -> AxisResult:
     """Run a model on an assembly. Raises InputError for a model that knows one set only."""
-    model = model or AXIS_DEFAULT
+    rollers = any(isinstance(s.parts, RollerRow) for s in assembly.sets)
+    model = model or ("lin" if rollers else AXIS_DEFAULT)
     if model not in AXIS_MODELS:
         advice = "the other models describe one set on a shaft" if model in MODELS else "see: rollbench list"
         raise InputError(assembly.name, "model", f'"{model}"', ", ".join(AXIS_MODELS), advice)
