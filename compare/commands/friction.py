@@ -40,6 +40,7 @@ from lowfi.friction.whole.heathcote import heathcote
 from lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from lowfi.jit import cached
 from lowfi.statics.result import StaticResult
+from meshes.axis import Assembly
 from meshes.parts import Friction, Motion, Scene, Support
 
 #: Largest coefficient of friction that is taken.
@@ -90,10 +91,14 @@ def solve(name: str, choices: Choices) -> Answer:
         if any(will_compile(scene, pair) for pair in coefficients(scene, choices.mu)) and not cached():
             sys.stderr.write(COMPILING)
         return solve_scene(scene, choices)
-    if choices != Choices():
+    if choices != Choices() and not isinstance(scene, Assembly):
         advice = "leave them out: such a scene holds its own loads and coefficients"
         given = "--model, --mu, --member or --condensed"
         raise InputError("command line", given, f"with {name}", "with the scene of a whole screw or bearing", advice)
+    if isinstance(scene, Assembly):
+        from compare.commands.axis_friction import solve_axis
+
+        return solve_axis(scene, choices)
     from compare.commands.friction_kinds import solve_kind
 
     return solve_kind(scene)

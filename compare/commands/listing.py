@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from compare.models.registry import MODELS
 from compare.printed import printed_data
 from compare.scenes import catalogue
-from compare.scenes.keys import FRICTION_ONLY, WHOLE
+from compare.scenes.keys import AXIS, FRICTION_ONLY, WHOLE
 from compare.scenes.scene_file import kind_of
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ def shipped_json() -> dict[str, dict[str, Any]]:
     """Scenes by kind and models with their titles, printed tables with their number of rows."""
     shipped = {name: catalogue.shipped(name) for name in catalogue.scene_names()}
     return {
-        "scenes": {k: {n: s.title for n, s in shipped.items() if kind_of(s) == k} for k in (*WHOLE, *FRICTION_ONLY)},
+        "scenes": {k: {n: s.title for n, s in shipped.items() if kind_of(s) == k} for k in (*WHOLE, AXIS, *FRICTION_ONLY)},
         "models": {model.name: model.about for model in MODELS.values()},
         "printed_tables": {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()},
     }

@@ -9,7 +9,7 @@ import numpy as np
 
 from compare.measure import error_percent
 from compare.models.model_form import ModelForm
-from lowfi.statics.result import Array, StaticResult
+from lowfi.statics.result import Array, Equilibrium, SolverReport, StaticResult
 from meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
@@ -22,7 +22,8 @@ def number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _per_side(row: Array) -> dict[str, float | None]:
+def per_side(row: Array) -> dict[str, float | None]:
+    """Values (4,) by the names of the flanks."""
     return {side: number(value) for side, value in zip(SIDES, row, strict=True)}
 
 
@@ -42,8 +43,8 @@ def summary(load: Array) -> dict[str, dict[str, Any]]:
     return out
 
 
-def _equilibrium(result: StaticResult) -> dict[str, Any] | None:
-    e = result.equilibrium
+def equilibrium_json(e: Equilibrium | None) -> dict[str, Any] | None:
+    """Forces and moments on the shaft, and what they leave."""
     if e is None:
         return None
     return {
@@ -91,8 +92,29 @@ def model_form_text(m: ModelForm) -> str:
 
 def discretisation_percent(result: StaticResult) -> float | None:
     """Discretisation error of the beam in per cent of the mean loaded contact, where it was measured."""
-    measured = result.solver.discretisation
+    return _discretisation(result.solver)
+
+
+def _discretisation(solver: SolverReport) -> float | None:
+    measured = solver.discretisation
     return None if measured is None else number(float(error_percent(measured[0], 0.0, measured[1])))
+
+
+def solver_json(s: SolverReport) -> dict[str, Any]:
+    """How the solution came about."""
+    return {
+        "iterations": s.iterations,
+        "residual": number(s.residual),
+        "seconds": number(s.seconds),
+        "unknowns": s.unknowns,
+        "elements": s.elements,
+        "evaluations": s.evaluations,
+        "engine": s.engine,
+        "formulation": s.formulation,
+        "round_off_bound": number(s.round_off_bound),
+        "discretisation_percent": _discretisation(s),
+        "notes": list(s.notes),
+    }
 
 
 def as_json(scene: Scene, result: StaticResult, worth: ModelForm | None = None) -> dict[str, Any]:
@@ -110,8 +132,8 @@ def as_json(scene: Scene, result: StaticResult, worth: ModelForm | None = None) 
                 "index": i + 1,
                 "azimuth_deg": number(math.degrees(result.azimuth[i])),
                 "z_mm": number(1e3 * result.z[i]),
-                "load_N": _per_side(result.load[i]),
-                "contact_angle_deg": _per_side(np.degrees(result.contact_angle[i])),
+                "load_N": per_side(result.load[i]),
+                "contact_angle_deg": per_side(np.degrees(result.contact_angle[i])),
             }
             for i in range(result.z.size)
         ],
@@ -120,20 +142,8 @@ def as_json(scene: Scene, result: StaticResult, worth: ModelForm | None = None) 
             {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
             for z, u in zip(result.centreline_z, result.centreline, strict=True)
         ],
-        "equilibrium": _equilibrium(result),
-        "solver": {
-            "iterations": s.iterations,
-            "residual": number(s.residual),
-            "seconds": number(s.seconds),
-            "unknowns": s.unknowns,
-            "elements": s.elements,
-            "evaluations": s.evaluations,
-            "engine": s.engine,
-            "formulation": s.formulation,
-            "round_off_bound": number(s.round_off_bound),
-            "discretisation_percent": discretisation_percent(result),
-            "notes": list(s.notes),
-        },
+        "equilibrium": equilibrium_json(result.equilibrium),
+        "solver": solver_json(s),
         "model_form": _model_form(worth),
         "assumed": list(result.assumed),
         "left_out": list(result.left_out),

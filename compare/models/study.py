@@ -18,6 +18,7 @@ T = TypeVar("T")
 
 if TYPE_CHECKING:
     from compare.scenes.kinds.common import KindScene
+    from meshes.axis import Assembly
 
 
 @dataclass
@@ -35,7 +36,7 @@ class Study:
     quick: bool = False
     cache: Path | None = None
     scenes: dict[str, Scene] = field(default_factory=dict)
-    others: dict[str, KindScene] = field(default_factory=dict)
+    others: dict[str, KindScene | Assembly] = field(default_factory=dict)
     results: dict[tuple[Scene, str, int], StaticResult] = field(default_factory=dict)
     made: dict[Any, Any] = field(default_factory=dict)
 
@@ -55,9 +56,9 @@ class Study:
                 self.others.setdefault(name, found)
 
     @property
-    def used(self) -> dict[str, Scene | KindScene]:
+    def used(self) -> dict[str, Scene | KindScene | Assembly]:
         """All scenes used so far, by name, sorted."""
-        found: dict[str, Scene | KindScene] = {**self.scenes, **self.others}
+        found: dict[str, Scene | KindScene | Assembly] = {**self.scenes, **self.others}
         return dict(sorted(found.items()))
 
     def changed(self, name: str, **ingredients: Any) -> Scene:

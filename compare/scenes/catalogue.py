@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, TypeVar
 from compare.errors import InputError
 from compare.printed import printed_data
 from compare.scenes import scene_file
-from compare.scenes.keys import FRICTION_ONLY
+from compare.scenes.keys import AXIS, FRICTION_ONLY
 from meshes.parts import Scene
 
 if TYPE_CHECKING:
     from compare.scenes.kinds.common import KindScene
+    from meshes.axis import Assembly
 
 Of = TypeVar("Of", bound="KindScene")
 
@@ -30,8 +31,14 @@ def scene_names() -> tuple[str, ...]:
 
 @cache
 def whole_names() -> tuple[str, ...]:
-    """Names of the shipped whole screws and bearings, sorted; the others are of a kind that only friction solves."""
-    return tuple(name for name in scene_names() if tomllib.loads(scene_text(name)).get("kind") not in FRICTION_ONLY)
+    """Names of the shipped whole screws and bearings, sorted: neither axes nor kinds that only friction solves."""
+    return tuple(n for n in scene_names() if tomllib.loads(scene_text(n)).get("kind") not in (AXIS, *FRICTION_ONLY))
+
+
+@cache
+def axis_names() -> tuple[str, ...]:
+    """Names of the shipped shafts with several rolling sets, sorted."""
+    return tuple(n for n in scene_names() if tomllib.loads(scene_text(n)).get("kind") == AXIS)
 
 
 @cache
@@ -49,7 +56,7 @@ def scene_text(name: str) -> str:
 
 
 @cache
-def shipped(name: str) -> Scene | KindScene:
+def shipped(name: str) -> Scene | KindScene | Assembly:
     """The shipped scene of that name, of any kind. Raises InputError for an unknown name."""
     return scene_file.read(scene_text(name), f"{name}.toml")
 
@@ -62,7 +69,7 @@ def case(name: str, of: type[Of]) -> Of:
     return found
 
 
-def any_scene(name_or_path: str) -> Scene | KindScene:
+def any_scene(name_or_path: str) -> Scene | KindScene | Assembly:
     """A shipped scene by name, or the scene of a file, of any kind.
 
     What is no shipped name is a path if it ends in ``.toml``, holds a path separator, or names an existing

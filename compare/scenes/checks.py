@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.scenes.keys import MAX_BALLS, GrooveKeys
-from compare.scenes.schema import SceneKeys
+from compare.scenes.schema import BallKeys, SceneKeys
 from lowfi.statics.conformity import curvature_changes
 from lowfi.statics.problem import nominal_curvatures, printed_constants
 from lowfi.statics.supports import Held, contradiction, show
@@ -110,15 +111,17 @@ def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     if ring and starts > 1:
         advice = "a bearing has one row: set starts = 1, or give a lead"
         yield Fault(("track.starts",), "1 for zero lead", advice)
-    if balls.azimuths is not None and (balls.count is not None or balls.turns is not None):
-        advice = "leave out azimuths, or count and turns"
+    if balls.azimuths is not None and any(x is not None for x in (balls.count, balls.turns, balls.arcs)):
+        advice = "leave out azimuths, or count with turns or arcs"
         yield Fault(("balls.azimuths",), "either azimuths, or count with turns", advice, "both")
         return
     if balls.azimuths is None and balls.count is None:
         advice = "write count and turns for balls spread evenly, or azimuths to list them"
         yield Fault(("balls.count",), "either azimuths, or count with turns", advice, "nothing")
         return
-    if balls.azimuths is None and balls.turns is None and not ring:
+    if balls.arcs is not None:
+        yield from _arc_faults(balls)
+    elif balls.azimuths is None and balls.turns is None and not ring:
         advice = "write the number of turns that the balls of one start fill, e.g. turns = 2"
         yield Fault(("balls.turns",), "above 0", advice, "nothing")
     if ring and balls.turns is not None and balls.turns > 1.0:
@@ -131,6 +134,16 @@ def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     total = balls.count if balls.azimuths is None else len(balls.azimuths) * starts
     if total is not None:
         yield from _listed_faults(keys, total)
+
+
+def _arc_faults(balls: BallKeys) -> Iterator[Fault]:
+    """Angle ranges that are empty, out of order, or given beside turns."""
+    ends = [end for arc in balls.arcs or [] for end in arc]
+    if balls.turns is not None:
+        yield Fault(("balls.arcs",), "either turns or arcs", "arcs say how far the balls go: leave out turns", "both")
+    elif any(b <= a for a, b in itertools.pairwise(ends)):
+        advice = 'write them in order, e.g. arcs = [["-900 deg", "-180 deg"], ["180 deg", "900 deg"]]'
+        yield Fault(("balls.arcs",), "ranges with growing ends that do not overlap", advice)
 
 
 def _listed_faults(keys: SceneKeys, total: int) -> Iterator[Fault]:

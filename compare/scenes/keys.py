@@ -42,6 +42,8 @@ Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 #: Kinds of scenes: whole screws and bearings, which every command solves, and those that only friction solves.
 WHOLE = ("ball screw", "bearing")
+#: Several rolling sets on one shaft, which solve and friction take.
+AXIS = "axis"
 FRICTION_ONLY = ("bearing ball", "bearing pair", "linear pair", "linear chain", "screw pair", "screw run")
 
 

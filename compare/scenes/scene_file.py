@@ -11,14 +11,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from compare.errors import SceneError, escaped
 from compare.scenes.checks import choice_faults, contact_faults, geometry_faults
-from compare.scenes.keys import FRICTION_ONLY, WHOLE, MaterialKeys
+from compare.scenes.keys import AXIS, FRICTION_ONLY, WHOLE, MaterialKeys
 from compare.scenes.refusal import refuse, refuse_keys
 from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys
 from compare.scenes.units import show
+from meshes.axis import Assembly
 from meshes.parts import (
     FREEDOMS,
     BallErrors,
@@ -42,6 +44,7 @@ from meshes.parts import (
 )
 
 if TYPE_CHECKING:
+    from compare.scenes.axis_schema import HousingKeys
     from compare.scenes.kinds.common import KindScene
 
 #: Largest scene file [bytes] and longest line [characters]: 100 000 listed azimuths on one line have 2 MB.
@@ -63,18 +66,23 @@ def loads(text: str, origin: str) -> Scene:
     return whole(read(text, origin), origin)
 
 
-def whole(scene: Scene | KindScene, origin: str) -> Scene:
-    """The scene, if it is a whole screw or bearing. Raises SceneError naming its kind where it is another."""
+def whole(scene: Scene | KindScene | Assembly, origin: str) -> Scene:
+    """The scene, if it is one whole screw or bearing. Raises SceneError naming its kind where it is another."""
     if isinstance(scene, Scene):
         return scene
+    if isinstance(scene, Assembly):
+        advice = "several sets on one shaft are solved by rollbench solve and friction, by the models lin and refined"
+        raise SceneError(origin, "sets", f"{len(scene.sets)} sets", "one set that stands", advice)
     advice = f"only friction solves this kind: rollbench friction {origin.removesuffix('.toml')}"
     raise SceneError(origin, "kind", show(scene.kind), ", ".join(map(show, WHOLE)), advice)
 
 
-def read(text: str, origin: str) -> Scene | KindScene:
+def read(text: str, origin: str) -> Scene | KindScene | Assembly:
     """The scene of any kind in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
     raw = read_toml(text, origin)
     kind = raw.get("kind")
+    if "sets" in raw or kind == AXIS:
+        return _read_axis(raw, origin)
     nut = raw.get("nut")
     bodies = isinstance(nut, dict) and "length" in nut  # a whole scene with a key misspelt
     if kind is None and FOREIGN & raw.keys() and not bodies:
@@ -98,7 +106,18 @@ def read(text: str, origin: str) -> Scene | KindScene:
     return of.record(keys, escaped(Path(origin).stem))
 
 
-def kind_of(scene: Scene | KindScene) -> str:
+def _read_axis(raw: dict[str, Any], origin: str) -> Scene | Assembly:
+    from compare.scenes.axis_file import read_axis
+    from compare.scenes.axis_schema import AxisKeys
+
+    try:
+        keys = AxisKeys.model_validate(raw)
+    except ValidationError as error:
+        refuse_keys(origin, AxisKeys, error)
+    return read_axis(keys, raw, origin, Path(origin).stem)
+
+
+def kind_of(scene: Scene | KindScene | Assembly) -> str:
     """The kind of a scene, as its file may name it."""
     if not isinstance(scene, Scene):
         return scene.kind
@@ -111,7 +130,7 @@ def _read_whole(raw: dict[str, Any], origin: str) -> Scene:
     except ValidationError as error:
         refuse_keys(origin, SceneKeys, error)
     refuse(origin, raw, list(choice_faults(keys)))
-    scene = _scene(keys, escaped(Path(origin).stem))
+    scene = scene_of(keys, escaped(Path(origin).stem))
     refuse(origin, raw, list(geometry_faults(scene)))
     refuse(origin, raw, list(contact_faults(scene)))
     return scene
@@ -172,7 +191,8 @@ def read_toml(text: str, origin: str) -> dict[str, Any]:
     raise SceneError(origin, place, line or "an empty line", "TOML: [table] and key = value lines", advice)
 
 
-def _scene(keys: SceneKeys, name: str) -> Scene:
+def scene_of(keys: SceneKeys, name: str) -> Scene:
+    """The record of faultless keys."""
     track, e = keys.track, keys.errors
     default = keys.material
     sides = {s: _side(getattr(e, s)) for s in ("SL", "SR", "NL", "NR")}
@@ -186,7 +206,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
             length=screw.length,
             outer_diameter=screw.outer_diameter,
             groove_radius=screw.groove_radius or (screw.conformity or 0.0) * diameter,
-            material=_material(screw.material, default),
+            material=material_of(screw.material, default),
             bore=screw.bore,
         ),
         nut=Nut(
@@ -194,23 +214,23 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
             length=nut.length,
             outer_diameter=nut.outer_diameter,
             groove_radius=nut.groove_radius or (nut.conformity or 0.0) * diameter,
-            material=_material(nut.material, default),
+            material=material_of(nut.material, default),
             azimuth=nut.azimuth,
         ),
         balls=Balls(
-            keys.balls.radius, _material(keys.balls.material, default), _azimuths(keys.balls, track.starts, track.phase)
+            keys.balls.radius, material_of(keys.balls.material, default), _azimuths(keys.balls, track.starts, track.phase)
         ),
         errors=Errors(
             balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution), seed=e.seed, **sides
         ),
-        supports=tuple(_support(s) for s in keys.supports),
-        loads=tuple(Load(p.at, _vector(p.force), _vector(p.moment)) for p in keys.loads),
+        supports=tuple(support_of(s) for s in keys.supports),
+        loads=tuple(Load(p.at, vector(p.force), vector(p.moment)) for p in keys.loads),
         ingredients=Ingredients(**keys.ingredients.model_dump()),
         solid=Solid(**keys.solid.model_dump()),
         source=escaped(keys.source),
         assumed=tuple(map(escaped, keys.assumed)),
         members=keys.members,
-        friction=None if keys.friction is None else _friction(keys.friction),
+        friction=None if keys.friction is None else friction_of(keys.friction),
         motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
         role=keys.role,
         circulation=None if keys.circulation is None else Circulation(**keys.circulation.model_dump()),
@@ -218,12 +238,14 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
     )
 
 
-def _friction(keys: FrictionKeys) -> Friction:
+def friction_of(keys: FrictionKeys) -> Friction:
+    """Coefficients of a scene."""
     screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
     return Friction(screw, nut, tuple(map(escaped, keys.assumed)), keys.coupling, keys.balls)
 
 
-def _material(own: MaterialKeys | None, default: MaterialKeys) -> Material:
+def material_of(own: MaterialKeys | None, default: MaterialKeys) -> Material:
+    """A part's material, what it does not say taken from the scene's."""
     own = own or default
     modulus = default.youngs_modulus if own.youngs_modulus is None else own.youngs_modulus
     ratio = default.poissons_ratio if own.poissons_ratio is None else own.poissons_ratio
@@ -233,10 +255,16 @@ def _material(own: MaterialKeys | None, default: MaterialKeys) -> Material:
 
 
 def _azimuths(balls: BallKeys, starts: int, phase: float) -> tuple[float, ...]:
-    """Azimuths of one start [rad]: as listed, or spread evenly about the nut's centre over the turns."""
+    """Azimuths of one start [rad]: as listed, or spread evenly over the arcs, or about the nut's centre over the turns."""
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
     n = (balls.count or 0) // starts
+    if balls.arcs is not None:
+        ends = np.array(balls.arcs)
+        fill = np.concatenate([[0.0], np.cumsum(ends[:, 1] - ends[:, 0])])
+        at = (np.arange(n) + 0.5) / n * fill[-1]
+        arc = np.searchsorted(fill, at, side="right") - 1
+        return tuple(float(x) for x in phase + ends[arc, 0] + at - fill[arc])
     spacing = 2.0 * math.pi * (balls.turns or 1.0) / n
     return tuple(phase + (i - (n - 1) / 2.0) * spacing for i in range(n))
 
@@ -255,12 +283,14 @@ def _terms(terms: Sequence[TermKeys]) -> tuple[FourierTerm, ...]:
     return tuple(FourierTerm(t.harmonic, t.sin, t.cos, t.sigma) for t in terms)
 
 
-def _support(support: SupportKeys) -> Support:
+def support_of(support: SupportKeys | HousingKeys) -> Support:
+    """What is held at a station, and where."""
     held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
     held |= support.displace.model_dump(exclude_none=True)
     return Support(support.at, tuple((name, held[name]) for name in FREEDOMS if name in held))
 
 
-def _vector(values: Sequence[float]) -> tuple[float, float, float]:
+def vector(values: Sequence[float]) -> tuple[float, float, float]:
+    """Three values as a record."""
     x, y, z = values
     return x, y, z

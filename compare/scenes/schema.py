@@ -73,13 +73,21 @@ class NutKeys(GrooveKeys):
     material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
 
 
+Arc = Annotated[list[Azimuth], Field(min_length=2, max_length=2)]
+
+
 class BallKeys(BallSizeKeys):
-    """Balls: either count and turns, or the azimuths one by one."""
+    """Balls: count with turns or arcs, or the azimuths one by one."""
 
     count: Count | None = key("number of balls over all starts, spread evenly (with turns)", None, 32)
     turns: Turns | None = key("turns filled by the balls of each start, centred on the nut (zero lead: 1)", None)
     azimuths: Annotated[list[Azimuth], Field(min_length=1, max_length=MAX_BALLS)] | None = key(
         "unwrapped azimuths of the balls of one start, instead of count and turns", None, ["-90 deg", "90 deg"]
+    )
+    arcs: Annotated[list[Arc], Field(min_length=1, max_length=1000)] | None = key(
+        "angle ranges that the balls of each start fill evenly, instead of turns: circuits with gaps between them",
+        None,
+        [["-900 deg", "-180 deg"], ["180 deg", "900 deg"]],
     )
     material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
 

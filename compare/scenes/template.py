@@ -23,6 +23,8 @@ EXAMPLES = {
     "screw pair": "lin-screw-pair-a",
     "screw run": "lin-screw-run",
 }
+#: Shipped shafts with several rolling sets that are templates as they stand.
+AXES = {"axis": "axis-fixed-fixed", "double nut": "double-nut"}
 INTRODUCTION = """\
 # A scene of the kind "{kind}". {about}
 # Lengths, forces, angles and speeds are texts with a unit: "20 mm", "7 um", "5 kN", "210 GPa", "45 deg", "10 rps".
@@ -38,8 +40,12 @@ def template(kind: str = "ball screw") -> str:
     Raises InputError for an unknown kind.
     """
     name = kind.replace("-", " ")
+    if name in AXES:
+        lines = scene_text(AXES[name]).splitlines()
+        kept = [x for x in lines if not x.startswith(("source = ", "assumed = "))]
+        return "\n".join(f'title = "My {name}"' if x.startswith("title = ") else x for x in kept) + "\n"
     if name not in (*WHOLE, *FRICTION_ONLY):
-        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *FRICTION_ONLY))
+        allowed = ", ".join(k.replace(" ", "-") for k in (*WHOLE, *AXES, *FRICTION_ONLY))
         raise InputError("command line", "--kind", kind, allowed, "a whole screw is a ball-screw")
     if name == "ball screw":
         return resources.files("compare").joinpath("template.toml").read_text(encoding="utf-8")

@@ -35,7 +35,8 @@ class Problem:
     nodes (n,) [m]; section; fixed (n, 6); prescribed (n, 6); load (n, 6); node (N, 2), B (N, 2, 2, m): motion of each
     screw flank in the section plane; geometry (N, 4, 9), closure (N, 2): see ``kernel.ball``; use (4,).
     ``basis``: for a rigid screw the motions that its supports leave, (6, 6), else None; pins: freedoms of the first node
-    (columns of the basis) that are held because nothing drives or resists them.
+    (columns of the basis) that are held because nothing drives or resists them; ``sections``: of every element where they
+    differ.
     """
 
     scene: Scene
@@ -54,6 +55,7 @@ class Problem:
     left_out_elements: int
     basis: Array | None = None
     pins: tuple[int, ...] = ()
+    sections: tuple[BeamSection, ...] | None = None
 
     @property
     def C(self) -> Array:
@@ -177,7 +179,8 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
         row = printed_constants(scene) if kind == "as printed" else nominal_hertz(scene).C
         return np.array(np.broadcast_to(row, (*own.shape, 4)))
     if own.ndim == 1:
-        return drawn_hertz(scene, drawn, own).C
+        same = own[:1] if np.all(own == own[0]) else own  # equal balls have equal constants
+        return np.array(np.broadcast_to(drawn_hertz(scene, drawn, same).C, (own.size, 4)))
     # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
     middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
     node = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
@@ -218,7 +221,7 @@ def distances(scene: Scene, drawn: Specimen) -> tuple[Array, Array]:
     return offset, closure
 
 
-def _flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
+def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
     """Rows e . (u + theta x r) for the flank's point that carries the force, ``(N, 2, 6)``; u, theta at ``origin_z``.
 
     That point is the groove's centre of curvature, on every line of action of the arc (plus ``more`` (N, 4, 2) where
@@ -266,7 +269,7 @@ def build(
 ) -> Problem:
     """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many.
 
-    more: see ``_flank_rows``; section: of the screw, instead of the scene's (Lin C.8).
+    more: see ``flank_rows``; section: of the screw, instead of the scene's (Lin C.8).
     """
     parts = (scene, drawn, layout, more)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
@@ -291,9 +294,9 @@ def build(
                 if count < 400
                 else (_nearest(nodes, stations[:, s]))
             )
-            B[:, s] = _flank_rows(parts, s, nodes[node[:, s]])
+            B[:, s] = flank_rows(parts, s, nodes[node[:, s]])
         else:
-            rows = _flank_rows(parts, s, stations[:, s])
+            rows = flank_rows(parts, s, stations[:, s])
             for i in range(count):
                 node[i, s], m = motion_matrix(float(stations[i, s]), nodes, section)
                 B[i, s] = rows[i] @ m
@@ -344,7 +347,7 @@ def _rigid(
     origin = np.full(count, z0)
     shift = scale * lift
     for s in range(2):
-        rows_s = _flank_rows(parts, s, origin)
+        rows_s = flank_rows(parts, s, origin)
         B[:, s] = rows_s @ to_motion
     fixed = np.zeros((1, 6), dtype=bool)
     if held:

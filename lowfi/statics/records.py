@@ -85,6 +85,87 @@ class BeamOptions(NamedTuple):
     floor: float
 
 
+class AxisArrays(NamedTuple):
+    """A shaft, bodies beside it, springs between them, and loads; r rows of motions: n nodes, then the bodies."""
+
+    #: Lengths (n - 1,) of the shaft's elements [m].
+    lengths: Array
+    #: EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements, (n - 1, 4).
+    sections: Array
+    #: Which freedoms of the rows are held (r, 6).
+    fixed: Array
+    #: Loads on the rows (r, 6) [N, N m].
+    load: Array
+    #: Rows (k, 2) that springs join, -1 for the frame.
+    ends: Array
+    #: Motion of the springs' ends by those rows (k, 2, 6, 6), the second one with its sign.
+    reach: Array
+    #: Stiffness of the springs (k, 6, 6).
+    springs: Array
+    #: Place (r,) of each row in the order of elimination.
+    place: Array
+    #: First column (6 r,) of each line of the matrix, in that order, and where it is stored (6 r + 1,).
+    first: Array
+    start: Array
+
+
+class AxisBalls(NamedTuple):
+    """Balls between flanks that move with rows of an `AxisArrays`, of all sets."""
+
+    #: Row (N, 4) whose motion moves a flank, -1 where it stands.
+    row: Array
+    #: Motion of the flanks (N, 4, 2, 6) along x3, z3 by that of their rows about their places.
+    B: Array
+    #: Prescribed motion of the flanks (N, 4, 2) [m].
+    v0: Array
+    #: As in `BeamContacts`.
+    geometry: Array
+    closure: Array
+    r_ball: Array
+    #: Deviation of the flanks' profile (N, 4, d) [m], ascending powers of the contact angle.
+    profile: Array
+    #: Force [N] below which a contact carries none.
+    tiny: float
+
+
+class AxisRollers(NamedTuple):
+    """Slices of rollers between two raceways, each with the line contact of both: approach B q - drop, force by g and S."""
+
+    #: Rows (M, 2) of inner and outer ring, -1 where it stands.
+    row: Array
+    #: Approach (M, 2, 6) by the motions of those rows.
+    B: Array
+    #: Lost approach (M,) [m], width (M,) [m], g (M,) and S (M,) of `lowfi.bearings.line_contact.LineLaw` [m^2/N].
+    drop: Array
+    width: Array
+    g: Array
+    s: Array
+
+
+class AxisState(NamedTuple):
+    """Unknowns, and the contacts there."""
+
+    #: Motions of the rows (r, 6) [m, rad].
+    q: Array
+    #: Deformations of the shaft's elements (n - 1, 6) [m, rad].
+    d: Array
+    #: Centres of the balls (N, 2) from their nominal places [m].
+    p: Array
+    #: Contacts (N, 4, 5), see `lowfi.statics.kernel.ball`.
+    contact: Array
+    #: Force [N] and stiffness [N/m] of the rollers' slices (M, 2).
+    slices: Array
+
+
+class AxisSlopes(NamedTuple):
+    """Derivatives of the energy."""
+
+    #: By the motions of the rows (r, 6) [N, N m].
+    gradient: Array
+    #: Second derivatives of a ball's energy by the motion of its flanks (N, 8, 8) [N/m].
+    hessians: Array
+
+
 class Bodies(NamedTuple):
     """How the flanks of all balls move: v = v0 + G phi + R a, G by forces phi on the flanks, R by free motions a."""
 

@@ -80,10 +80,9 @@ def shaft_of(problem: Problem) -> Shaft:
         return Shaft(problem, motions, problem.load[0, loose], arms, 0, none, np.zeros((1, 0)), np.zeros((1, 6)))
     n = problem.nodes.size
     band = np.zeros((6 * n, 12))
-    s = problem.section
-    section = np.array([s.EA, s.EI, s.GJ, s.kGA])
-    for e, length in enumerate(np.diff(problem.nodes)):
-        add_element(band, e, float(length), section)
+    lengths = np.diff(problem.nodes)
+    for e, s in enumerate(problem.sections or (problem.section,) * lengths.size):
+        add_element(band, e, float(lengths[e]), np.array([s.EA, s.EI, s.GJ, s.kGA]))
     motions = unheld(problem)
     pin = pin_node(problem)
     held = problem.fixed.copy()

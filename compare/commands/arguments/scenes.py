@@ -47,15 +47,15 @@ def new(file: Path, *, kind: str = "ball-screw") -> None:
     file
         Where to write it; an existing file is never overwritten.
     kind
-        ball-screw, bearing, or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
-        screw-pair, screw-run.
+        ball-screw, bearing, several sets on one shaft: axis, double-nut; or what only friction solves: bearing-ball,
+        bearing-pair, linear-pair, linear-chain, screw-pair, screw-run.
     """
     from compare.scenes.keys import WHOLE
-    from compare.scenes.template import template
+    from compare.scenes.template import AXES, template
     from compare.writing import write_new
 
     write_new(file, template(kind))
-    command = "solve" if kind.replace("-", " ") in WHOLE else "friction"
+    command = "solve" if kind.replace("-", " ") in (*WHOLE, *AXES) else "friction"
     show(f"wrote {file}; solve it with: rollbench {command} {file}")
 
 
@@ -92,14 +92,22 @@ def solve(
     from compare.models.model_form import estimate
     from compare.models.registry import DEFAULT, Options, run_model
     from compare.scenes import catalogue
+    from compare.scenes.scene_file import whole
     from compare.watch import checked, watched
+    from meshes.axis import Assembly
 
-    model = model or (DEFAULT if condensed is None else "condensed")
+    asked, model = model, model or (DEFAULT if condensed is None else "condensed")
     if condensed is not None and model != "condensed":
         raise InputError("command line", "--condensed", str(condensed), "the model condensed", "leave --model out")
     if not 0 <= member < 10**9:
         raise InputError("command line", "--member", str(member), "0 to 999999999", "give the specimen's number")
-    parts = catalogue.scene(scene)
+    found = catalogue.any_scene(scene)
+    if isinstance(found, Assembly):
+        from compare.commands.axis_output import solve_shown
+
+        with watched(found.name, checked(time_limit)), named(found.name, scene):
+            return solve_shown(found, asked, (everything, member, condensed), as_json, show, print_json)
+    parts = whole(found, scene)
     with watched(f"{parts.name}, model {one_line(model)}", checked(time_limit)), named(parts.name, scene):
         result = run_model(parts, model, Options(everything=everything, member=member, condensed=condensed))
     worth = estimate(parts, result) if result.converged else None

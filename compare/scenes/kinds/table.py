@@ -8,8 +8,9 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Tag, TypeAdapter
 
+from compare.scenes.axis_schema import AxisKeys
 from compare.scenes.checks import Fault
-from compare.scenes.keys import FRICTION_ONLY, without_null
+from compare.scenes.keys import AXIS, FRICTION_ONLY, without_null
 from compare.scenes.kinds import bearing_ball, bearing_pair, linear, screw_balls
 from compare.scenes.kinds.bearing_ball import BearingBallKeys
 from compare.scenes.kinds.bearing_pair import BearingPairKeys
@@ -41,11 +42,14 @@ assert tuple(KINDS) == FRICTION_ONLY
 
 def _tag(value: Any) -> str:
     found = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
+    if found == AXIS or (isinstance(value, dict) and "sets" in value):
+        return AXIS
     return found if found in KINDS else "whole"
 
 
 AnyKeys = Annotated[
     Annotated[SceneKeys, Tag("whole")]
+    | Annotated[AxisKeys, Tag("axis")]
     | Annotated[BearingBallKeys, Tag("bearing ball")]
     | Annotated[BearingPairKeys, Tag("bearing pair")]
     | Annotated[LinearPairKeys, Tag("linear pair")]

@@ -1,19 +1,28 @@
 """Kernels of the static model in a subset of Python that numba compiles; see ``lowfi.jit`` for the two engines."""
 
+from .axis import evaluate_axis, solve_axis, solve_lines, start_axis, tangent
+from .axis_matrix import add_axis
 from .ball import settle
 from .elastic import solve_forces, start_forces
-from .elastic_balls import contact_law, evaluate_balls, rest
+from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
 from .newton import ensemble, evaluate, linear_start, solve
 
 __all__ = [
+    "add_axis",
+    "ball_rows",
     "contact_law",
     "ensemble",
     "evaluate",
+    "evaluate_axis",
     "evaluate_balls",
     "linear_start",
     "rest",
     "settle",
     "solve",
+    "solve_axis",
     "solve_forces",
+    "solve_lines",
+    "start_axis",
     "start_forces",
+    "tangent",
 ]

@@ -1,0 +1,249 @@
+"""From the keys of a scene with ``[[sets]]`` to its record; what cannot be built is refused in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from compare.scenes.axis_schema import AxisKeys, HousingKeys, SetKeys, StiffKeys
+from compare.scenes.checks import TOLERANCE, Fault, choice_faults, geometry_faults, mm
+from compare.scenes.refusal import refuse
+from compare.scenes.scene_file import friction_of, material_of, scene_of, support_of, vector
+from compare.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
+from meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, Segment, Stiffness, diagonal, full
+from meshes.parts import FREEDOMS, Ingredients, Load, Motion, Scene, Screw
+
+#: Thrusts of a row that carries one way.
+ONE_WAY = ("+z", "-z")
+#: Springs that do nothing.
+NONE = diagonal((0.0,) * 6)
+
+
+def read_axis(keys: AxisKeys, raw: Mapping[str, Any], origin: str, name: str) -> Assembly | Scene:
+    """The assembly of keys; a single set of balls that stands and is not preloaded by an offset is a plain scene.
+
+    Raises SceneError.
+    """
+    refuse(origin, raw, list(_choice_faults(keys)))
+    sets = tuple(_set(keys, i, raw, origin) for i in range(len(keys.sets)))
+    refuse(origin, raw, list(_place_faults(keys, sets)))
+    if _single(keys):
+        shared = {n: getattr(keys, n) for n in ("source", "assumed", "supports", "loads", "friction", "motion")}
+        whole = _scene_keys(keys, keys.sets[0]).model_copy(update=shared)
+        refuse(origin, raw, list(choice_faults(whole)))
+        return scene_of(whole, name)
+    heat, ask, shaft = keys.heat, keys.stiffness, keys.screw
+    return Assembly(
+        name=name,
+        title=keys.title,
+        screw=Screw(
+            shaft.length,
+            shaft.outer_diameter,
+            shaft.groove_radius or 0.0,
+            material_of(shaft.material, keys.material),
+            shaft.bore,
+        ),
+        sets=sets,
+        segments=tuple(Segment(p.start, p.end, p.diameter, p.bore) for p in shaft.plain),
+        housings=tuple(
+            Housing(h.name, h.at, support_of(h).fixed, _stiffness(h), vector(h.force), vector(h.moment))
+            for h in keys.housings
+        ),
+        joints=tuple(Joint(j.between[0], j.between[1], j.at, _stiffness(j) or NONE) for j in keys.joints),
+        supports=tuple(support_of(s) for s in keys.supports),
+        loads=tuple(Load(p.at, vector(p.force), vector(p.moment)) for p in keys.loads),
+        ingredients=Ingredients(**keys.ingredients.model_dump()),
+        source=keys.source,
+        assumed=tuple(keys.assumed),
+        friction=None if keys.friction is None else friction_of(keys.friction),
+        motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
+        stiffness_at=ask.housing if ask.housing is not None else ask.at,
+        thermal_strain=0.0 if heat is None else heat.warming * heat.expansion,
+    )
+
+
+def _housing(h: HousingKeys) -> Housing:
+    return Housing(h.name, h.at, support_of(h).fixed, _stiffness(h), vector(h.force), vector(h.moment))
+
+
+def _single(keys: AxisKeys) -> bool:
+    """Whether the file describes what a file without ``[[sets]]`` can describe."""
+    one = keys.sets[0]
+    bare = not (keys.housings or keys.screw.plain or keys.heat or one.offset or one.preload)
+    return len(keys.sets) == 1 and bare and one.balls is not None and one.thrust in (None, "both")
+
+
+def kind_of_set(one: SetKeys) -> str:
+    """What a set is, by its tables."""
+    if one.rollers is not None:
+        return "tapered roller bearing"
+    return "bearing" if one.track is not None and one.track.lead == 0.0 else "ball nut"
+
+
+def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
+    """Sets and housings that lack a table, are named twice, or name what is not there."""
+    for i, one in enumerate(keys.sets):
+        yield from _set_faults(keys, i, one)
+    names = [h.name for h in keys.housings]
+    for table, given in (("sets", [s.name for s in keys.sets]), ("housings", names)):
+        for i, own in enumerate(given):
+            if own in given[:i]:
+                yield Fault((f"{table}[{i}].name",), "a name of its own", "results are told apart by it: change one")
+    known = ", ".join(names) or "none is described"
+    asked: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
+    asked += [(f"joints[{i}].between", name) for i, j in enumerate(keys.joints) for name in j.between]
+    asked.append(("stiffness.housing", keys.stiffness.housing))
+    for where, name in asked:
+        if name is not None and name not in names:
+            yield Fault((where,), f"a name under [[housings]]: {known}", "add the housing, or mend the name")
+    if keys.stiffness.housing is not None and keys.stiffness.at is not None:
+        yield Fault(("stiffness.at",), "either at or housing", "leave one out", "both")
+    for i, h in enumerate(keys.housings):
+        yield from _stiffness_faults(h, f"housings[{i}]")
+        twice = set(h.fix) & set(h.displace.model_dump(exclude_none=True))
+        if twice:
+            yield Fault((f"housings[{i}].fix",), "each freedom once", "it is displaced too: keep one of the two")
+    for i, j in enumerate(keys.joints):
+        yield from _stiffness_faults(j, f"joints[{i}]")
+        if j.springs is None and j.matrix is None:
+            yield Fault((f"joints[{i}].springs",), "springs or a matrix", "a joint is its stiffness", "nothing")
+        if j.between[0] == j.between[1]:
+            yield Fault((f"joints[{i}].between",), "two housings", "a housing is rigid: name another one")
+
+
+def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
+    at = f"sets[{i}]"
+    balls = {n: getattr(one, n) for n in ("track", "nut", "balls")}
+    if one.rollers is not None:
+        given = [n for n, x in balls.items() if x is not None]
+        if given:
+            yield Fault((f"{at}.{given[0]}",), "rollers or balls", "a set has one kind of them: make two sets", "both")
+        if one.position is None:
+            yield Fault((f"{at}.position",), "a station", 'write e.g. position = "30 mm"', "nothing")
+        if one.thrust not in ONE_WAY:
+            advice = "a tapered row carries thrust one way: write the way that it keeps the shaft from going"
+            yield Fault((f"{at}.thrust",), '"+z" or "-z"', advice, "nothing" if one.thrust is None else "")
+        if one.rollers.roller_angle * 2.0 >= one.rollers.cup_angle:
+            yield Fault((f"{at}.rollers.roller_angle",), "below half the cup's angle", "the cone's angle is what is left")
+    else:
+        for name, found in balls.items():
+            if found is None:
+                yield Fault((f"{at}.{name}",), "a table", f"add [sets.{name}], or [sets.rollers]", "nothing")
+        if one.position is not None:
+            yield Fault((f"{at}.position",), "nothing", "the position of a nut or ring is nut.position")
+    found_kind = kind_of_set(one)
+    if one.kind not in (None, found_kind):
+        yield Fault((f"{at}.kind",), f'"{found_kind}" with these tables', "mend kind, or track.lead")
+    if one.preload > 0.0 and one.thrust not in ONE_WAY:
+        advice = "a row that carries thrust both ways is preloaded by errors.balls.oversize, or a pair by offset"
+        yield Fault((f"{at}.preload",), 'thrust "+z" or "-z"', advice)
+    if one.preload > 0.0 and one.offset != 0.0:
+        yield Fault((f"{at}.preload",), "either preload or offset", "the force sets the shift: leave offset out", "both")
+    if keys.material.youngs_modulus is None or keys.material.poissons_ratio is None:
+        yield Fault(("material",), "youngs_modulus and poissons_ratio", "give both under [material]")
+
+
+def _stiffness_faults(keys: StiffKeys, where: str) -> Iterator[Fault]:
+    if keys.springs is not None and keys.matrix is not None:
+        yield Fault((f"{where}.matrix",), "either springs or matrix", "leave one out", "both")
+    if keys.matrix is not None:
+        try:
+            full(np.array(keys.matrix))
+        except ValueError as error:
+            yield Fault((f"{where}.matrix",), "symmetric, without negative eigenvalues", str(error), "another matrix")
+
+
+def _stiffness(keys: StiffKeys) -> Stiffness | None:
+    if keys.matrix is not None:
+        return full(np.array(keys.matrix))
+    if keys.springs is None:
+        return None
+    s = keys.springs
+    return diagonal((s.ux, s.uy, s.uz, s.rx, s.ry, s.rz))
+
+
+def _scene_keys(keys: AxisKeys, one: SetKeys) -> SceneKeys:
+    """Keys of one set as a scene: the shaft with this set's inner groove."""
+    shaft = keys.screw
+    own: dict[str, Any] = {n: getattr(shaft, n) for n in ScrewKeys.model_fields}
+    if one.screw is not None:
+        own["material"] = one.screw.material or own["material"]
+        own["outer_diameter"] = one.screw.outer_diameter or own["outer_diameter"]
+        own |= {"groove_radius": one.screw.groove_radius, "conformity": one.screw.conformity}
+    ingredients = IngredientKeys().model_copy(update=keys.ingredients.model_dump())
+    return SceneKeys.model_construct(
+        title=keys.title,
+        material=keys.material,
+        track=one.track,
+        screw=ScrewKeys.model_construct(**own),
+        nut=one.nut,
+        balls=one.balls,
+        errors=one.errors,
+        ingredients=ingredients,
+    )
+
+
+def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> RollingSet:
+    """Record of a set; its faults are those of a scene of its own. Raises SceneError."""
+    one = keys.sets[i]
+    thrust = one.thrust or "both"
+    shared = (one.name, kind_of_set(one))
+    if one.rollers is not None:
+        r = one.rollers
+        material = material_of(None, keys.material)
+        row = RollerRow(r.count, r.diameter, r.length, r.cup_angle, r.roller_angle, r.ring_depth, material)
+        row = replace(row, slices=r.slices, crown=float("inf") if r.crown is None else r.crown)
+        return RollingSet(*shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust)  # type: ignore[arg-type]
+    own = _scene_keys(keys, one)
+    refuse(origin, raw, [_blamed(f, i, raw) for f in choice_faults(own)])
+    scene = scene_of(own, one.name)
+    refuse(origin, raw, [_blamed(f, i, raw) for f in geometry_faults(scene)])
+    position = scene.nut.position
+    return RollingSet(*shared, scene, position, one.housing, one.offset, one.preload, thrust)  # type: ignore[arg-type]
+
+
+def _blamed(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
+    """The fault of a set's scene, with its keys where they stand in the file: the shaft's are shared."""
+    inner = "screw" in raw["sets"][i]
+    keys = []
+    for k in fault.keys:
+        own = k.split(".")[0] in ("track", "nut", "balls", "errors") or (k.startswith("screw") and inner)
+        keys.append(f"sets[{i}].{k}" if own else k)
+    return replace(fault, keys=tuple(keys))
+
+
+def _place_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]:
+    """Stations beyond the shaft, plain stretches that overlap, housings without motion that are loaded."""
+    length = keys.screw.length
+    stations = [
+        (f"{n}[{i}].at", x.at) for n in ("supports", "loads", "housings", "joints") for i, x in enumerate(getattr(keys, n))
+    ]
+    stations += [(f"sets[{i}].position", s.position) for i, s in enumerate(sets) if s.kind == "tapered roller bearing"]
+    stations += [(f"screw.plain[{i}].end", p.end) for i, p in enumerate(keys.screw.plain)]
+    if keys.stiffness.at is not None:
+        stations.append(("stiffness.at", keys.stiffness.at))
+    for where, at in stations:
+        if at > length + TOLERANCE:
+            yield Fault((where,), f"0 mm to {mm(length)}", "stations are measured from the shaft's left end and lie on it")
+    end = 0.0
+    for i, p in enumerate(keys.screw.plain):
+        if p.start < end - TOLERANCE or p.end <= p.start:
+            yield Fault((f"screw.plain[{i}].start",), f"from {mm(end)}, below its end", "list stretches from left to right")
+        if p.bore >= p.diameter:
+            yield Fault((f"screw.plain[{i}].bore",), f"below {mm(p.diameter)}", "leave material around the hole")
+        end = max(end, p.end)
+    for i, h in enumerate(keys.housings):
+        if set(h.fix) == set(FREEDOMS) and (any(h.force) or any(h.moment)):
+            yield Fault((f"housings[{i}].force",), "no load on a housing that is held", "free a freedom, or leave it out")
+    held = [(s, n) for s in keys.supports for n in (*s.fix, *s.displace.model_dump(exclude_none=True))]
+    for i, s in enumerate(keys.supports):
+        if not s.fix and not s.displace.model_dump(exclude_none=True):
+            yield Fault(
+                (f"supports[{i}].fix",), "at least one freedom", "delete the support, or say what it holds", "nothing"
+            )
+    for k, (s, n) in enumerate(held):
+        if any(n == m and abs(s.at - t.at) <= 1e-5 for t, m in held[:k]):
+            yield Fault((f"supports[{keys.supports.index(s)}].fix",), "each freedom once per station", f"{n} is held twice")

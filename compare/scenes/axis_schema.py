@@ -1,0 +1,208 @@
+"""Keys of a scene with several rolling sets on one shaft, ``[[sets]]``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from compare.scenes.keys import (
+    MATERIAL,
+    Bore,
+    ContactAngle,
+    Count,
+    Deviation,
+    Force,
+    Freedom,
+    GrooveKeys,
+    HeadKeys,
+    MaterialKeys,
+    Moment,
+    MotionKeys,
+    Size,
+    Station,
+    Table,
+)
+from compare.scenes.quantity import Quantity, key
+from compare.scenes.schema import (
+    BallKeys,
+    DisplaceKeys,
+    ErrorKeys,
+    FrictionKeys,
+    LoadKeys,
+    NutKeys,
+    ScrewKeys,
+    SupportKeys,
+    TrackKeys,
+)
+
+Spring = Annotated[float, Quantity("stiffness", "0 N/m", "1000000 kN/um", "200 N/um")]
+Twist = Annotated[float, Quantity("moment", "0 N m", "1000000 kN m", "5 kN m")]
+Warming = Annotated[float, Quantity("temperature difference", "-500 K", "500 K", "10 K")]
+Expansion = Annotated[float, Quantity("number", 0, 1e-3, 11.5e-6)]
+Push = Annotated[float, Quantity("force", "0 N", "1000 MN", "500 N")]
+Name = Annotated[str, Field(min_length=1, max_length=60)]
+Entry = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class PlainKeys(Table):
+    """A plain stretch of the shaft."""
+
+    start: Station = key("station where it begins", example="0 mm")
+    end: Station = key("station where it ends", example="60 mm")
+    diameter: Size = key("its diameter", example="25 mm")
+    bore: Bore = key("diameter of its hole", "0 mm", "6 mm")
+
+
+class ShaftKeys(ScrewKeys):
+    """Screw shaft; groove and diameters of the thread, where a set does not say its own."""
+
+    plain: Annotated[list[PlainKeys], Field(max_length=1000)] = key(
+        "plain stretches of the shaft", [], [{"start": "0 mm", "end": "60 mm", "diameter": "25 mm"}]
+    )
+
+
+class InnerKeys(GrooveKeys):
+    """Inner ring of a set whose groove is not the shaft's."""
+
+    outer_diameter: Size | None = key("diameter of its shoulders, where it is not the shaft's", None, "40 mm")
+    material: MaterialKeys | None = key("its material, where it is not the shaft's", None, MATERIAL)
+
+
+class RollerKeys(Table):
+    """One row of tapered rollers."""
+
+    count: Count = key("number of rollers", example=16)
+    diameter: Size = key("mean diameter of a roller", example="8.4 mm")
+    length: Size = key("effective length of a roller", example="12.4 mm")
+    cup_angle: ContactAngle = key(
+        "half included angle of the cup: of the outer contacts against the axis", example="30.8 deg"
+    )
+    roller_angle: ContactAngle = key("half included angle of a roller", example="4 deg")
+    ring_depth: Size = key("depth of both rings to which their deformation counts", example="5 mm")
+    crown: Size | None = key("radius of the crowning at both contacts; straight rollers if left out", None, "2 m")
+    slices: Annotated[int, Field(ge=1, le=200)] = key("slices of a roller", 15, 15)
+
+
+class SetKeys(Table):
+    """One rolling set: a nut with its balls, a ball bearing (lead of zero), or a row of tapered rollers."""
+
+    name: Name = key("name of the set in results", example="nut 1")
+    kind: Literal["ball nut", "bearing", "tapered roller bearing"] | None = key(
+        "what it is; by its tables if left out", None, "ball nut"
+    )
+    housing: Name | None = key("name of the housing that its outer part belongs to; held if left out", None, "carriage")
+    thrust: Literal["both", "+z", "-z", "deep groove"] | None = key(
+        'thrust on the shaft that it carries: "both" by a gothic arch, one way by an angular-contact row, or by one arc',
+        None,
+        "+z",
+    )
+    offset: Deviation = key(
+        "shift of its outer part along the shaft against its housing (spacer, lead offset)", "0 um", "4 um"
+    )
+    preload: Push = key("axial force set by such a shift at mounting, without loads, and then locked", "0 N", "500 N")
+    position: Station | None = key("of rollers: station of the middle of the cup's contact lines", None, "30 mm")
+    track: TrackKeys | None = key("path of the ball centres", None)
+    screw: InnerKeys | None = key("its inner ring, or groove on the shaft where that is another", None)
+    nut: NutKeys | None = key("nut, or outer ring", None)
+    balls: BallKeys | None = key("balls", None)
+    errors: ErrorKeys = key("geometric errors", ErrorKeys(), {"seed": 0})
+    rollers: RollerKeys | None = key("tapered rollers", None)
+
+
+class SpringKeys(Table):
+    """Springs along and about the axes; freedoms left out have none."""
+
+    ux: Spring = key("along x", "0 N/m", "200 N/um")
+    uy: Spring = key("along y", "0 N/m", "200 N/um")
+    uz: Spring = key("along z", "0 N/m", "200 N/um")
+    rx: Twist = key("about x, per rad", "0 N m", "5 kN m")
+    ry: Twist = key("about y, per rad", "0 N m", "5 kN m")
+    rz: Twist = key("about z, per rad", "0 N m", "5 kN m")
+
+
+Matrix = Annotated[list[Annotated[list[Entry], Field(min_length=6, max_length=6)]], Field(min_length=6, max_length=6)]
+
+
+class StiffKeys(Table):
+    """A stiffness in six freedoms."""
+
+    springs: SpringKeys | None = key("springs that do not feel one another", None, {"ux": "200 N/um"})
+    matrix: Matrix | None = key("or a symmetric matrix of six rows, in N, m and rad", None)
+
+
+class HousingKeys(StiffKeys):
+    """Rigid body that carries outer rings or nuts. What is neither fixed nor displaced moves against its springs."""
+
+    name: Name = key("its name", example="carriage")
+    at: Station = key("station where its motion, springs and loads are taken", example="400 mm")
+    fix: Annotated[list[Freedom], Field(max_length=6)] = key("freedoms held at zero", [], ["ux", "uy", "rx", "ry", "rz"])
+    displace: DisplaceKeys = key("freedoms held at other values", DisplaceKeys(), {"uz": "20 um"})
+    force: Annotated[list[Force], Field(min_length=3, max_length=3)] = key(
+        "force on it along x, y, z", ["0 N", "0 N", "0 N"], ["0 N", "0 N", "5 kN"]
+    )
+    moment: Annotated[list[Moment], Field(min_length=3, max_length=3)] = key(
+        "moment on it about x, y, z", ["0 N m", "0 N m", "0 N m"], ["0 N m", "3 N m", "0 N m"]
+    )
+
+
+class JointKeys(StiffKeys):
+    """Springs between two housings, such as a spacer or a bolted joint."""
+
+    between: Annotated[list[Name], Field(min_length=2, max_length=2)] = key("names of the two housings", example=["a", "b"])
+    at: Station = key("station where they act", example="400 mm")
+
+
+class AskedKeys(Table):
+    """Where the stiffness of the whole is asked for; where the loads act if left out."""
+
+    at: Station | None = key("a station of the shaft", None, "400 mm")
+    housing: Name | None = key("or a housing", None, "carriage")
+
+
+class HeatKeys(Table):
+    """Uniform warming of the shaft against all else."""
+
+    warming: Warming = key("warming", example="10 K")
+    expansion: Expansion = key("thermal expansion per K", example=11.5e-6)
+
+
+class AxisIngredientKeys(Table):
+    """Which parts of the low-order model are used."""
+
+    hertz: Literal["nominal", "error-free", "actual", "as printed"] = key(
+        "contact constants: own radii at the nominal angle, error-free parts, actual geometry, or as in Table B.1",
+        "nominal",
+        "actual",
+    )
+    section: Literal["groove", "groove squared", "full"] = key(
+        "section of the threaded shaft: diameters scaled by k_r (Lin C.8), by k_r without the root, or full",
+        "groove",
+        "full",
+    )
+
+
+class AxisKeys(HeadKeys):
+    """One load case of one shaft with several rolling sets: nuts, bearings, housings."""
+
+    kind: Literal["axis"] = key("what is described", "axis", "axis")
+    material: MaterialKeys = key("material of every part that gives none", MaterialKeys(), MATERIAL)
+    screw: ShaftKeys = key("screw shaft")
+    sets: Annotated[list[SetKeys], Field(min_length=1, max_length=100)] = key("rolling sets, in any order")
+    housings: Annotated[list[HousingKeys], Field(max_length=100)] = key(
+        "housings that move", [], [{"name": "carriage", "at": "400 mm"}]
+    )
+    joints: Annotated[list[JointKeys], Field(max_length=100)] = key(
+        "springs between housings", [], [{"between": ["a", "b"], "at": "400 mm"}]
+    )
+    supports: Annotated[list[SupportKeys], Field(max_length=1000)] = key(
+        "supports of the shaft besides its bearings", [], [{"at": "0 mm", "fix": ["rz"]}]
+    )
+    loads: Annotated[list[LoadKeys], Field(max_length=1000)] = key(
+        "loads on the shaft", [], [{"at": "0 mm", "force": ["0 N", "0 N", "5 kN"]}]
+    )
+    stiffness: AskedKeys = key("where the stiffness is asked for", AskedKeys(), {"housing": "carriage"})
+    heat: HeatKeys | None = key("warming of the shaft", None, {"warming": "10 K", "expansion": 11.5e-6})
+    ingredients: AxisIngredientKeys = key("parts of the low-order model", AxisIngredientKeys(), {"section": "full"})
+    friction: FrictionKeys | None = key("friction of balls and grooves", None, {"coefficient": 0.1})
+    motion: MotionKeys | None = key("motion of the shaft", None, {"speed": "600 rpm"})

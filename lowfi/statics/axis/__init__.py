@@ -1,0 +1,1 @@
+"""Several rolling sets on one shaft: one energy, one equilibrium."""

@@ -1,0 +1,217 @@
+"""Several rolling sets with elastic bodies: the compliance of shaft, housings and of each set's own bodies at all flanks.
+
+The shaft is a beam with its supports; beyond it the screw, nut and balls of a set answer contact forces as in the refined
+model of one set (`lowfi.compliance`), as long as the force is of that set: from set to set only beam and housings reach.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import block_diag, cho_factor, cho_solve, qr
+
+from lowfi.compliance.bodies import Backend, ball_compliance, body_compliance, geometry_only, grooved_section
+from lowfi.compliance.modes import soft_modes
+from lowfi.statics.axis.structure import Structure, threaded
+from lowfi.statics.axis.system import BallSet, System
+from lowfi.statics.conformity import oblique_term
+from lowfi.statics.elastic_system import (
+    LARGEST,
+    MODES_FROM,
+    by_ball,
+    contact_compliance,
+    positive,
+    spring_rows,
+    typical_axes,
+    typical_force,
+)
+from lowfi.statics.problem import Problem, nominal_hertz
+from lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
+from lowfi.statics.shaft import Shaft, flank_response, shaft_of
+from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE
+from meshes.section import screw_section
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Housings:
+    """Housings as a linear body: stiffness of what is free, factored; motions (6 m, k) that nothing holds, which some
+    freedoms pin; given (6 m,): motion by loads and prescribed displacements; work (k,) of the loads on the motions."""
+
+    free: NDArray[np.int64]
+    factor: tuple[Array, bool] | None
+    stiffness: Array
+    motions: Array
+    given: Array
+    work: Array
+
+    def solve(self, loads: Array) -> Array:
+        """Motions (6 m, c) by loads (6 m, c), with the loose motions pinned."""
+        out = np.zeros_like(loads)
+        if self.factor is not None:
+            out[self.free] = cho_solve(self.factor, loads[self.free])
+        return out
+
+
+@dataclass
+class ElasticAxis:
+    """An assembly ready for `lowfi.statics.kernel.elastic.solve_forces`.
+
+    rows (4 N, 6 m): motion of the nut's flanks by the housings; local: compliance of each set's own screw and nut, ball by
+    ball (4 N_s, 4 N_s); assumed: statements on the bodies.
+    """
+
+    system: System
+    whole: Problem
+    shaft: Shaft
+    housings: Housings
+    rows: Array
+    local: list[tuple[Array, Array]]
+    bodies: Bodies
+    contacts: BallContacts
+    state: BodyState
+    springs: Array
+    options: BodyOptions
+    arms: Array
+    engine: ModuleType
+    assumed: tuple[str, ...]
+
+
+def housings_of(structure: Structure, arm: float) -> Housings:
+    """Springs between housings and to the frame, with what holds them."""
+    n, m = structure.nodes.size, structure.at.size
+    K = np.zeros((6 * m, 6 * m))
+    for ends, reach, own in zip(structure.ends, structure.reach, structure.springs, strict=True):
+        J = np.zeros((6, 6 * m))
+        for e, row in enumerate(ends):
+            if row >= 0:
+                J[:, 6 * (row - n) : 6 * (row - n) + 6] += reach[e]
+        K += J.T @ own @ J
+    held, prescribed = structure.fixed[n:].ravel(), structure.prescribed[n:].ravel()
+    load, free = structure.load[n:].ravel(), np.flatnonzero(~structure.fixed[n:].ravel())
+    scale = np.tile([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm], m)
+    motions = np.zeros((6 * m, 0))
+    if free.size:
+        value, vector = np.linalg.eigh(scale[free, None] * K[np.ix_(free, free)] * scale[None, free])
+        loose = vector[:, value <= 1e-12 * max(float(value.max()), 1e-300)]
+        motions = np.zeros((6 * m, loose.shape[1]))
+        motions[free] = scale[free, None] * loose
+        if loose.shape[1]:
+            _, _, order = qr(loose.T, pivoting=True)
+            free = np.delete(free, order[: loose.shape[1]])
+    given = np.where(held, prescribed, 0.0)
+    factor = cho_factor(K[np.ix_(free, free)], lower=True) if free.size else None
+    found = Housings(free, factor, K, motions, given, motions.T @ load)
+    return replace(found, given=given + found.solve((load - K @ given)[:, None])[:, 0])
+
+
+def combined(system: System, backend: Backend) -> Problem:
+    """All balls of all sets as one problem on one shaft, for the beam alone."""
+    s, problems = system.structure, [b.problem for b in system.balls]
+    sections, thread = list(s.sections), threaded(system.assembly)
+    if backend.section == "cell" and thread is not None:
+        base, cell = screw_section(thread), grooved_section(geometry_only(thread), True)
+        sections = [cell if x == base else x for x in sections]
+    first = problems[0]
+    return replace(
+        first,
+        fixed=s.fixed[: s.nodes.size],
+        node=np.concatenate([p.node for p in problems]),
+        B=np.concatenate([p.B for p in problems]),
+        geometry=system.contacts.geometry,
+        closure=system.contacts.closure,
+        use=np.ones(4, dtype=bool),
+        sections=tuple(sections),
+    )
+
+
+def own_bodies(b: BallSet, backend: Backend) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
+    """Compliance of a set's own screw and nut (4 N, 4 N) [m/N]; e, h (N, 4) beside Hertz; the ball's coupling g (4,)."""
+    problem, scene = b.problem, b.problem.scene
+    N, layout = problem.layout.z.size, problem.layout
+    axes, size = typical_axes(problem), float(np.cbrt(typical_force(problem)))
+    ball = ball_compliance(scene, axes, backend)
+    oblique = oblique_term(nominal_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
+    e, h, found, assumed = np.zeros((N, 4)), np.zeros((N, 4)), [], []
+    for screw in (True, False):
+        sides = (0, 1) if screw else (2, 3)
+        body = body_compliance(scene, layout, screw, backend, axes)
+        assumed += [x for x in body.assumed if x not in assumed]
+        slope = body.slope + ball.slope
+        e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[list(sides)] + slope / size
+        order = by_ball(N, sides)
+        found.append(body.G[np.ix_(order, order)])
+    return (found[0], found[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
+
+
+def ready(system: System, backend: Backend, engine: ModuleType, scale: tuple[float, float, float]) -> ElasticAxis:
+    """Arrays for the kernels; scale: typical force [N], stiffness [N/m], and least force that residuals count by [N].
+
+    Raises ValueError for rollers, uneven flanks, too many balls, or bodies that the dimensions make impossible.
+    """
+    if system.rollers:
+        raise ValueError("tapered rollers have no elastic bodies yet: use the model lin")
+    N = system.contacts.r_ball.size
+    if N > LARGEST:
+        raise ValueError(f"{N} balls: elastic bodies are limited to {LARGEST}; use the model lin")
+    if system.contacts.profile.shape[2]:
+        raise ValueError("groove profiles of varying shape on several sets: use the model lin")
+    whole, s = combined(system, backend), system.structure
+    shaft, housings = shaft_of(whole), housings_of(s, system.arm)
+    order = by_ball(N, (0, 1))
+    beam, moved, rigid = flank_response(shaft, [0, 1])
+    parts = [own_bodies(b, backend) for b in system.balls]
+    rows = np.zeros((N, 2, 2, 6 * s.at.size))
+    for b in system.balls:
+        if b.outer >= 0:
+            j = 6 * (b.outer - s.nodes.size)
+            rows[b.balls, :, :, j : j + 6] = b.B[:, 2:]
+    flat = rows.reshape(4 * N, -1)
+    first, low = positive(beam[np.ix_(order, order)] + block_diag(*(p[0][0] for p in parts)))
+    second, high = positive(flat @ housings.solve(flat.T) + block_diag(*(p[0][1] for p in parts)))
+    v0, k = np.zeros((N, 4, 2)), shaft.work.size
+    R = np.zeros((N, 4, 2, k + housings.work.size))
+    v0[:, :2], R[:, :2, :, :k] = moved[order].reshape(N, 2, 2), rigid[order].reshape(N, 2, 2, -1)
+    v0[:, 2:] = (flat @ housings.given).reshape(N, 2, 2) + system.contacts.v0[:, 2:]
+    R[:, 2:, :, k:] = (flat @ housings.motions).reshape(N, 2, 2, -1)
+    local = np.zeros((N, 4, 3))
+    for b, p in zip(system.balls, parts, strict=True):
+        local[b.balls, :, 0], local[b.balls, :, 2], local[b.balls, :, 1] = p[1], p[2], p[3]
+    compliance = min(contact_compliance(b.problem) for b in system.balls)
+    modes = [soft_modes(G, compliance) if N >= MODES_FROM else np.zeros((0, 0)) for G in (first, second)]
+    work = np.concatenate([shaft.work, housings.work])
+    bodies = Bodies(first, second, R.reshape(N, 8, -1), v0.reshape(N, 8), work, modes[0], modes[1])
+    force, stiffness, floor = scale
+    used = system.contacts.geometry[..., 5] > 0.0
+    springs = spring_rows(whole, None, stiffness) * used[:, None, :].repeat(2, axis=2)
+    options = BodyOptions(
+        TOLERANCE, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, floor, float(system.contacts.r_ball.max())
+    )
+    contacts = BallContacts(
+        system.contacts.geometry, system.contacts.closure, local, system.contacts.r_ball, np.zeros((4, 0)), np.zeros((N, 7))
+    )
+    state = BodyState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
+    cut = max(low, high) / compliance
+    said = (f"negative compliance of the bodies, up to {100 * cut:.2g} % of a contact's: cut away",) if cut > 1e-6 else ()
+    assumed = tuple(dict.fromkeys(f"{b.of.name}: {x}" for b, p in zip(system.balls, parts, strict=True) for x in p[4]))
+    arms = np.concatenate([shaft.arms, np.ones(housings.work.size)])
+    return ElasticAxis(
+        system,
+        whole,
+        shaft,
+        housings,
+        flat,
+        [p[0] for p in parts],
+        bodies,
+        contacts,
+        state,
+        np.ascontiguousarray(springs),
+        options,
+        arms,
+        engine,
+        (*assumed, *said),
+    )

@@ -1,0 +1,81 @@
+"""Preload by a force at mounting: the shift of each outer part that brings it about."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.statics.axis.result import AxisResult
+from lowfi.statics.axis.system import tapered
+from lowfi.statics.problem import nominal_hertz
+from meshes.axis import Assembly, RollerRow, RollingSet
+
+Array = NDArray[np.float64]
+
+#: Part of the largest preload that its error may have, and steps that are tried.
+ERROR, STEPS = 1e-12, 60
+
+
+def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[Assembly, tuple[str, ...]]:
+    """The assembly with its preloads by force as offsets: those at which each such set carries its force, without loads.
+
+    Secant method on the axial forces of these sets by their offsets, logarithms of both: a law of a power is a line.
+    Returns the assembly and notes; an equilibrium that is not found is said there.
+    """
+    which = [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
+    if not which:
+        return assembly, ()
+    idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
+    bare = replace(assembly, loads=(), housings=idle)
+    goal = np.log([assembly.sets[i].preload for i in which])
+
+    def excess(depth: Array) -> Array:
+        found = solve(_shifted(bare, which, np.exp(depth)))
+        if not found.converged:
+            return np.full(len(which), np.nan)
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log([abs(found.sets[i].force[2]) for i in which]) - goal)
+
+    depth = np.log([2.0 * closing(assembly.sets[i]) for i in which])
+    value = excess(depth)
+    slope = np.column_stack([(excess(depth + 1e-3 * e) - value) / 1e-3 for e in np.eye(len(which))])
+    for _ in range(STEPS):
+        if not np.isfinite(value).all() or not np.isfinite(slope).all():
+            break
+        if float(np.abs(value).max()) <= ERROR:
+            break
+        move = np.clip(np.linalg.lstsq(slope, -value, rcond=1e-12)[0], -1.0, 1.0)
+        new = excess(depth + move)
+        slope = slope + np.outer(new - value - slope @ move, move) / float(move @ move)
+        if float(np.abs(new).max()) >= float(np.abs(value).max()) and float(np.abs(value).max()) < 1e-10:
+            break  # round-off
+        depth, value = depth + move, new
+    shift = np.exp(depth)
+    words = ", ".join(f"{assembly.sets[i].name} {1e6 * d:.5g} um" for i, d in zip(which, shift, strict=True))
+    note = f"preload by force: before loading, outer parts are moved against their rows by {words}"
+    worst = float(np.abs(value).max())
+    if not worst < 1e-8:
+        note += f"; the forces are off by {100.0 * worst:.1e} %"
+    return _shifted(assembly, which, shift), (note,)
+
+
+def closing(one: RollingSet) -> float:
+    """Shift [m] that closes a row to its preload, all else rigid."""
+    if isinstance(one.parts, RollerRow):
+        bearing = tapered(one.parts)
+        sin = float(np.sin(bearing.cup_angle))
+        return float(bearing.law().approach(one.preload / (bearing.rollers * bearing.length * sin))) / sin
+    sin, C = float(np.sin(one.parts.track.contact_angle)), nominal_hertz(one.parts).C
+    return float((C[0] + C[3]) * np.cbrt(one.preload / (one.parts.ball_count * sin)) ** 2) / sin
+
+
+def _shifted(assembly: Assembly, which: Sequence[int], shift: Array) -> Assembly:
+    """The assembly with some rows closed by shifts [m] of their outer parts, in place of their preloads."""
+    sets = list(assembly.sets)
+    for i, x in zip(which, shift, strict=True):
+        away = -float(x) if sets[i].thrust == "+z" else float(x)
+        sets[i] = replace(sets[i], offset=sets[i].offset + away, preload=0.0)
+    return replace(assembly, sets=tuple(sets))

@@ -1,0 +1,199 @@
+"""Equilibrium of several rolling sets on one shaft with elastic bodies: the refined model."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from lowfi import jit
+from lowfi.compliance.bodies import REFINED, Backend
+from lowfi.statics.axis.elastic import ElasticAxis, ready
+from lowfi.statics.axis.loose import loose_motions, pinned
+from lowfi.statics.axis.mount import mount
+from lowfi.statics.axis.result import AxisResult
+from lowfi.statics.axis.solve import engine_for, typical
+from lowfi.statics.axis.stiffness import asked_station, inverse, rigid_rows
+from lowfi.statics.axis.summary import Ending, assemble_axis, failed_axis
+from lowfi.statics.axis.system import BallSet, build
+from lowfi.statics.records import AxisState, Outcome
+from lowfi.statics.result import SolverReport
+from lowfi.statics.shaft import flank_loads, node_motions
+from lowfi.statics.static import ACCEPTED, MAX_ITERATIONS, NO_LOADS, Engine, verdict
+from lowfi.statics.summary import ELASTIC_ASSUMPTIONS
+from meshes.axis import Assembly
+
+Array = NDArray[np.float64]
+
+#: Statements that hold for every run of the refined model on several sets.
+ASSUMPTIONS = (
+    "the shaft is a Timoshenko beam between its sets; beyond the beam the screw, nut and balls of a set are elastic for "
+    "that set's own contacts, and do not feel those of another set",
+    "housings are rigid; nuts and outer rings are held in them as a scene of one set holds them",
+    *ELASTIC_ASSUMPTIONS,
+)
+
+
+def solve_refined(
+    assembly: Assembly, *, engine: Engine = "auto", member: int = 0, backend: Backend = REFINED, name: str = "refined"
+) -> AxisResult:
+    """Loads, stiffness and motions of an assembly with elastic bodies; arguments as for `solve_assembly`.
+
+    Raises ValueError for rollers, uneven flanks, more than `LARGEST` balls, or bodies that cannot be.
+    """
+    with threadpool_limits(1, "blas"):
+        return _solve(assembly, engine, member, backend, name)
+
+
+def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, name: str) -> AxisResult:
+    start = perf_counter()
+    mounted, notes = mount(assembly, lambda other: _solve(other, engine, member, backend, name))
+    kernels = engine_for(assembly, engine)
+    system = build(mounted, member)
+    loose = loose_motions(system)
+    if loose.driven:
+        return failed_axis(assembly, name, f"not held: {loose.text}", perf_counter() - start)
+    elastic = ready(pinned(system, loose), backend, kernels, typical(system))
+    prepared_at = perf_counter()
+    arrays = elastic.bodies, elastic.contacts, elastic.state
+    kernels.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
+    outcome: Outcome = kernels.solve_forces(*arrays, elastic.options, elastic.arms, np.zeros(MAX_ITERATIONS + 1))
+    bound = round_off(elastic, outcome.scale)
+    status = verdict(outcome, max(bound, ACCEPTED))
+    if outcome.status in NO_LOADS:
+        return failed_axis(assembly, name, status, perf_counter() - start)
+    report = SolverReport(
+        iterations=outcome.iterations,
+        evaluations=outcome.evaluations,
+        residual=outcome.residual,
+        seconds=perf_counter() - start,
+        unknowns=elastic.state.phi.size + elastic.state.a.size,
+        elements=system.structure.nodes.size - 1,
+        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
+        formulation="convex energy, elastic bodies condensed to the contacts",
+        round_off_bound=bound,
+        setup_seconds=prepared_at - start,
+        notes=notes,
+    )
+    state, held = state_of(elastic)
+    S = ball_roots(elastic)
+    sets = [own_stiffness(elastic, i, b, S) for i, b in enumerate(system.balls)]
+    whole = elastic_stiffness(elastic, S)
+    ending = Ending(status, report, loose.text, held, sets, whole, name, (*ASSUMPTIONS, *elastic.assumed))
+    return assemble_axis(elastic.system, state, ending)
+
+
+def round_off(elastic: ElasticAxis, scale: float) -> float:
+    """Relative residual below which double precision cannot get: see `lowfi.statics.static.round_off_bound`."""
+    if scale == 0.0:
+        return 0.0
+    contact = elastic.state.contact
+    stiff = float(contact[..., 3].max(initial=0.0))
+    moved = float(np.abs(elastic.state.inner[:, :2]).max(initial=0.0))
+    lengths = 2.0 * float(np.abs(elastic.bodies.v0).max(initial=0.0)) + moved
+    return 8.0 * float(np.finfo(float).eps) * lengths * stiff / scale
+
+
+def flank_forces(elastic: ElasticAxis) -> Array:
+    """Forces (N, 4, 2) [N] of the balls on their flanks."""
+    contact = elastic.state.contact
+    return np.asarray(contact[..., 0, None] * contact[..., 1:3])
+
+
+def state_of(elastic: ElasticAxis) -> tuple[AxisState, Array]:
+    """Motions of all rows with the contacts there, and the forces (r, 6) of what holds them."""
+    system, shaft = elastic.system, elastic.shaft
+    structure, forces = system.structure, flank_forces(elastic)
+    n, k = structure.nodes.size, shaft.work.size
+    pushes = forces[:, :2].transpose(1, 0, 2).reshape(-1, 2)
+    q = np.zeros((structure.stations.size, 6))
+    q[:n] = node_motions(shaft, pushes, elastic.state.a[:k], [0, 1])
+    on_outer = elastic.rows.T @ forces[:, 2:].ravel()
+    h = elastic.housings
+    outer = h.given + h.solve(on_outer[:, None])[:, 0] + h.motions @ elastic.state.a[k:]
+    q[n:] = outer.reshape(-1, 6)
+    loads = structure.load.copy()
+    loads[:n] += flank_loads(elastic.whole, pushes, [0, 1]).reshape(-1, 6)
+    loads[n:] += on_outer.reshape(-1, 6)
+    taken = np.concatenate([shaft.times(q[:n].ravel()), h.stiffness @ outer]).reshape(-1, 6)
+    held = np.where(structure.fixed, taken - loads, 0.0)
+    state = AxisState(q, np.zeros((n - 1, 6)), elastic.state.inner[:, :2], elastic.state.contact, np.zeros((0, 2)))
+    return state, held
+
+
+def ball_roots(elastic: ElasticAxis) -> list[Array]:
+    """Square roots S_i (rows, 8) of the balls' stiffness by the motion of their flanks."""
+    N = elastic.contacts.r_ball.size
+    S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
+    elastic.engine.ball_rows(elastic.contacts, elastic.state.contact, S, counts)
+    return [S[i, : counts[i]] for i in range(N)]
+
+
+def spread(S: list[Array]) -> Array:
+    """Square roots of all balls (rows, 8 N)."""
+    out = np.zeros((sum(len(s) for s in S), 8 * len(S)))
+    row = 0
+    for i, s in enumerate(S):
+        out[row : row + len(s), 8 * i : 8 * i + 8] = s
+        row += len(s)
+    return out
+
+
+def both(first: Array, second: Array) -> Array:
+    """Compliance (8 N, 8 N) of all flanks, ball by ball, from that of the screw's and of the nut's (4 N, 4 N)."""
+    N = len(first) // 4
+    out = np.zeros((N, 2, 4, N, 2, 4))
+    out[:, 0, :, :, 0] = first.reshape(N, 4, N, 4)
+    out[:, 1, :, :, 1] = second.reshape(N, 4, N, 4)
+    return out.reshape(8 * N, 8 * N)
+
+
+def own_stiffness(elastic: ElasticAxis, i: int, b: BallSet, S: list[Array]) -> Array:
+    """Stiffness (6, 6) of a set alone with its own elastic bodies: its inner part moved rigidly, its outer one held."""
+    own = spread(S[b.balls])
+    rows = np.zeros((b.problem.layout.z.size, 8, 6))
+    rows[:, :4] = rigid_rows(b)
+    moved = own @ rows.reshape(-1, 6)
+    return np.asarray(moved.T @ np.linalg.solve(np.eye(len(own)) + own @ both(*elastic.local[i]) @ own.T, moved))
+
+
+def elastic_stiffness(elastic: ElasticAxis, S: list[Array]) -> Array | None:
+    """Tangent stiffness (6, 6) of the whole at the row that is asked about, as `whole_stiffness` of the model lin."""
+    system, structure = elastic.system, elastic.system.structure
+    row, _ = asked_station(system)
+    if row < 0:
+        return None
+    n, k, N = structure.nodes.size, elastic.shaft.work.size, len(S)
+    v, work, own = np.zeros((N, 4, 2, 6)), np.zeros((elastic.state.a.size, 6)), np.zeros((6, 6))
+    unit = np.zeros((6 * (n if row < n else structure.at.size), 6))
+    at = 6 * (row if row < n else row - n)
+    unit[at : at + 6] = np.diag((~structure.fixed[row]).astype(float))
+    if row < n:
+        answer = elastic.shaft.solve(unit)
+        moved = answer.reshape(n, 6, 6)[elastic.whole.node]
+        v[:, :2] = np.einsum("nsak,nskj->nsaj", elastic.whole.B, moved)
+        rigid = np.eye(6)
+        z = float(structure.nodes[row] - structure.nodes[elastic.shaft.pin])
+        rigid[0, 4], rigid[1, 3] = z, -z
+        work[:k] = (rigid @ elastic.shaft.motions).T @ unit[at : at + 6]
+    else:
+        answer = elastic.housings.solve(unit)
+        v[:, 2:] = (elastic.rows @ answer).reshape(N, 2, 2, 6)
+        work[k:] = elastic.housings.motions.T @ unit
+    own = answer[at : at + 6]
+    root, load = spread(S), v.reshape(8 * N, 6)
+    SR = root @ elastic.bodies.R.reshape(8 * N, -1)
+    matrix = np.block(
+        [
+            [np.eye(len(root)) + root @ both(elastic.bodies.first, elastic.bodies.second) @ root.T, -SR],
+            [SR.T, np.zeros((SR.shape[1],) * 2)],
+        ]
+    )
+    try:
+        x = np.linalg.solve(matrix, np.concatenate([root @ load, work]))
+    except np.linalg.LinAlgError:
+        return None
+    compliance = own - load.T @ (root.T @ x[: len(root)]) + work.T @ x[len(root) :]
+    return inverse(0.5 * (compliance + compliance.T), ~structure.fixed[row], system.arm)

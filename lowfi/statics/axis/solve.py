@@ -1,0 +1,185 @@
+"""Equilibrium of several rolling sets on one shaft, by the source's model (`lin`): one energy, Newton's method."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi import jit
+from lowfi.statics.axis.loose import loose_motions, pinned
+from lowfi.statics.axis.mount import mount
+from lowfi.statics.axis.result import AxisResult
+from lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
+from lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
+from lowfi.statics.axis.system import System, build
+from lowfi.statics.problem import actual_hertz
+from lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
+from lowfi.statics.result import SolverReport
+from lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, TOLERANCE, Engine, contact_angles, pick_engine, verdict
+from meshes.axis import Assembly, RollerRow
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Prepared:
+    """A system ready for the kernels: what is held, the state they fill, and their engine."""
+
+    system: System
+    engine: ModuleType
+    state: AxisState
+    options: BeamOptions
+    history: Array
+    scale: float = 0.0
+
+
+def typical(system: System) -> tuple[float, float, float]:
+    """Force [N] of a typical loaded contact, its secant stiffness [N/m], and least force [N] that residuals count by."""
+    load = system.structure.load
+    elements = max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
+    applied = float(np.abs(load[:, :3]).sum() + np.abs(load[:, 3:]).sum() / system.arm)
+    force, stiffness, floor = applied / elements, 1.0, 0.0
+    squeezed = 0.0
+    for b in system.balls:
+        C = b.problem.C
+        pair = float(np.mean(C[:, 0] + C[:, 3]))
+        squeeze = max(
+            0.0, float(b.problem.closure.max(initial=0.0)), abs(b.of.offset) * np.sin(b.problem.scene.track.contact_angle)
+        )
+        squeezed = max(squeezed, (squeeze / pair) ** 1.5)
+        if force == 0.0 and squeezed == 0.0 and np.any(system.structure.prescribed):
+            squeezed = (1e-6 / pair) ** 1.5
+    force = max(force, squeezed)
+    for b in system.balls:
+        pair = float(np.mean(b.problem.C[:, 0] + b.problem.C[:, 3]))
+        stiffness = max(stiffness, float(np.cbrt(force) / pair) if force > 0.0 else 1.0)
+    for r in system.rollers:
+        per_length = max(force, 1.0) / r.row.length
+        law = r.arrays
+        stiffness = max(stiffness, r.row.length / r.row.slices / float(law.g[0] - law.s[0] * np.log(per_length)))
+    floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.arm, squeezed)
+    return force, stiffness, floor
+
+
+def prepare(system: System, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
+    """Arrays for the kernels, with a start that meets the prescribed displacements."""
+    s, n = system.structure, system.structure.nodes.size
+    force, stiffness, floor = typical(system)
+    q = np.zeros((s.stations.size, 6))
+    for k in range(6):
+        held = np.flatnonzero(s.fixed[:n, k])
+        if held.size:
+            q[:n, k] = np.interp(s.nodes, s.nodes[held], s.prescribed[held, k])
+    q[n:] = np.where(s.fixed[n:], s.prescribed[n:], 0.0)
+    lengths = np.diff(s.nodes)
+    moved = q[: n - 1].copy()
+    moved[:, 0] += lengths * q[: n - 1, 4]
+    moved[:, 1] -= lengths * q[: n - 1, 3]
+    N, M = system.contacts.r_ball.size, system.slices.drop.size
+    state = AxisState(q, q[1:n] - moved, np.zeros((N, 2)), np.zeros((N, 4, 5)), np.zeros((M, 2)))
+    system.contacts = system.contacts._replace(tiny=1e-14 * force)
+    options = BeamOptions(tolerance, MAX_ITERATIONS, stiffness, system.arm, 1e3, 0, floor)
+    return Prepared(system, engine, state, options, np.zeros(MAX_ITERATIONS + 1))
+
+
+def run(prepared: Prepared, *, start: bool = True) -> Outcome:
+    """Solve from the linear start, or from the state as it is."""
+    arrays = prepared.system.axis, prepared.system.contacts, prepared.system.slices
+    if start:
+        prepared.engine.start_axis(*arrays, prepared.state, prepared.options)
+    outcome: Outcome = prepared.engine.solve_axis(*arrays, prepared.state, prepared.options, prepared.history)
+    prepared.scale = outcome.scale
+    return outcome
+
+
+def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int = 0) -> AxisResult:
+    """Loads, stiffness and motions of an assembly in static equilibrium, screw a beam, outer parts rigid.
+
+    engine: interpreted, compiled, or chosen by size; member: which specimen of random errors. Never raises for a scene
+    without equilibrium: ``status`` names the reason. Raises ValueError for dimensions that leave no body.
+    """
+    start = perf_counter()
+    mounted, notes = mount(assembly, lambda other: solve_assembly(other, engine=engine, member=member))
+    kernels = engine_for(assembly, engine)
+    system = build(mounted, member)
+    loose = loose_motions(system)
+    if loose.driven:
+        return failed_axis(assembly, "lin", f"not held: {loose.text}", perf_counter() - start)
+    prepared = prepare(pinned(system, loose), kernels)
+    ready = perf_counter()
+    outcome = solve_with_hertz(prepared)
+    bound = round_off(prepared, outcome.scale)
+    status = verdict(outcome, bound)
+    if outcome.status in NO_LOADS:
+        return failed_axis(assembly, "lin", status, perf_counter() - start)
+    report = SolverReport(
+        iterations=outcome.iterations,
+        evaluations=outcome.evaluations,
+        residual=outcome.residual,
+        seconds=perf_counter() - start,
+        unknowns=int(np.count_nonzero(~prepared.system.structure.fixed)),
+        elements=system.structure.nodes.size - 1,
+        engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
+        formulation="convex energy",
+        round_off_bound=bound,
+        setup_seconds=ready - start,
+        notes=notes,
+    )
+    return assemble_axis(prepared.system, prepared.state, _ending(prepared, status, report, loose.text))
+
+
+def _ending(prepared: Prepared, status: str, report: SolverReport, loose: str) -> Ending:
+    """Reactions and stiffnesses at the state."""
+    system, state = prepared.system, prepared.state
+    out = AxisSlopes(np.zeros(state.q.shape), np.zeros((system.contacts.r_ball.size, 8, 8)))
+    prepared.engine.evaluate_axis(system.axis, system.contacts, system.slices, state, out)
+    held = np.where(system.structure.fixed, out.gradient, 0.0)
+    sets = [set_stiffness(b, out.hessians[b.balls, :4, :4]) for b in system.balls]
+    whole = whole_stiffness(system, prepared.engine, state, out.hessians)
+    return Ending(status, report, loose, held, sets, whole, "lin", AXIS_ASSUMPTIONS)
+
+
+def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
+    """Interpreted kernels for one small solve, compiled ones for many elements, several solves, or where they are ready."""
+    slices = sum(s.parts.count * s.parts.slices for s in assembly.sets if isinstance(s.parts, RollerRow))
+    preloads = sum(s.preload > 0.0 for s in assembly.sets)
+    return pick_engine(engine, (assembly.ball_count + slices // 4) * (1 + preloads))
+
+
+def solve_with_hertz(prepared: Prepared) -> Outcome:
+    """Solve, and where the assembly asks for Hertz at the actual geometry, update the constants until they settle."""
+    outcome = run(prepared)
+    system = prepared.system
+    if system.assembly.ingredients.hertz != "actual" or outcome.status not in (0, 1):
+        return outcome
+    for _ in range(12):
+        change = 0.0
+        for b in system.balls:
+            contact = prepared.state.contact[b.balls]
+            nominal = b.problem.scene.track.contact_angle
+            gamma = np.where(contact[..., 0] > 0.0, contact_angles(contact[..., 1:3]), nominal)
+            updated = actual_hertz(b.problem.scene, b.problem.drawn, gamma).C
+            change = max(change, float(np.abs(updated / b.problem.C - 1.0).max()))
+            b.problem.C[:] = updated
+            system.contacts.geometry[b.balls, :, 4] = updated
+        again = run(prepared, start=False)
+        outcome = again._replace(
+            iterations=outcome.iterations + again.iterations, evaluations=outcome.evaluations + again.evaluations
+        )
+        if change < 1e-13:
+            break
+    return outcome
+
+
+def round_off(prepared: Prepared, scale: float) -> float:
+    """Relative residual that double precision cannot get below: see `lowfi.statics.static.round_off_bound`."""
+    if scale == 0.0:
+        return 0.0
+    state = prepared.state
+    motion = float(np.abs(state.q[:, :3]).max(initial=0.0)) + float(np.abs(prepared.system.contacts.v0).max(initial=0.0))
+    stiff = float(state.contact[..., 3].max(initial=0.0)) + float(state.slices[:, 1].max(initial=0.0))
+    return 4.0 * float(np.finfo(float).eps) * motion * stiff / scale

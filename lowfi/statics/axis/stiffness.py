@@ -1,0 +1,81 @@
+"""Tangent stiffness of an assembly where it is asked for, and of each set alone."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.statics.axis.system import BallSet, System
+from lowfi.statics.records import AxisState
+from lowfi.statics.shape import rigid_transport
+
+Array = NDArray[np.float64]
+
+
+def asked_station(system: System) -> tuple[int, str]:
+    """Row of motions whose stiffness is asked for, and its name: a housing, or a station of the shaft.
+
+    Where the assembly does not say: the first housing that is loaded, else the first load on the shaft, else the first set.
+    """
+    assembly, s = system.assembly, system.structure
+    asked = assembly.stiffness_at
+    if asked is None:
+        loaded = [h.name for h in assembly.housings if s.row[h.name] >= 0 and (any(h.force) or any(h.moment))]
+        asked = loaded[0] if loaded else assembly.loads[0].at if assembly.loads else assembly.sets[0].position
+    if isinstance(asked, str):
+        return s.row[asked], asked
+    row = int(np.abs(s.nodes - asked).argmin())
+    return row, f"shaft at {1e3 * float(s.nodes[row]):.6g} mm"
+
+
+def whole_stiffness(system: System, engine: ModuleType, state: AxisState, hessians: Array) -> Array | None:
+    """Stiffness (6, 6) [N/m, N, N m] against wrenches on the row that is asked about, all else free to follow.
+
+    Rows and columns of held freedoms are nan. None where the row stands, or where contacts carry too little to be stiff.
+    """
+    row, _ = asked_station(system)
+    if row < 0:
+        return None
+    r = system.structure.stations.size
+    size = system.axis.start[-1]
+    base, values, step = np.zeros(size), np.empty(size), np.empty((r, 6))
+    engine.add_axis(base, system.axis)
+    if not engine.tangent(system.axis, system.contacts, system.slices, state, hessians, base, values, np.zeros(6)):
+        return None
+    compliance = np.empty((6, 6))
+    for k in range(6):
+        load = np.zeros((r, 6))
+        load[row, k] = 1.0
+        engine.solve_lines(system.axis, values, load, step)
+        compliance[:, k] = step[row]
+    return inverse(compliance, ~system.structure.fixed[row], system.arm)
+
+
+def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array:
+    """Stiffness (6, 6) of the free freedoms from a compliance, nan for the others; arm [m]: of one size in both units."""
+    which = np.flatnonzero(free)
+    out = np.full((6, 6), np.nan)
+    if which.size:
+        size = np.where(which < 3, 1.0, 1.0 / arm)
+        found = np.linalg.inv(compliance[np.ix_(which, which)] / size[:, None] / size[None, :])
+        found = found / size[:, None] / size[None, :]
+        out[np.ix_(which, which)] = 0.5 * (found + found.T)
+    return out
+
+
+def rigid_rows(b: BallSet) -> Array:
+    """Motion (N, 4, 6) of the screw's flanks of a set, two axes each, by its inner part as a rigid body at its position."""
+    nodes = b.problem.nodes[b.problem.node]
+    to = np.array([[rigid_transport(float(z - b.of.position)) for z in row] for row in nodes])
+    return np.asarray(np.einsum("nsak,nskj->nsaj", b.B[:, :2], to).reshape(len(nodes), 4, 6))
+
+
+def set_stiffness(b: BallSet, hessians: Array) -> Array:
+    """Stiffness (6, 6) of a set of N balls against motions of its inner part at its position, the outer one held.
+
+    hessians (N, 4, 4): of the balls' energy by the motion of their screw flanks [N/m].
+    """
+    rows = rigid_rows(b)
+    return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))

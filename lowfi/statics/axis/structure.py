@@ -1,0 +1,151 @@
+"""Shaft, housings and springs of an assembly as rows of motions: what moves, what holds it, what is free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.statics.shape import rigid_transport
+from meshes.axis import Assembly, Housing
+from meshes.partition import MERGE, merge
+from meshes.parts import FREEDOMS, Scene
+from meshes.section import BeamSection, screw_section, tube_section
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Structure:
+    """r rows of motions (6 each): n nodes of the shaft at ``nodes`` [m], then the housings that move, at ``at`` [m].
+
+    sections: of the elements; fixed, prescribed, load ``(r, 6)``; ends ``(k, 2)``, reach ``(k, 2, 6, 6)``, springs
+    ``(k, 6, 6)``: see `lowfi.statics.records.AxisArrays`; row: of each housing by its name, -1 for one that stands.
+    """
+
+    nodes: Array
+    at: Array
+    sections: tuple[BeamSection, ...]
+    fixed: NDArray[np.bool_]
+    prescribed: Array
+    load: Array
+    ends: Ints
+    reach: Array
+    springs: Array
+    row: dict[str, int]
+
+    @property
+    def stations(self) -> Array:
+        """Station ``(r,)`` [m] at which each row's motion is taken."""
+        return np.concatenate([self.nodes, self.at])
+
+
+def stands(housing: Housing) -> bool:
+    """Whether a housing cannot move at all."""
+    return {name for name, value in housing.fixed if value == 0.0} == set(FREEDOMS)
+
+
+def shaft_nodes(assembly: Assembly, stations: Array) -> Array:
+    """Nodes [m] at contact ``stations``, supports, loads, changes of section and the station that is asked about.
+
+    What lies beyond the outermost support, load or contact carries nothing and is left out.
+    """
+    needed = [*stations, *(s.at for s in assembly.supports), *(x.at for x in assembly.loads)]
+    if isinstance(assembly.stiffness_at, float):
+        needed.append(assembly.stiffness_at)
+    low, high = min(needed), max(needed)
+    steps = [z for s in assembly.segments for z in (s.start, s.end) if low < z < high]
+    nodes = merge(np.array([*needed, *steps]))
+    if nodes.size == 1:  # a beam needs one element
+        away = low - MERGE * 100.0 if low > 0.5 * assembly.screw.length else low + MERGE * 100.0
+        nodes = np.sort(np.array([low, away]))
+    return nodes
+
+
+def threaded(assembly: Assembly) -> Scene | None:
+    """Parts of the first ball nut, whose thread the shaft has."""
+    for s in assembly.sets:
+        if isinstance(s.parts, Scene) and s.parts.track.lead > 0.0:
+            return s.parts
+    return None
+
+
+def element_sections(assembly: Assembly, nodes: Array) -> tuple[BeamSection, ...]:
+    """Section of each element: that of its plain stretch, else the threaded shaft's."""
+    screw, thread = assembly.screw, threaded(assembly)
+    base = tube_section(screw.outer_diameter, screw.bore, screw.material) if thread is None else screw_section(thread)
+    plain = [(s.start, s.end, tube_section(s.diameter, s.bore, screw.material)) for s in assembly.segments]
+    middles = 0.5 * (nodes[1:] + nodes[:-1])
+    return tuple(next((x for low, high, x in plain if low <= z <= high), base) for z in middles)
+
+
+def structure_of(assembly: Assembly, stations: Array) -> Structure:
+    """Rows of an assembly whose contacts enter the shaft at ``stations``. Raises ValueError for a freedom held twice."""
+    nodes = shaft_nodes(assembly, stations)
+    moving = [h for h in assembly.housings if not stands(h)]
+    r = nodes.size + len(moving)
+    fixed, prescribed, load = np.zeros((r, 6), dtype=bool), np.zeros((r, 6)), np.zeros((r, 6))
+    holds = [(int(np.abs(nodes - s.at).argmin()), s.fixed, s.at) for s in assembly.supports]
+    holds += [(nodes.size + i, h.fixed, h.at) for i, h in enumerate(moving)]
+    for j, held, at in holds:
+        for name, value in held:
+            k = FREEDOMS.index(name)
+            if fixed[j, k]:
+                raise ValueError(f"two supports hold {name} at {1e3 * at:g} mm, less than {1e6 * MERGE:g} um apart")
+            fixed[j, k], prescribed[j, k] = True, value
+    for x in assembly.loads:
+        load[int(np.abs(nodes - x.at).argmin())] += np.concatenate([x.force, x.moment])
+    for i, body in enumerate(moving):
+        load[nodes.size + i] += np.concatenate([body.force, body.moment])
+    sections = element_sections(assembly, nodes)
+    for e, section in enumerate(sections):  # what holds a warm shaft at its length pushes its nodes apart
+        load[e, 2] -= section.EA * assembly.thermal_strain
+        load[e + 1, 2] += section.EA * assembly.thermal_strain
+    row = {h.name: -1 for h in assembly.housings} | {h.name: nodes.size + i for i, h in enumerate(moving)}
+    ends, reach, springs = _springs(assembly, moving, row)
+    places = np.array([h.at for h in moving])
+    return Structure(nodes, places, sections, fixed, prescribed, load, ends, reach, springs, row)
+
+
+def _springs(assembly: Assembly, moving: list[Housing], row: dict[str, int]) -> tuple[Ints, Array, Array]:
+    """Springs to the frame and between housings."""
+    at = {h.name: h.at for h in moving}
+    one, none = np.eye(6), np.zeros((6, 6))
+    found: list[tuple[int, int, Array, Array, Array]] = [
+        (row[h.name], -1, one, none, np.array(h.stiffness)) for h in moving if h.stiffness is not None
+    ]
+    for j in assembly.joints:
+        names = j.first, j.second
+        near = [rigid_transport(j.at - at[name]) if name in at else none for name in names]
+        found.append((row[names[0]], row[names[1]], near[0], -near[1], np.array(j.stiffness)))
+    ends = np.array([x[:2] for x in found], dtype=np.int64).reshape(-1, 2)
+    reach = np.array([x[2:4] for x in found]).reshape(-1, 2, 6, 6)
+    return ends, reach, np.array([x[4] for x in found]).reshape(-1, 6, 6)
+
+
+def rigid_motions(structure: Structure, arm: float) -> Array:
+    """Motions ``(6 r, 6 (1 + m))`` of all rows with shaft and housings as rigid bodies, rotations by the arm [m]."""
+    scale = np.diag([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
+    n, m = structure.nodes.size, structure.at.size
+    out = np.zeros((n + m, 6, 6 * (1 + m)))
+    for i, z in enumerate(structure.nodes):
+        out[i, :, :6] = rigid_transport(float(z - structure.nodes[0])) @ scale
+    for j in range(m):
+        out[n + j, :, 6 + 6 * j : 12 + 6 * j] = scale
+    return out.reshape(6 * (n + m), -1)
+
+
+def held_rows(structure: Structure, motions: Array) -> Array:
+    """What supports and springs say of rigid motions: rows that are zero for motions without resistance, each about one."""
+    arms = motions.reshape(-1, 6, motions.shape[1])
+    rows = [arms[i, k] for i, k in np.argwhere(structure.fixed)]
+    for (one, two), near, K in zip(structure.ends, structure.reach, structure.springs, strict=True):
+        moved = sum((near[e] @ arms[i] for e, i in enumerate((one, two)) if i >= 0), start=np.zeros((6, motions.shape[1])))
+        size = np.sqrt(np.where(np.diag(K) > 0.0, np.diag(K), 1.0))
+        value, vector = np.linalg.eigh(K / size[:, None] / size[None, :])
+        rows += [(v * size) @ moved for v, x in zip(vector.T, value, strict=True) if x > 1e-12 * value.max(initial=0.0)]
+    found = np.array(rows).reshape(-1, motions.shape[1])
+    norm = np.linalg.norm(found, axis=1, keepdims=True)
+    return np.asarray(found / np.where(norm > 0.0, norm, 1.0))

@@ -1,0 +1,242 @@
+"""An assembly as arrays for the kernels: balls and rollers of all sets between the rows of a `Structure`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lowfi.bearings.roller_slices import middles
+from lowfi.bearings.tapered_roller import TaperedBearing
+from lowfi.statics.axis.structure import Structure, structure_of
+from lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
+from lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers
+from meshes.axis import Assembly, RollerRow, RollingSet
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.partition import contact_stations
+from meshes.parts import Scene
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Sides that a set uses by the thrust on the shaft that it carries: SL-NR closes under thrust along +z.
+USE = {
+    "both": np.array([True, True, True, True]),
+    "+z": np.array([True, False, False, True]),
+    "-z": np.array([False, True, True, False]),
+    "deep groove": np.array([True, False, False, True]),
+}
+
+
+@dataclass(frozen=True)
+class BallSet:
+    """Balls of one set: their problem with the nodes of the whole shaft, its place ``balls`` among all, the row of its
+    housing (-1: it stands), B ``(N, 4, 2, 6)`` and v0 ``(N, 4, 2)`` [m] of its flanks."""
+
+    of: RollingSet
+    problem: Problem
+    balls: slice
+    outer: int
+    B: Array
+    v0: Array
+
+
+@dataclass(frozen=True)
+class RollerSet:
+    """Slices of one row of rollers, and their place among all slices; the row's azimuths (count,) [rad]."""
+
+    of: RollingSet
+    row: RollerRow
+    slices: slice
+    azimuths: Array
+    arrays: AxisRollers
+
+
+@dataclass
+class System:
+    """An assembly ready for the kernels. arm: largest pitch radius [m], which makes forces of moments."""
+
+    assembly: Assembly
+    structure: Structure
+    balls: list[BallSet]
+    rollers: list[RollerSet]
+    arm: float
+    axis: AxisArrays = field(repr=False)
+    contacts: AxisBalls = field(repr=False)
+    slices: AxisRollers = field(repr=False)
+
+
+def build(assembly: Assembly, member: int = 0, uses: Sequence[NDArray[np.bool_]] | None = None) -> System:
+    """Arrays of an assembly; uses: the sides (4,) of each ball set that are built (None: all that its thrust allows).
+
+    Raises ValueError for dimensions that leave no shaft or a freedom that is held twice.
+    """
+    parts = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
+    rows = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)]
+    built = [USE[s.thrust] for s, _ in parts] if uses is None else list(uses)
+    layouts = [ball_layout(scene) for _, scene in parts]
+    stations = [contact_stations(scene, x)[:, u[:2]] for (_, scene), x, u in zip(parts, layouts, built, strict=True)]
+    rings = np.array([s.position for s, _ in rows])
+    structure = structure_of(assembly, np.concatenate([rings, *(x.ravel() for x in stations)]))
+    balls: list[BallSet] = []
+    first = 0
+    for (one, scene), use in zip(parts, built, strict=True):
+        balls.append(_ball_set(one, scene, structure, use, member, first))
+        first = balls[-1].balls.stop
+    rollers: list[RollerSet] = []
+    first = 0
+    for one, row in rows:
+        rollers.append(_roller_set(one, row, structure, first))
+        first = rollers[-1].slices.stop
+    arm = max([b.problem.scene.track.pitch_radius for b in balls] + [tapered(r.row).pitch_diameter / 2.0 for r in rollers])
+    contacts, slices = _all_balls(balls), _all_rollers(rollers)
+    return System(assembly, structure, balls, rollers, arm, _axis(structure, contacts, slices), contacts, slices)
+
+
+def _ball_set(
+    one: RollingSet, scene: Scene, structure: Structure, use: NDArray[np.bool_], member: int, first: int
+) -> BallSet:
+    layout = ball_layout(scene)
+    drawn = specimen(scene, layout, member)
+    parts = (scene, drawn, layout, None)
+    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
+    n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
+    stations = contact_stations(scene, layout)
+    node = np.abs(nodes[None, None, :] - stations[:, :, None]).argmin(axis=2)
+    node[:, ~use[:2]] = node[:, [int(np.argmax(use[:2]))]]
+    outer = -1 if one.housing is None else structure.row[one.housing]
+    at = float(structure.at[outer - n]) if outer >= 0 else scene.nut.position
+    B = np.stack([flank_rows(parts, s, nodes[node[:, s]] if s < 2 else np.full(N, at)) for s in range(4)], axis=1)
+    v0 = np.zeros((N, 4, 2))
+    v0[:, 2:] = one.offset * B[:, 2:, :, 2]
+    problem = Problem(
+        scene,
+        layout,
+        drawn,
+        nodes,
+        structure.sections[0],
+        structure.fixed[:n],
+        structure.prescribed[:n],
+        structure.load[:n],
+        node,
+        B[:, :2],
+        geometry,
+        closure,
+        use,
+        0,
+    )
+    return BallSet(one, problem, slice(first, first + N), outer, B, v0)
+
+
+def _all_balls(sets: list[BallSet]) -> AxisBalls:
+    """Balls of all sets one after the other; profiles are filled up with zeros."""
+    degree = max((b.problem.drawn.profile.shape[1] for b in sets), default=0)
+    row, profile = [], []
+    for b in sets:
+        N = b.problem.layout.z.size
+        row.append(np.column_stack([b.problem.node, np.full((N, 2), b.outer)]))
+        own = np.zeros((4, degree))
+        own[:, : b.problem.drawn.profile.shape[1]] = b.problem.drawn.profile
+        profile.append(np.broadcast_to(own, (N, 4, degree)))
+
+    def joined(arrays: list[Array], shape: tuple[int, ...]) -> Array:
+        return np.ascontiguousarray(np.concatenate([np.zeros((0, *shape)), *arrays]))
+
+    return AxisBalls(
+        joined(row, (4,)).astype(np.int64),
+        joined([b.B for b in sets], (4, 2, 6)),
+        joined([b.v0 for b in sets], (4, 2)),
+        joined([b.problem.geometry for b in sets], (4, 9)),
+        joined([b.problem.closure for b in sets], (2,)),
+        joined([b.problem.drawn.ball_radius for b in sets], ()),
+        joined(profile, (4, degree)),
+        0.0,
+    )
+
+
+def tapered(row: RollerRow) -> TaperedBearing:
+    """The row as a bearing of `lowfi.bearings`. Raises ValueError where it is none."""
+    young, poisson = row.material.youngs_modulus, row.material.poissons_ratio
+    return TaperedBearing(row.count, row.diameter, row.length, row.cup_angle, row.roller_angle, young, poisson, row.depth)
+
+
+def _roller_set(one: RollingSet, row: RollerRow, structure: Structure, first: int) -> RollerSet:
+    """Slices of a row on the generators of the cup, along whose normal cone and cup approach; race and rib together give
+    the cone the same line of action (`lowfi.bearings.tapered_roller`)."""
+    n, bearing = structure.nodes.size, tapered(row)
+    inner = int(np.abs(structure.nodes - one.position).argmin())
+    outer = -1 if one.housing is None else structure.row[one.housing]
+    sign = 1.0 if one.thrust == "+z" else -1.0
+    sin, cos = np.sin(row.cup_angle), np.cos(row.cup_angle)
+    place = middles(row.length, row.slices)
+    azimuths = row.phase + 2.0 * np.pi * np.arange(row.count) / row.count
+    c, s, one_each = np.cos(azimuths), np.sin(azimuths), np.ones(row.count)
+    normal = np.stack([cos * c, cos * s, sign * sin * one_each], axis=1)[:, None, :]
+    along = np.stack([sin * c, sin * s, -sign * cos * one_each], axis=1)[:, None, :]
+    mean = bearing.apex_distance * sin * np.stack([c, s, 0.0 * c], axis=1)[:, None, :]
+    point = mean + place[None, :, None] * along + np.array([0.0, 0.0, one.position])
+    normal = np.broadcast_to(normal, point.shape)
+    stations = (float(structure.nodes[inner]), float(structure.at[outer - n]) if outer >= 0 else one.position)
+    B = np.empty((row.count, row.slices, 2, 6))
+    for end, (at, direction) in enumerate(zip(stations, (1.0, -1.0), strict=True)):
+        arm = point - np.array([0.0, 0.0, at])
+        B[:, :, end, :3], B[:, :, end, 3:] = direction * normal, direction * np.cross(arm, normal)
+    law, count = bearing.law(), row.count * row.slices
+    arrays = AxisRollers(
+        np.tile([inner, outer], (count, 1)).astype(np.int64),
+        B.reshape(count, 2, 6),
+        np.tile(place**2 / row.crown, row.count) + sign * sin * one.offset,
+        np.full(count, row.length / row.slices),
+        np.full(count, float(law.g)),
+        np.full(count, float(law.s)),
+    )
+    return RollerSet(one, row, slice(first, first + count), azimuths, arrays)
+
+
+def _all_rollers(sets: list[RollerSet]) -> AxisRollers:
+    """Slices of all rows one after the other."""
+    if not sets:
+        none = np.zeros(0)
+        return AxisRollers(np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2, 6)), none, none, none, none)
+    return AxisRollers(*(np.ascontiguousarray(np.concatenate(x)) for x in zip(*(r.arrays for r in sets), strict=True)))
+
+
+def _axis(structure: Structure, contacts: AxisBalls, slices: AxisRollers) -> AxisArrays:
+    """Arrays of shaft, housings and springs, with the envelope: each housing comes right after the last node it meets."""
+    n, r = structure.nodes.size, structure.stations.size
+    pairs = np.array([(a, b) for a in range(4) for b in range(a)])
+    used = contacts.geometry[..., 5] > 0.0
+    joined = [contacts.row[:, p][(used[:, p].all(axis=1)) & (contacts.row[:, p] >= 0).all(axis=1)] for p in pairs]
+    met = np.concatenate([*joined, slices.row[(slices.row >= 0).all(axis=1)]])
+    springs = structure.ends[(structure.ends >= 0).all(axis=1)]
+    last = np.arange(r, dtype=float)
+    last[n:] = 0.0
+    for i in range(n, r):
+        mine = met[(met == i).any(axis=1)]
+        last[i] = float(mine[mine < n].max(initial=0)) + 0.5
+    order = np.argsort(last, kind="stable")
+    place = np.empty(r, dtype=np.int64)
+    place[order] = np.arange(r)
+    links = np.concatenate([met, springs, np.column_stack([np.arange(n - 1), np.arange(1, n)])]).astype(np.int64)
+    low, high = place[links].min(axis=1), place[links].max(axis=1)
+    block = np.arange(r)
+    np.minimum.at(block, high, low)
+    first = np.repeat(6 * block, 6).astype(np.int64)
+    size = np.arange(6 * r) - first + 1
+    start = np.concatenate([np.cumsum(size) - size - first, [size.sum()]]).astype(np.int64)
+    sections = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in structure.sections])
+    return AxisArrays(
+        np.diff(structure.nodes),
+        sections,
+        structure.fixed,
+        structure.load,
+        structure.ends,
+        structure.reach,
+        structure.springs,
+        place,
+        first,
+        start,
+    )

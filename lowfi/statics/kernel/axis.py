@@ -1,0 +1,415 @@
+"""Newton's method on the energy of a shaft, the bodies beside it and the rolling elements between them.
+
+E(q) = shaft + springs - f q + sum over balls of min over the centre of their contact energies + sum over rollers. The
+unknowns are the motions of the shaft's nodes and of the bodies; the matrix is held in its envelope (``skyline``), so that
+the cost is linear in the number of sets. Steps and line search as in ``newton``: the case of one set whose nut stands.
+"""
+
+from math import exp, log, sqrt
+
+import numpy as np
+
+from lowfi.jit import kernel
+from lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers, AxisSlopes, AxisState, BeamOptions, Outcome
+
+from .axis_matrix import add_axis, add_balls, add_rollers, hold
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, block, settle
+from .beam import element_force, positions
+from .newton import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR, residual_of, slope_along
+from .skyline import factor, substitute
+
+
+@kernel
+def flank_hessian(contact: Array, out: Array) -> None:
+    """Hessian of the ball's energy by the motion of its four flanks, its centre eliminated: out (8, 8) [N/m].
+
+    As `lowfi.statics.kernel.ball.reduced_hessian`, of which the first half of rows and columns is that.
+    """
+    out[:, :] = 0.0
+    h = np.zeros((4, 3))
+    txx, txz, tzz = 0.0, 0.0, 0.0
+    for s in range(4):
+        h[s, 0], h[s, 1], h[s, 2] = block(contact, s)
+        txx, txz, tzz = txx + h[s, 0], txz + h[s, 1], tzz + h[s, 2]
+    det = txx * tzz - txz * txz
+    if det <= 0.0:
+        return
+    ixx, ixz, izz = tzz / det, -txz / det, txx / det
+    for s in range(4):
+        if contact[s, FORCE] <= 0.0:
+            continue
+        a00, a01 = h[s, 0] * ixx + h[s, 1] * ixz, h[s, 0] * ixz + h[s, 1] * izz
+        a10, a11 = h[s, 1] * ixx + h[s, 2] * ixz, h[s, 1] * ixz + h[s, 2] * izz
+        for t in range(4):
+            if t == s or contact[t, FORCE] <= 0.0:
+                continue
+            o, c = 2 * s, 2 * t
+            x = a00 * h[t, 0] + a01 * h[t, 1]
+            y = a00 * h[t, 1] + a01 * h[t, 2]
+            z = a10 * h[t, 0] + a11 * h[t, 1]
+            w = a10 * h[t, 1] + a11 * h[t, 2]
+            out[o, c], out[o, c + 1], out[o + 1, c], out[o + 1, c + 1] = -x, -y, -z, -w
+            out[o, o] += x
+            out[o, o + 1] += y
+            out[o + 1, o] += z
+            out[o + 1, o + 1] += w
+
+
+@kernel
+def roller_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
+    """Line load q [N/m], its slope by the approach, and energy [J/m], of delta = q (g - S ln q), delta > 0.
+
+    Beyond exp(-3) of the load at which the law bends back, far above any real one, it goes on along its tangent, so that
+    the energy stays convex.
+    """
+    edge = exp(g / s - 4.0)
+    limit = edge * (g - s * log(edge))
+    rest = delta - limit
+    delta = min(delta, limit)
+    q = delta / g
+    for _ in range(60):
+        step = (q * (g - s * log(q)) - delta) / (g - s * (1.0 + log(q)))
+        new = q - step
+        if new <= 0.0:
+            new = 0.5 * q
+        if abs(new - q) <= 1e-16 * q:
+            break
+        q = new
+    slope = 1.0 / (g - s * (1.0 + log(q)))
+    energy = 0.5 * q * q * (g - s * (0.5 + log(q)))
+    if rest > 0.0:
+        energy += rest * (q + 0.5 * slope * rest)
+        q += slope * rest
+    return q, slope, energy
+
+
+@kernel
+def evaluate_axis(
+    axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, out: AxisSlopes
+) -> tuple[float, float]:
+    """Energy and gradient at the state; fills out; returns energy and the largest force met [N]."""
+    lengths, load = axis.lengths, axis.load
+    q, d, p, contact, _ = state
+    gradient, hessians = out
+    positions(q, d, lengths)
+    energy, scale = 0.0, 0.0
+    for i in range(q.shape[0]):
+        for k in range(6):
+            gradient[i, k] = -load[i, k]
+            energy -= load[i, k] * q[i, k]
+            if k < 3:
+                scale = max(scale, abs(load[i, k]))
+    f = np.empty(6)
+    for e in range(lengths.shape[0]):
+        element_force(d[e], lengths[e], axis.sections[e], f)
+        for k in range(6):
+            energy += 0.5 * f[k] * d[e, k]
+            gradient[e, k] -= f[k]
+            gradient[e + 1, k] += f[k]
+            if k < 3:
+                scale = max(scale, abs(f[k]))
+        gradient[e, 3] += lengths[e] * f[1]
+        gradient[e, 4] -= lengths[e] * f[0]
+    energy += spring_forces(axis, q, gradient)
+    shift = np.zeros((4, 2))
+    for i in range(balls.r_ball.shape[0]):
+        ball_shift(balls, q, i, shift)
+        energy += settle(
+            p[i], shift, balls.geometry[i], balls.closure[i], balls.r_ball[i], balls.profile[i], balls.tiny, contact[i]
+        )
+        flank_hessian(contact[i], hessians[i])
+        for s in range(4):
+            force, row = contact[i, s, FORCE], balls.row[i, s]
+            scale = max(scale, force)
+            if force > 0.0 and row >= 0:
+                fx, fz = force * contact[i, s, MX], force * contact[i, s, MZ]
+                for k in range(6):
+                    gradient[row, k] -= fx * balls.B[i, s, 0, k] + fz * balls.B[i, s, 1, k]
+    more, largest = roller_forces(rollers, q, state.slices, gradient)
+    return energy + more, max(scale, largest)
+
+
+@kernel
+def spring_forces(axis: AxisArrays, q: Array, gradient: Array) -> float:
+    """Add the springs' forces to the gradient; returns their energy [J]."""
+    energy = 0.0
+    e, f = np.empty(6), np.empty(6)
+    for k in range(axis.ends.shape[0]):
+        e[:] = 0.0
+        for end in range(2):
+            row = axis.ends[k, end]
+            if row >= 0:
+                for a in range(6):
+                    for b in range(6):
+                        e[a] += axis.reach[k, end, a, b] * q[row, b]
+        for a in range(6):
+            f[a] = 0.0
+            for b in range(6):
+                f[a] += axis.springs[k, a, b] * e[b]
+            energy += 0.5 * f[a] * e[a]
+        for end in range(2):
+            row = axis.ends[k, end]
+            if row >= 0:
+                for a in range(6):
+                    for b in range(6):
+                        gradient[row, b] += axis.reach[k, end, a, b] * f[a]
+    return energy
+
+
+@kernel
+def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
+    """Motions (4, 2) [m] of the flanks of ball i."""
+    for s in range(4):
+        row = balls.row[i, s]
+        for a in range(2):
+            x = balls.v0[i, s, a]
+            if row >= 0:
+                for k in range(6):
+                    x += balls.B[i, s, a, k] * q[row, k]
+            shift[s, a] = x
+
+
+@kernel
+def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array) -> tuple[float, float]:
+    """Forces and stiffnesses of all slices; adds them to the gradient; returns their energy and the largest force."""
+    energy, scale = 0.0, 0.0
+    for i in range(rollers.drop.shape[0]):
+        delta = -rollers.drop[i]
+        for end in range(2):
+            row = rollers.row[i, end]
+            if row >= 0:
+                for k in range(6):
+                    delta += rollers.B[i, end, k] * q[row, k]
+        slices[i, 0], slices[i, 1] = 0.0, 0.0
+        if delta <= 0.0:
+            continue
+        load, slope, stored = roller_law(delta, rollers.g[i], rollers.s[i])
+        force = rollers.width[i] * load
+        slices[i, 0], slices[i, 1] = force, rollers.width[i] * slope
+        energy += rollers.width[i] * stored
+        scale = max(scale, force)
+        for end in range(2):
+            row = rollers.row[i, end]
+            if row >= 0:
+                for k in range(6):
+                    gradient[row, k] += force * rollers.B[i, end, k]
+    return energy, scale
+
+
+@kernel
+def advance_axis(axis: AxisArrays, state: AxisState, q0: Array, d0: Array, step: Array, t: float) -> None:
+    """State at (q0, d0) plus t step, the shaft in element deformations: the strain of the step is taken from the step."""
+    q, d, lengths = state.q, state.d, axis.lengths
+    n = d.shape[0] + 1
+    for k in range(6):
+        q[0, k] = q0[0, k] + t * step[0, k]
+        for i in range(n, q.shape[0]):
+            q[i, k] = q0[i, k] + t * step[i, k]
+    for e in range(d.shape[0]):
+        x = lengths[e]
+        d[e, 0] = d0[e, 0] + t * (step[e + 1, 0] - step[e, 0] - x * step[e, 4])
+        d[e, 1] = d0[e, 1] + t * (step[e + 1, 1] - step[e, 1] + x * step[e, 3])
+        for k in range(2, 6):
+            d[e, k] = d0[e, k] + t * (step[e + 1, k] - step[e, k])
+
+
+@kernel
+def search_axis(
+    axis: AxisArrays,
+    balls: AxisBalls,
+    rollers: AxisRollers,
+    state: AxisState,
+    out: AxisSlopes,
+    step: Array,
+    energy: float,
+    slope: float,
+) -> tuple[float, float, int]:
+    """Step length along ``step``, as `lowfi.statics.kernel.newton.line_search`; the state is left at the accepted point."""
+    q0, d0 = state.q.copy(), state.d.copy()
+    low, high, t = 0.0, 0.0, 1.0
+    new, scale, evaluations = energy, 0.0, 0
+    while evaluations < 60:
+        advance_axis(axis, state, q0, d0, step, t)
+        new, scale = evaluate_axis(axis, balls, rollers, state, out)
+        evaluations += 1
+        ahead = slope_along(out.gradient, step, axis.fixed)
+        if ahead > 0.0:
+            if ahead <= 0.5 * abs(slope) and new <= energy:
+                break
+            if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
+                break
+            high = t
+            t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
+        else:
+            if ahead >= 0.9 * slope or high > 0.0 or t > 1e12:
+                break
+            low = t
+            t *= 4.0
+    return new, scale, evaluations
+
+
+@kernel
+def tangent(
+    axis: AxisArrays,
+    balls: AxisBalls,
+    rollers: AxisRollers,
+    state: AxisState,
+    hessians: Array,
+    base: Array,
+    values: Array,
+    shift: Array,
+) -> bool:
+    """Factor (in ``values``) of the Hessian of the energy plus ``shift`` (6,) on the diagonal; False where not positive.
+
+    base: stiffness of shaft and springs, of ``add_axis``.
+    """
+    values[:] = base
+    add_balls(values, axis, balls, hessians)
+    add_rollers(values, axis, rollers, state.slices)
+    hold(values, axis, shift)
+    return bool(factor(values, axis.first, axis.start))
+
+
+@kernel
+def solve_lines(axis: AxisArrays, values: Array, loads: Array, step: Array) -> None:
+    """Motions (r, 6) by loads (r, 6) from the factor; held freedoms do not move."""
+    b = np.zeros(6 * loads.shape[0])
+    for i in range(loads.shape[0]):
+        for k in range(6):
+            if not axis.fixed[i, k]:
+                b[6 * axis.place[i] + k] = loads[i, k]
+    substitute(values, axis.first, axis.start, b)
+    for i in range(loads.shape[0]):
+        for k in range(6):
+            step[i, k] = 0.0 if axis.fixed[i, k] else b[6 * axis.place[i] + k]
+
+
+@kernel
+def solve_axis(
+    axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, options: BeamOptions, history: Array
+) -> Outcome:
+    """Minimise the energy from the given state; history (most + 1,): residual per step.
+
+    The regularisation is proportional to the residual, so it vanishes at the solution and convergence stays fast.
+    """
+    tolerance, arm, r = options.tolerance, options.arm, state.q.shape[0]
+    floor, f = options.floor, np.empty(6)
+    for e in range(axis.lengths.shape[0]):
+        element_force(state.d[e], axis.lengths[e], axis.sections[e], f)
+        for k in range(3, 6):
+            floor = max(floor, abs(f[k]) / arm)
+    out = AxisSlopes(np.empty((r, 6)), np.zeros((balls.row.shape[0], 8, 8)))
+    values, base = np.empty(axis.start[-1]), np.zeros(axis.start[-1])
+    step, shift = np.empty((r, 6)), np.empty(6)
+    add_axis(base, axis)
+    energy, scale = evaluate_axis(axis, balls, rollers, state, out)
+    if floor == 0.0:
+        floor = 1e-3 * scale
+    scale = max(scale, floor)
+    residual = residual_of(out.gradient, axis.fixed, scale, arm)
+    history[0] = residual
+    evaluations, stalled, amount, best = 1, 0, 1e-3, residual
+    status, it = ITERATIONS, 0
+    if residual <= tolerance:
+        return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
+    for it in range(1, options.most + 1):
+        solved = False
+        for _ in range(12):
+            for k in range(6):
+                shift[k] = amount * options.stiffness * min(1.0, residual) * (1.0 if k < 3 else arm * arm)
+            solved = tangent(axis, balls, rollers, state, out.hessians, base, values, shift)
+            if solved:
+                break
+            amount *= 100.0
+        if not solved:
+            status = SINGULAR
+            break
+        solve_lines(axis, values, -out.gradient, step)
+        if residual < 1e-7:
+            advance_axis(axis, state, state.q.copy(), state.d.copy(), step, 1.0)
+            energy, scale = evaluate_axis(axis, balls, rollers, state, out)
+            evaluations += 1
+        else:
+            slope = slope_along(out.gradient, step, axis.fixed)
+            energy, scale, used = search_axis(axis, balls, rollers, state, out, step, energy, slope)
+            evaluations += used
+        scale = max(scale, floor)
+        residual = residual_of(out.gradient, axis.fixed, scale, arm)
+        history[it] = residual
+        amount = max(1e-3, amount * 0.1)
+        if residual <= tolerance:
+            status = CONVERGED
+            break
+        moved = 0.0
+        for i in range(r):
+            moved = max(moved, sqrt(state.q[i, 0] ** 2 + state.q[i, 1] ** 2 + state.q[i, 2] ** 2))
+        if moved > options.bound:
+            status = NOT_HELD
+            break
+        stalled = stalled + 1 if residual >= 0.5 * best else 0
+        best = min(best, residual)
+        if stalled >= 2 and residual <= 1e-9:
+            break
+    return Outcome(status, it, evaluations, residual, energy, scale)
+
+
+@kernel
+def start_axis(axis: AxisArrays, balls: AxisBalls, rollers: AxisRollers, state: AxisState, options: BeamOptions) -> bool:
+    """Start of the iteration: equilibrium on linear springs (reference stiffness) in place of balls and rollers.
+
+    Overwrites motions and deformations of ``state``; False (state untouched) where it cannot be found. No flank goes
+    further than the largest ball's radius.
+    """
+    count, r = balls.row.shape[0], state.q.shape[0]
+    hessians = np.zeros((count, 8, 8))
+    for i in range(count):
+        for a in range(2):
+            spring_of_pair(balls.geometry[i], a, options.stiffness, hessians[i])
+    state.slices[:, 0] = 0.0
+    state.slices[:, 1] = options.stiffness
+    out = AxisSlopes(np.zeros((r, 6)), np.zeros((0, 8, 8)))
+    none = AxisBalls(
+        balls.row[:0],
+        balls.B[:0],
+        balls.v0[:0],
+        balls.geometry[:0],
+        balls.closure[:0],
+        balls.r_ball[:0],
+        balls.profile[:0],
+        0.0,
+    )
+    bare = AxisRollers(rollers.row[:0], rollers.B[:0], rollers.drop[:0], rollers.width[:0], rollers.g[:0], rollers.s[:0])
+    evaluate_axis(axis, none, bare, state, out)
+    values, base, step = np.empty(axis.start[-1]), np.zeros(axis.start[-1]), np.zeros((r, 6))
+    add_axis(base, axis)
+    shift = 1e-9 * options.stiffness * np.ones(6)
+    for k in range(3, 6):
+        shift[k] *= options.arm * options.arm
+    if not tangent(axis, balls, rollers, state, hessians, base, values, shift):
+        return False
+    solve_lines(axis, values, -out.gradient, step)
+    reach, limit = 0.0, (balls.r_ball.max() if count else 1e-3)
+    moved = np.zeros((4, 2))
+    for i in range(count):
+        ball_shift(balls, step, i, moved)
+        for s in range(4):
+            if balls.geometry[i, s, USE] != 0.0:
+                reach = max(reach, sqrt(moved[s, 0] ** 2 + moved[s, 1] ** 2))
+    advance_axis(axis, state, state.q.copy(), state.d.copy(), step, 1.0 if reach <= limit else limit / reach)
+    return True
+
+
+@kernel
+def spring_of_pair(geometry: Array, a: int, stiffness: float, out: Array) -> None:
+    """Add a spring between flank a and its opposite, along the nominal contact direction, to a ball's Hessian (8, 8)."""
+    b = 3 - a
+    if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
+        return
+    size = max(geometry[a, SIZE], 1e-30)
+    w = np.empty(4)
+    w[0], w[1] = geometry[a, WX] / size, geometry[a, WZ] / size
+    w[2], w[3] = -w[0], -w[1]
+    for i in range(4):
+        row = 2 * a + i if i < 2 else 2 * b + i - 2
+        for j in range(4):
+            out[row, 2 * a + j if j < 2 else 2 * b + j - 2] += stiffness * w[i] * w[j]

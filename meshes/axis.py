@@ -1,0 +1,144 @@
+"""Several rolling sets on one shaft: plain records in SI units.
+
+A shaft in its supports carries ball nuts and bearings. The outer part of each (nut, outer ring) is held, or belongs to a
+housing: a rigid body that is held in some freedoms, stands on springs, or is joined to another housing by springs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.parts import Friction, Ingredients, Load, Material, Motion, Scene, Screw, Support
+
+#: A symmetric stiffness (6, 6), rows by FREEDOMS [N/m, N, N m].
+Stiffness = tuple[tuple[float, ...], ...]
+#: Direction of the thrust on the shaft that a set can carry: a gothic arch or a row each for both, one row of an
+#: angular-contact bearing for one; the one arc of a deep groove carries both and turns its contact angle.
+Thrust = Literal["both", "+z", "-z", "deep groove"]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """Plain stretch of the shaft from ``start`` to ``end`` [m]: diameter and bore [m]."""
+
+    start: float
+    end: float
+    diameter: float
+    bore: float = 0.0
+
+
+@dataclass(frozen=True)
+class Housing:
+    """Rigid body that carries nuts or outer rings; its motion is taken at station ``at`` [m] on the shaft's axis.
+
+    fixed: pairs (freedom, displacement [m] or rotation [rad]); stiffness: of its springs to the frame at ``at``, or None;
+    force [N] and moment [N m] on it, there.
+    """
+
+    name: str
+    at: float
+    fixed: tuple[tuple[str, float], ...] = ()
+    stiffness: Stiffness | None = None
+    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Springs between two housings, by name, at station ``at`` [m] on the axis."""
+
+    first: str
+    second: str
+    at: float
+    stiffness: Stiffness
+
+
+@dataclass(frozen=True)
+class RollerRow:
+    """One row of tapered rollers, every cone of it with its apex on the axis: number, mean diameter and effective length of
+    a roller [m], half included angles of cup and roller [rad], depth of both rings to which deformation counts [m],
+    material; crown: radius of the crowning at both contacts [m], infinite for straight rollers; slices of a roller;
+    azimuth of the first one [rad]."""
+
+    count: int
+    diameter: float
+    length: float
+    cup_angle: float
+    roller_angle: float
+    depth: float
+    material: Material
+    crown: float = float("inf")
+    slices: int = 15
+    phase: float = 0.0
+
+
+@dataclass(frozen=True)
+class RollingSet:
+    """One set on the shaft. parts: its track, grooves, balls and errors as a scene without supports and loads whose screw
+    is the shaft with this set's inner groove, or a row of rollers; ``position``: station of the outer part's centre, of the
+    middle of the cup's contact lines [m].
+
+    housing: the name of the housing of its outer part, None where that is held; offset: shift of the outer part along +z
+    against its housing [m]; preload: axial force [N] that is set by such a shift at mounting, without external loads, and
+    then locked (0: none); thrust: which thrust on the shaft the set carries.
+    """
+
+    name: str
+    kind: Literal["ball nut", "bearing", "tapered roller bearing"]
+    parts: Scene | RollerRow
+    position: float
+    housing: str | None = None
+    offset: float = 0.0
+    preload: float = 0.0
+    thrust: Thrust = "both"
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """One load case of a shaft with its rolling sets. screw: the shaft; segments: its plain stretches.
+
+    stiffness_at: station [m], or name of the housing, whose tangent stiffness is asked for (None: where the loads act);
+    thermal_strain: of the free shaft, the same along all of it.
+    """
+
+    name: str
+    title: str
+    screw: Screw
+    sets: tuple[RollingSet, ...]
+    segments: tuple[Segment, ...] = ()
+    housings: tuple[Housing, ...] = ()
+    joints: tuple[Joint, ...] = ()
+    supports: tuple[Support, ...] = ()
+    loads: tuple[Load, ...] = ()
+    ingredients: Ingredients = field(default_factory=Ingredients)
+    source: str = ""
+    assumed: tuple[str, ...] = ()
+    friction: Friction | None = field(default=None, repr=False)
+    motion: Motion | None = field(default=None, repr=False)
+    stiffness_at: float | str | None = None
+    thermal_strain: float = 0.0
+    kind: ClassVar[str] = "axis"
+
+    @property
+    def ball_count(self) -> int:
+        """Number of balls of all sets."""
+        return sum(s.parts.ball_count for s in self.sets if isinstance(s.parts, Scene))
+
+
+def diagonal(values: tuple[float, float, float, float, float, float]) -> Stiffness:
+    """Stiffness of six springs that do not feel one another."""
+    return full(np.diag(np.asarray(values)))
+
+
+def full(matrix: NDArray[np.float64]) -> Stiffness:
+    """A matrix (6, 6) as a record. Raises ValueError unless it is symmetric and has no negative eigenvalue."""
+    if matrix.shape != (6, 6) or not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0):
+        raise ValueError("a stiffness is a symmetric matrix of six rows")
+    scale = np.sqrt(np.where(np.diag(matrix) > 0.0, np.diag(matrix), 1.0))
+    if float(np.linalg.eigvalsh(matrix / scale[:, None] / scale[None, :]).min()) < -1e-9:
+        raise ValueError("a stiffness must not be negative in any direction")
+    return tuple(tuple(float(x) for x in row) for row in matrix)

@@ -1,0 +1,89 @@
+"""Small shafts with several rolling sets, shared by the tests."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from lowfi.statics.axis.solve import solve_assembly
+from meshes.axis import Assembly, Housing, RollerRow, RollingSet, diagonal
+from meshes.parts import Balls, Load, Nut, Scene, Screw, Support, Track
+from tests.helpers import ALL_BUT_AXIAL, STEEL, small_screw
+
+SHAFT = Screw(0.3, 32e-3, 3.254e-3, STEEL)
+#: An angular-contact bearing of 14 balls at 60 degrees.
+PITCH, ANGLE, BALL, GROOVE = 18e-3, np.radians(60.0), 3.5e-3, 0.52 * 7e-3
+TURNING = Support(0.0, (("rz", 0.0),))
+ROLLERS = RollerRow(12, 8e-3, 12e-3, np.radians(30.0), np.radians(4.0), 5e-3, STEEL, slices=7)
+
+
+def bare(scene, screw=SHAFT):
+    """The parts of a scene, without what holds and loads them, on a shaft."""
+    own = replace(screw, groove_radius=scene.screw.groove_radius)
+    return replace(scene, screw=own, supports=(), loads=())
+
+
+def one_set(scene):
+    """A scene of one set as an assembly."""
+    nut = RollingSet("nut", "ball nut", replace(scene, supports=(), loads=()), scene.nut.position)
+    return Assembly(
+        "one", "one", scene.screw, (nut,), supports=scene.supports, loads=scene.loads, ingredients=scene.ingredients
+    )
+
+
+def nut(name, z, *, count=12, turns=1.5, lead=10e-3, hand="right", **options):
+    """A ball nut at z."""
+    parts = bare(small_screw(count=count, turns=turns, lead=lead, hand=hand))
+    parts = replace(parts, nut=replace(parts.nut, position=z, length=40e-3))
+    return RollingSet(name, "ball nut", parts, z, **options)
+
+
+def bearing(name, z, thrust, *, count=14, screw=SHAFT, **options):
+    """An angular-contact bearing at z that carries thrust one way."""
+    azimuths = tuple(2.0 * np.pi * (np.arange(count) - (count - 1) / 2.0) / count)
+    parts = Scene(
+        name,
+        name,
+        Track(PITCH, 0.0, ANGLE),
+        replace(screw, groove_radius=GROOVE, outer_diameter=33e-3),
+        Nut(z, 15e-3, 62e-3, 0.53 * 7e-3, STEEL),
+        Balls(BALL, STEEL, azimuths),
+    )
+    return RollingSet(name, "bearing", parts, z, thrust=thrust, **options)
+
+
+def assembly(*sets, **options):
+    """A shaft with these sets."""
+    return Assembly("axis", "axis", SHAFT, sets, **options)
+
+
+def double_nut(offset=3e-6, force=800.0, **options):
+    """Two nuts in one housing on springs, the shaft held but for its axis."""
+    sets = (
+        nut("nut 1", 0.13, housing="h", offset=-offset, **options),
+        nut("nut 2", 0.17, housing="h", offset=offset, **options),
+    )
+    springs = diagonal((4e8, 5e8, 6e8, 2e5, 3e5, 4e5))
+    load = Load(0.0, (0.0, 0.0, force))
+    return assembly(
+        *sets, housings=(Housing("h", 0.14, (), springs),), supports=(Support(0.0, ALL_BUT_AXIAL),), loads=(load,)
+    )
+
+
+def fixed_axis(force=(0.0, 0.0, 600.0), preload=4e-6):
+    """Shaft between two preloaded pairs of bearings, with a nut in a carriage that slides along it."""
+    sets = (
+        bearing("left +", 0.02, "+z", offset=-preload),
+        bearing("left -", 0.035, "-z", offset=preload),
+        bearing("right +", 0.265, "+z", offset=-preload),
+        bearing("right -", 0.28, "-z", offset=preload),
+        nut("nut", 0.12, housing="carriage"),
+    )
+    held = tuple((k, 0.0) for k in ("ux", "uy", "rx", "ry", "rz"))
+    return assembly(*sets, housings=(Housing("carriage", 0.12, held, None, force),), supports=(TURNING,))
+
+
+def solved(parts, **options):
+    """Result of an assembly that must converge."""
+    result = solve_assembly(parts, engine="interpreted", **options)
+    assert result.status == "converged"
+    return result
