@@ -6,7 +6,7 @@ import json
 import os
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -465,6 +465,55 @@ def friction(
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
     return run(scene, choices, as_json, _show, _print_json)
+
+
+@app.command
+def sweep(
+    scene: str,
+    *,
+    vary: Annotated[list[str], Parameter(negative="")],
+    samples: int = 256,
+    method: Literal["sobol", "lhs", "grid"] = "sobol",
+    model: str = "",
+    seed: int = 0,
+    out: Path = Path("rollbench-sweep"),
+    as_json: Json = False,
+    backend: str = "joblib",
+    scheduler: str | None = None,
+    workers: int | None = None,
+) -> int:
+    """Solve a scene at many values of its keys; one stored record a sample, an interrupted sweep goes on.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    vary
+        KEY=A:B or KEY=v1,v2, again for every key: dotted path, lists by [0], units as in the scene, e.g.
+        "loads[0].force[2]=1 kN:5 kN". A range of bare whole numbers gives whole numbers (errors.seed=1:1000).
+    samples
+        How many; sobol takes the nearest n (keys + 2) with n a power of two, grid at most so many.
+    method
+        sobol (with Sobol indices), lhs (Latin hypercube) or grid.
+    model
+        refined unless given; see: rollbench list.
+    seed
+        Seed of the design.
+    out
+        Folder of the records and the summary; what it holds is not solved again.
+    backend
+        joblib (this machine) or dask (a cluster).
+    scheduler
+        Address of the Dask scheduler.
+    workers
+        Processes at the same time; 1 here, or what the cluster has, unless given.
+    """
+    from compare.commands.sweep import run_sweep, sweep_of
+    from compare.models.registry import DEFAULT
+    from compare.reference.jobs import Engine
+
+    what = sweep_of(scene, vary, samples, method, seed, model or DEFAULT)
+    return run_sweep(what, out, Engine(backend, scheduler, workers), json_out=as_json, show=_show, print_json=_print_json)
 
 
 @app.command

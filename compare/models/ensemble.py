@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import Problem, build, distances, hertz_C
 from lowfi.statics.selection import choose_sides
-from lowfi.statics.shape import motion_matrix
+from lowfi.statics.shape import motion_matrices
 from lowfi.statics.static import ACCEPTED, Engine, Prepared, pick_engine, pin, prepare, reference_scale, run, solve_static
 from meshes.errors import draw_ball_radii, specimen
 from meshes.helix import BallLayout, ball_layout, nominal_groove_centres
@@ -293,7 +293,7 @@ def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
     r[:, 2] -= layout.z
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     rows = np.concatenate([axes, np.cross(r[:, None, :], axes)], axis=2)
-    for i in range(n):
-        j, matrix = motion_matrix(float(layout.z[i]), problem.nodes, problem.section)
-        out[i, :, 6 * j : 6 * j + 12] = rows[i] @ matrix
+    first, matrices = motion_matrices(layout.z, problem.nodes, problem.section)
+    for i, (j, row) in enumerate(zip(first, rows @ matrices, strict=True)):
+        out[i, :, 6 * j : 6 * j + 12] = row
     return out

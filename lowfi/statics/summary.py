@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lowfi.statics.problem import SIGNS, Problem, nominal_hertz
 from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
-from lowfi.statics.shape import motion_matrix, rigid_transport
+from lowfi.statics.shape import motions_at, rigid_transport
 from lowfi.statics.solved import SolvedState
 from meshes.parts import Scene
 from meshes.section import groove_section, nut_groove_range
@@ -51,11 +51,7 @@ def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
     if problem.basis is not None:
         motion = problem.basis @ flat
         return stations, np.stack([rigid_transport(float(z - problem.nodes[0])) @ motion for z in stations])
-    rows = []
-    for z in stations:
-        j, m = motion_matrix(float(z), problem.nodes, problem.section)
-        rows.append(m @ flat[6 * j : 6 * j + 12])
-    return stations, np.stack(rows)
+    return stations, motions_at(stations, problem.nodes, problem.section, q.reshape(-1, 6))
 
 
 def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
@@ -87,9 +83,9 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
     reaction_force: Array = np.zeros(3)
     reaction_moment: Array = np.zeros(3)
     if problem.basis is None:
-        for j, z in enumerate(problem.nodes):
-            reaction_force += nodal[j, :3]
-            reaction_moment += nodal[j, 3:] + np.cross([0.0, 0.0, z], nodal[j, :3])
+        reaction_force = nodal[:, :3].sum(axis=0)
+        about = np.stack([-problem.nodes * nodal[:, 1], problem.nodes * nodal[:, 0], np.zeros(problem.nodes.size)], axis=1)
+        reaction_moment = (nodal[:, 3:] + about).sum(axis=0)
     else:  # the supports of a rigid screw take what is left along the motions they hold
         t: Array = problem.basis
         z0 = np.array([0.0, 0.0, problem.nodes[0]])
