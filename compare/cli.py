@@ -93,8 +93,12 @@ def solve(
     everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
     member: int = 0,
     condensed: Path | None = None,
+    members: int | None = None,
+    csv: Path | None = None,
+    seed: int | None = None,
+    workers: int | None = None,
 ) -> int:
-    """Solve one scene with one model.
+    """Solve one scene with one model, or many members of a scene with random errors.
 
     Parameters
     ----------
@@ -108,6 +112,14 @@ def solve(
         Which specimen of a scene with random errors.
     condensed
         File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+    members
+        Solve so many members: bands of every ball, distributions of the largest load, stiffness, lost contacts, life.
+    csv
+        With --members: file of one row a member.
+    seed
+        With --members: seed of the random errors in place of the scene's.
+    workers
+        With --members: processes at the same time.
     """
     from compare.commands.solve_output import as_json as to_json
     from compare.commands.solve_output import as_table
@@ -115,6 +127,14 @@ def solve(
     from compare.models.registry import DEFAULT, Options, run_model
     from compare.scenes import catalogue
 
+    if members is not None:
+        from compare.commands import members as ensembles
+        from compare.reference.jobs import Engine
+
+        what = {"csv_out": csv, "seed": seed, "engine": Engine(workers=workers), "json_out": as_json}
+        return ensembles.run(scene, model or DEFAULT, members, **what, show=_show, print_json=_print_json)  # type: ignore[arg-type]
+    if not csv is seed is workers is None:
+        raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
     model = model or (DEFAULT if condensed is None else "condensed")
     if condensed is not None and model != "condensed":
         raise InputError("command line", "--condensed", str(condensed), "the model condensed", "leave --model out")

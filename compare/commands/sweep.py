@@ -105,11 +105,10 @@ def _effects(keys: Sequence[Vary], found: Mapping[str, Any]) -> Any:
     for vary in keys:
         means = [g["mean"] for g in found["main_effects"][vary.key]]
         cells = [f"{min(means):.5g}", f"{max(means):.5g}"] if means else ["–", "–"]
-        for kind in ("first", "total"):
-            cells.append("–" if own is None else "{:.3f} ({:.3f} to {:.3f})".format(*_interval(own[vary.key], kind)))
+        cells += [_interval(own[vary.key], kind) if own is not None else "–" for kind in ("first", "total")]
         table.add_row(vary.label, *cells)
     return table
 
 
-def _interval(row: Mapping[str, float], kind: str) -> tuple[float, float, float]:
-    return row[kind], row[f"{kind}_low"], row[f"{kind}_high"]
+def _interval(row: Mapping[str, float], kind: str) -> str:
+    return f"{row[kind]:.3f} ({row[f'{kind}_low']:.3f} to {row[f'{kind}_high']:.3f})"

@@ -25,8 +25,8 @@ def test_values_of_a_list_are_read_as_toml_reads_them():
 
 @pytest.mark.parametrize(
     "text",
-    ["", "track.lead", "track.lead=", "track..lead=1 mm:2 mm", "track.lead=1 mm:2 um", "track.lead=2 mm:1 mm", "a=1", "a=1,1",
-     "a=1,,2", "a=x:y", "a=1:2:3", "a b=1,2"],
+    ["", "track.lead", "track.lead=", "track..lead=1 mm:2 mm", "track.lead=1 mm:2 um", "track.lead=2 mm:1 mm", "a=1",
+     "a=1,1", "a=1,,2", "a=x:y", "a=1:2:3", "a b=1,2"],
 )  # fmt: skip
 def test_other_forms_are_refused(text):
     with pytest.raises(InputError, match="--vary"):
