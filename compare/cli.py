@@ -133,7 +133,7 @@ def solve(
 
         what = {"csv_out": csv, "seed": seed, "engine": Engine(workers=workers), "json_out": as_json}
         return ensembles.run(scene, model or DEFAULT, members, **what, show=_show, print_json=_print_json)  # type: ignore[arg-type]
-    if not csv is seed is workers is None:
+    if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
     model = model or (DEFAULT if condensed is None else "condensed")
     if condensed is not None and model != "condensed":

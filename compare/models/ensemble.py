@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import Problem, build, distances, hertz_C
+from lowfi.statics.result import StaticResult
 from lowfi.statics.selection import choose_sides
 from lowfi.statics.shape import motion_matrices
 from lowfi.statics.static import ACCEPTED, Engine, Prepared, pick_engine, pin, prepare, reference_scale, run, solve_static
-from lowfi.statics.result import StaticResult
 from meshes.errors import draw_ball_radii, specimen
 from meshes.helix import BallLayout, ball_layout, nominal_groove_centres
 from meshes.parts import SIDES, BallErrors, Scene
@@ -42,8 +42,8 @@ class EnsembleResult:
     """Loads of every member of a scene with random errors.
 
     loads ``(M, N, 4)`` [N] (nan where there is no equilibrium); statuses ``(M,)`` as in ``StaticResult``; residuals
-    ``(M,)``; works ``(M,)``, loads times the motions of their stations [J]; solve_seconds and setup_seconds per member (wall clock; setup: drawing and packing); path: how they were
-    solved; all_sides: members that needed all four sides; general: members that went through ``solve_static``.
+    ``(M,)``; works ``(M,)``, loads times the motions of their stations [J]; solve_seconds and setup_seconds per member
+    (wall clock; setup: drawing and packing); path: how they were solved; all_sides: members that needed all four sides; general: members that went through ``solve_static``.
     """
 
     scene: str

@@ -110,11 +110,10 @@ def life_sum(load: Array) -> Array:
 
 
 def _scaled(scene: Scene, factor: float) -> Scene:
-    loads = tuple(
-        replace(x, force=tuple(factor * f for f in x.force), moment=tuple(factor * m for m in x.moment))
-        for x in scene.loads
-    )
-    return replace(scene, loads=loads)
+    def times(v: tuple[float, float, float]) -> tuple[float, float, float]:
+        return factor * v[0], factor * v[1], factor * v[2]
+
+    return replace(scene, loads=tuple(replace(x, force=times(x.force), moment=times(x.moment)) for x in scene.loads))
 
 
 def _solved(scene: Scene, model: str, engine: str, first: int, count: int) -> tuple[Array, tuple[str, ...], Array, Array]:
