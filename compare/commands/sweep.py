@@ -86,7 +86,7 @@ def terminal(keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Any]:
     parts.append(table)
     parts.append(_effects(keys, found))
     worst = Table(title="worst samples", title_justify="left")
-    for heading in ("sample", OUTPUTS[MAIN], "at", *(v.key for v in keys)):
+    for heading in ("sample", OUTPUTS[MAIN], "at", *(v.name for v in keys)):
         worst.add_column(heading, justify="right")
     for row in found["worst"]:
         worst.add_row(str(row["sample"]), f"{row[MAIN]:.5g}", row["at"], *(str(v) for v in row["values"]))

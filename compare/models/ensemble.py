@@ -43,7 +43,8 @@ class EnsembleResult:
 
     loads ``(M, N, 4)`` [N] (nan where there is no equilibrium); statuses ``(M,)`` as in ``StaticResult``; residuals
     ``(M,)``; works ``(M,)``, loads times the motions of their stations [J]; solve_seconds and setup_seconds per member
-    (wall clock; setup: drawing and packing); path: how they were solved; all_sides: members that needed all four sides; general: members that went through ``solve_static``.
+    (wall clock; setup: drawing and packing); path: how they were solved; all_sides: members that needed all four sides;
+    general: members that went through ``solve_static``.
     """
 
     scene: str

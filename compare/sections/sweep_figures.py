@@ -41,7 +41,7 @@ def _effects(name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: st
         bars = [m - g["standard_error"] for m, g in zip(mean, groups, strict=True)]
         ends = [m + g["standard_error"] for m, g in zip(mean, groups, strict=True)]
         series = Series("mean", at, mean, "line+markers", bars=(bars, ends))
-        panels.append(Panel(vary.key, vary.label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.choices)))
+        panels.append(Panel(vary.name, vary.label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.choices)))
     caption = "Mean over all samples in a part of the key's range; bars: its standard error." + left
     return Figure(f"{name}-effects", f"{name}: main effects", tuple(panels), caption)
 
@@ -50,7 +50,7 @@ def _scatter(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequen
     some = list(rows[:: max(1, len(rows) // POINTS)])
     x, y = inputs(keys, some), column(some, MAIN)
     panels = tuple(
-        Panel(keys[k].key, keys[k].label, OUTPUTS[MAIN], (Series("samples", list(x[:, k]), list(y), "markers"),))
+        Panel(keys[k].name, keys[k].label, OUTPUTS[MAIN], (Series("samples", list(x[:, k]), list(y), "markers"),))
         for k in shown
     )
     return Figure(f"{name}-scatter", f"{name}: samples", panels, f"{len(some)} of {len(rows)} samples.{left}")
@@ -66,7 +66,7 @@ def _worst(name: str, keys: Sequence[Vary], worst: Sequence[Record]) -> Figure:
         Series(f"{row[MAIN]:.4g} N at {row['at']}", number, list(at)) for row, at in zip(worst[:5], place[:5], strict=True)
     )
     caption = "Place in its range (0 to 1) of each key: " + "; ".join(
-        f"{k:g}: {v.key}" for k, v in zip(number, keys, strict=True)
+        f"{k:g}: {v.name}" for k, v in zip(number, keys, strict=True)
     )
     panel = Panel("worst samples", "key", "place in its range", series, integer_x=True)
     return Figure(f"{name}-worst", f"{name}: worst samples", (panel,), caption)
@@ -85,7 +85,7 @@ def _indices(name: str, keys: Sequence[Vary], indices: Mapping[str, Any]) -> Fig
     caption = (
         f"Sobol indices of the {OUTPUTS[MAIN].removesuffix(' / N')} from {indices['base_points']} base points, with "
         f"{100 * indices['confidence']:g} % intervals: "
-        + "; ".join(f"{k:g}: {v.key}" for k, v in zip(number, keys, strict=True))
+        + "; ".join(f"{k:g}: {v.name}" for k, v in zip(number, keys, strict=True))
     )
     panel = Panel("Sobol indices", "key", "share of the variance", tuple(series), integer_x=True, zero=True)
     return Figure(f"{name}-indices", f"{name}: Sobol indices", (panel,), caption)

@@ -1,4 +1,7 @@
-"""Keys of a scene that a sweep varies: ``KEY=A:B`` for a range, ``KEY=v1,v2`` for a list, units as in the scene."""
+"""Keys of a scene that a sweep varies: ``KEY=A:B`` for a range, ``KEY=v1,v2`` for a list, units as in the scene.
+
+``KEY+KEY=...`` gives several keys the same value.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,8 @@ from typing import Any
 from compare.errors import InputError
 from compare.scenes.units import show
 
-_PATH = re.compile(r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*")
+_ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
+_PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
 _FORM = "KEY=A:B or KEY=v1,v2, units as in the scene"
 #: Most keys of a sweep, and most values of a list.
@@ -23,7 +27,8 @@ MOST_KEYS, MOST_VALUES = 20, 1000
 class Vary:
     """One varied key.
 
-    key: dotted path with indices from 0, ``loads[0].force[2]``; text: as given; low, high and unit of a range, whole: of
+    key: dotted path with indices from 0, ``loads[0].force[2]``, or several that share their value with ``+`` between; text:
+    as given; low, high and unit of a range, whole: of
     whole numbers, both ends included; choices: the values of a list, as a scene file holds them (empty for a range).
     """
 
@@ -59,8 +64,19 @@ class Vary:
     def label(self) -> str:
         """The key with its unit, for tables and axes."""
         if self.choices:
-            return f"{self.key} ({', '.join(str(c) for c in self.choices[:6])}{', ...' if len(self.choices) > 6 else ''})"
-        return f"{self.key} / {self.unit}" if self.unit else self.key
+            return f"{self.name} ({', '.join(str(c) for c in self.choices[:6])}{', ...' if len(self.choices) > 6 else ''})"
+        return f"{self.name} / {self.unit}" if self.unit else self.name
+
+    @property
+    def paths(self) -> list[str]:
+        """The paths that take the value."""
+        return self.key.split("+")
+
+    @property
+    def name(self) -> str:
+        """The first path, and how many share its value."""
+        first, *others = self.paths
+        return f"{first} (+{len(others)})" if others else first
 
 
 def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
@@ -68,9 +84,10 @@ def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
     found = tuple(_read(text) for text in texts)
     if not 1 <= len(found) <= MOST_KEYS:
         raise InputError("command line", "--vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
-    for i, one in enumerate(found):
-        if one.key in [other.key for other in found[:i]]:
-            raise InputError("command line", "--vary", one.key, "each key once", "put all its values into one --vary")
+    paths = [path for one in found for path in one.paths]
+    for path in paths:
+        if paths.count(path) > 1:
+            raise InputError("command line", "--vary", path, "each key once", "put all its values into one --vary")
     return found
 
 
@@ -118,7 +135,8 @@ def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) ->
     """A copy of a scene's tables with other values of the keys. Raises InputError for a list that has no such entry."""
     out = copy.deepcopy(raw)
     for vary, value in zip(keys, values, strict=True):
-        _put(out, vary.key, value)
+        for path in vary.paths:
+            _put(out, path, value)
     return out
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import sobol_indices
 
+from compare.scenes.scene_file import scene_hash
 from compare.sweep.design import base_points
 from compare.sweep.keys import Vary
 from compare.sweep.run import Sweep
@@ -34,6 +35,7 @@ def summary(sweep: Sweep, records: Mapping[int, Record]) -> dict[str, Any]:
     reasons = Counter(row["status"] for row in rows if row["status"] != CONVERGED)
     return {
         **{k: v for k, v in sweep.header().items() if k != "text"},
+        "scene_hash": scene_hash(sweep.text),
         "solved": len(rows),
         "converged": len(good),
         "failures": [{"reason": reason, "samples": n} for reason, n in reasons.most_common()],
