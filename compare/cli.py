@@ -538,6 +538,27 @@ def sweep(
 
 
 @app.command
+def audit(
+    *,
+    only: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
+    write: Path | None = None,
+    as_json: Json = False,
+) -> int:
+    """Judge every printed entry of the sources; exit 1 where a verdict differs from the stored list.
+
+    Parameters
+    ----------
+    only
+        Names of printed tables; all unless given.
+    write
+        File to write the list of verdicts to, as compare/printed/audit/verdicts.json holds it.
+    """
+    from compare.commands.audit import run_audit
+
+    return run_audit(only or (), write=write, json_out=as_json, show=_show, print_json=_print_json)
+
+
+@app.command
 def stability(*, as_json: Json = False) -> int:
     """Run the table of stiff and extreme scenes; exit 1 where this project's solver fails on any."""
     from compare.commands.stability import run_stability

@@ -52,6 +52,7 @@ PARTS = (
     Part("friction-screw", "friction_screw"),
     Part("smith", "smith"),
     Part("liu", "liu"),
+    Part("audit", "audit", runs=True),
     Part("formulations", "formulations"),
     Part("verification", "verification", meshes=True),
     Part("stability", "stability", long=True),
