@@ -111,8 +111,6 @@ def _judge_open(found: Evidence, words: str) -> tuple[Verdict, str]:
     for pattern, why in contradicted().items():
         if fnmatchcase(name, pattern):
             return "contradicted", sentences(why[:1].upper() + why[1:], words)
-    if found.printed.value is None and found.holds is False:
-        return "contradicted", words
     return "not identifiable", words
 
 

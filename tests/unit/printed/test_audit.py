@@ -31,9 +31,10 @@ PLAIN = Printed("lin-x", "a", "b", 1.0, "N", "Lin (2019), 1", "hard", 0.005, "wh
         ({"kind": "arithmetic"}, {"value": 1.0}, "identity"),
         ({"kind": "zero"}, {"value": 1.0}, "identity"),
         ({"cls": "open"}, {"value": 1.0}, "not identifiable"),
-        ({"cls": "open", "value": None, "claim": "so"}, {"holds": False}, "contradicted"),
+        ({"cls": "open", "value": None, "claim": "so"}, {"holds": False}, "not identifiable"),
         ({"cls": "open", "value": None, "claim": "so"}, {"holds": True}, "not identifiable"),
         ({"value": None, "claim": "so"}, {"holds": True}, "reproduced"),
+        ({"value": None, "claim": "so"}, {"holds": False}, "contradicted"),
         ({"cls": "open", "table": "liu-4.2", "key": "plus_Q33_5000"}, {"value": 142.9}, "contradicted"),
     ],
 )
