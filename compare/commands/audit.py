@@ -16,12 +16,7 @@ from compare.writing import replace_file
 
 
 def run_audit(
-    only: Sequence[str],
-    *,
-    write: Path | None,
-    json_out: bool,
-    show: Callable[..., None],
-    print_json: Callable[[Any], None],
+    only: Sequence[str], *, write: Path | None, json_out: bool, show: Callable[..., None], print_json: Callable[[Any], None]
 ) -> int:
     """Judge every printed entry, print counts, entries, misprints and what is left out; 1 where a verdict differs from the
     stored list. Raises InputError for an unknown table."""

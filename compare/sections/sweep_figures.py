@@ -21,11 +21,22 @@ def figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Seq
     """Figures of a sweep by its summary and converged records; none with less than two of these."""
     if len(rows) < 2:
         return []
-    shown = sorted(range(len(keys)), key=lambda k: -_reach(found["main_effects"][keys[k].key]))[:PANELS]
-    left = "" if len(shown) == len(keys) else f" The {PANELS} keys of largest effect, of {len(keys)}."
-    made = [_effects(name, [keys[k] for k in shown], found, left), _scatter(name, keys, shown, rows, left)]
+    shown, left = _shown(keys, found)
+    return [*of_summary(name, keys, found), _scatter(name, keys, shown, rows, left)]
+
+
+def of_summary(name: str, keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Figure]:
+    """Those of the figures that a summary alone gives."""
+    shown, left = _shown(keys, found)
+    made = [_effects(name, [keys[k] for k in shown], found, left), _worst(name, keys, found["worst"])]
     indices = _indices(name, keys, found["indices"])
-    return [*made, _worst(name, keys, found["worst"]), *([] if indices is None else [indices])]
+    return made if indices is None else [*made, indices]
+
+
+def _shown(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
+    """Keys of largest effect, as many as a figure has panels, and a sentence where some are left out."""
+    shown = sorted(range(len(keys)), key=lambda k: -_reach(found["main_effects"][keys[k].key]))[:PANELS]
+    return shown, "" if len(shown) == len(keys) else f" The {PANELS} keys of largest effect, of {len(keys)}."
 
 
 def _reach(groups: Sequence[Mapping[str, float]]) -> float:
