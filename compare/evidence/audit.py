@@ -162,8 +162,8 @@ def trust(row: Mapping[str, Any]) -> str:
         return f"{row['source']}: nothing that a model could be judged by."
     share = {v: f"{row[v]} ({100.0 * row[v] / n:.0f} %)" for v in VERDICTS if v not in APART}
     return (
-        f"{row['source']}: of {n} numbers and claims that a model can be judged by, {share['reproduced']} come out as printed, "
-        f"{share['band']} lie within a band, {share['only as printed']} come out only with a fault repeated, "
+        f"{row['source']}: of {n} numbers and claims that a model can be judged by, {share['reproduced']} come out as "
+        f"printed, {share['band']} lie within a band, {share['only as printed']} come out only with a fault repeated, "
         f"{share['contradicted']} are contradicted and {share['not identifiable']} cannot be identified from the text."
     )
 

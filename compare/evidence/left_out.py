@@ -12,7 +12,7 @@ SOURCES = ("lin", "smith", "liu")
 
 @cache
 def misprints() -> list[dict[str, str]]:
-    """Misprints and faults of all sources: source, place, wrong, right, evidence, command that shows it, test that holds it."""
+    """Misprints and faults of all sources: source, place, wrong, right, evidence, command that shows it, test."""
     out = []
     for source in SOURCES:
         for row in _rows("misprints", f"{source}.toml"):

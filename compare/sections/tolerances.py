@@ -58,8 +58,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     load = found["outputs"][MAIN]
     first, second = rows[0], rows[1]
     text = (
-        f"{found['converged']} of {found['solved']} screws converged. Their largest contact load is {load['mean']:.0f} N on "
-        f"average and {load['quantile_0.95']:.0f} N in one of twenty. What matters most for it is {first['key']} (total "
+        f"{found['converged']} of {found['solved']} screws converged. Their largest contact load is {load['mean']:.0f} N "
+        f"on average and {load['quantile_0.95']:.0f} N in one of twenty. What matters most for it is {first['key']} (total "
         f"index {first['total']:.2f}), then {second['key']} ({second['total']:.2f}).",
         "The ranges are assumed, each from nothing to what is common: the source has no tolerances. The indices are shares "
         "of the variance over these ranges: the first alone, the total with all that it does together with others; their "
