@@ -151,7 +151,8 @@ def counts(rows: Sequence[Audited]) -> list[dict[str, Any]]:
         own = Counter(row.verdict for row in rows if source in (row.source, "all"))
         if own:
             judged = sum(n for verdict, n in own.items() if verdict not in APART)
-            out.append({"source": source, **{v: own[v] for v in VERDICTS}, "judged": judged, "all": own.total()})
+            verdicts: dict[str, Any] = {str(v): own[v] for v in VERDICTS}
+            out.append({"source": source, **verdicts, "judged": judged, "all": own.total()})
     return out
 
 
