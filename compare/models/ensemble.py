@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import Problem, build, distances, hertz_C
+from lowfi.statics.result import StaticResult
 from lowfi.statics.selection import choose_sides
-from lowfi.statics.shape import motion_matrix
+from lowfi.statics.shape import motion_matrices
 from lowfi.statics.static import ACCEPTED, Engine, Prepared, pick_engine, pin, prepare, reference_scale, run, solve_static
 from meshes.errors import draw_ball_radii, specimen
 from meshes.helix import BallLayout, ball_layout, nominal_groove_centres
@@ -41,14 +42,16 @@ class EnsembleResult:
     """Loads of every member of a scene with random errors.
 
     loads ``(M, N, 4)`` [N] (nan where there is no equilibrium); statuses ``(M,)`` as in ``StaticResult``; residuals
-    ``(M,)``; solve_seconds and setup_seconds per member (wall clock; setup: drawing and packing); path: how they were
-    solved; all_sides: members that needed all four sides; general: members that went through ``solve_static``.
+    ``(M,)``; works ``(M,)``, loads times the motions of their stations [J]; solve_seconds and setup_seconds per member
+    (wall clock; setup: drawing and packing); path: how they were solved; all_sides: members that needed all four sides;
+    general: members that went through ``solve_static``.
     """
 
     scene: str
     loads: Array
     statuses: tuple[str, ...]
     residuals: Array
+    works: Array
     solve_seconds: float
     setup_seconds: float
     path: str
@@ -71,8 +74,8 @@ def only_radii_differ(scene: Scene) -> bool:
     return not drawn and not uneven and scene.ingredients.hertz != "actual"
 
 
-def run_ensemble(scene: Scene, members: int | None = None) -> EnsembleResult:
-    """Solve members 0 to ``members - 1`` (default: as many as the scene states); same loads as ``solve_static``.
+def run_ensemble(scene: Scene, members: int | None = None, first: int = 0) -> EnsembleResult:
+    """Solve ``members`` members (default: as many as the scene states) from ``first`` on; same loads as ``solve_static``.
 
     Members without solution are reported in ``statuses``. Raises ValueError for less than one member.
     """
@@ -80,16 +83,17 @@ def run_ensemble(scene: Scene, members: int | None = None) -> EnsembleResult:
     if count < 1:
         raise ValueError(f"members = {count}; allowed: 1 or more")
     if only_radii_differ(scene):
-        result = _RadiiEnsemble(scene, count).solve()
+        result = _RadiiEnsemble(scene, count, first).solve()
         if result is not None:
             return result
     begin = perf_counter()
-    found = [_one(scene, m) for m in range(count)]
+    found = [_one(scene, m) for m in range(first, first + count)]
     return EnsembleResult(
         scene.name,
         np.stack([f[0] for f in found]),
         tuple(f[1] for f in found),
         np.array([f[2] for f in found]),
+        np.array([f[3] for f in found]),
         (perf_counter() - begin) / count,
         0.0,
         GENERAL_PATH,
@@ -98,21 +102,33 @@ def run_ensemble(scene: Scene, members: int | None = None) -> EnsembleResult:
     )
 
 
-def _one(scene: Scene, member: int) -> tuple[Array, str, float]:
+def _one(scene: Scene, member: int) -> tuple[Array, str, float, float]:
     result = solve_static(scene, engine=ENGINE, member=member)
-    return result.load, result.status, float(result.solver.residual)
+    return result.load, result.status, float(result.solver.residual), work_of(scene, result)
+
+
+def work_of(scene: Scene, result: StaticResult) -> float:
+    """Loads of a scene times the motions of their stations in a result [J]; nan where it has none."""
+    if not result.centreline_z.size:
+        return float("nan")
+    work = 0.0
+    for x in scene.loads:
+        motion = result.centreline[int(np.abs(result.centreline_z - x.at).argmin())]
+        work += float(np.dot((*x.force, *x.moment), motion))
+    return work
 
 
 class _RadiiEnsemble:
     """State of one run: the drawn radii, the common system and the members' results."""
 
-    def __init__(self, scene: Scene, count: int) -> None:
+    def __init__(self, scene: Scene, count: int, first: int = 0) -> None:
         begin = perf_counter()
         self.scene = scene
         self.layout = ball_layout(scene)
         self.mean = specimen(_without_draws(scene), self.layout)
         n = scene.ball_count
-        self.radii = np.stack([_radii(scene, m) for m in range(count)])
+        self.radii = np.stack([_radii(scene, m) for m in range(first, first + count)])
+        self.first, self.works = first, np.full(count, np.nan)
         self.closures = self._closures()
         self.loads, self.residuals = np.full((count, n, 4), np.nan), np.full(count, np.nan)
         self.solved = np.zeros(count, dtype=bool)
@@ -138,13 +154,14 @@ class _RadiiEnsemble:
         statuses = ["converged"] * len(self.radii)
         left = np.flatnonzero(~self.solved)
         for m in left:
-            self.loads[m], statuses[m], self.residuals[m] = _one(self.scene, int(m))
+            self.loads[m], statuses[m], self.residuals[m], self.works[m] = _one(self.scene, self.first + int(m))
         count = len(self.radii)
         return EnsembleResult(
             self.scene.name,
             self.loads,
             tuple(statuses),
             self.residuals,
+            self.works,
             (perf_counter() - begin) / count,
             self.setup / count,
             RADII_PATH,
@@ -181,7 +198,7 @@ class _RadiiEnsemble:
         for first in range(0, members.size, CHUNK):
             part = members[first : first + CHUNK]
             loads = np.zeros((part.size, self.radii.shape[1], 4))
-            statuses, residuals = np.zeros(part.size, dtype=np.int64), np.zeros(part.size)
+            statuses, residuals, works = np.zeros(part.size, dtype=np.int64), np.zeros(part.size), np.zeros(part.size)
             prepared.engine.ensemble(
                 prepared.beam,
                 prepared.contacts,
@@ -191,9 +208,11 @@ class _RadiiEnsemble:
                 loads,
                 statuses,
                 residuals,
+                works,
             )
             good = (statuses <= 1) & (residuals <= ACCEPTED)
             self.loads[part[good]], self.residuals[part[good]] = loads[good], residuals[good]
+            self.works[part[good]] = works[good]
             self.solved[part] = good
 
     def _solve_reduced(self, use: NDArray[np.bool_]) -> None:
@@ -231,6 +250,7 @@ class _RadiiEnsemble:
             good[k] = outcome.status <= 1 and outcome.residual <= ACCEPTED
             motions[k], centres[k] = q, p
             self.loads[m], self.residuals[m] = contact[..., 0], outcome.residual
+            self.works[m] = float(np.vdot(beam.load, q))
         good &= ~near.touched(motions.reshape(part.size, -1), centres, geometry, self.loads[part])
         self.solved[part] = good
 
@@ -293,7 +313,7 @@ def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:
     r[:, 2] -= layout.z
     axes = np.stack([layout.radial, layout.binormal], axis=1)
     rows = np.concatenate([axes, np.cross(r[:, None, :], axes)], axis=2)
-    for i in range(n):
-        j, matrix = motion_matrix(float(layout.z[i]), problem.nodes, problem.section)
-        out[i, :, 6 * j : 6 * j + 12] = rows[i] @ matrix
+    first, matrices = motion_matrices(layout.z, problem.nodes, problem.section)
+    for i, (j, row) in enumerate(zip(first, rows @ matrices, strict=True)):
+        out[i, :, 6 * j : 6 * j + 12] = row
     return out

@@ -90,7 +90,7 @@ def read(text: str, origin: str) -> Scene | KindScene | Assembly:
         advice = f"[{name}] belongs to a kind that only friction solves: name it, as rollbench new FILE --kind KIND does"
         raise SceneError(origin, "kind", "nothing", ", ".join(map(show, FRICTION_ONLY)), advice)
     if kind is None or kind in WHOLE:
-        return _read_whole(raw, origin)
+        return of_tables(raw, origin)
     if kind not in FRICTION_ONLY:
         near = difflib.get_close_matches(str(kind), (*WHOLE, *FRICTION_ONLY), n=1, cutoff=0.5)
         advice = f"did you mean {show(near[0])}?" if near else "leave it out for a whole screw or bearing"
@@ -124,11 +124,17 @@ def kind_of(scene: Scene | KindScene | Assembly) -> str:
     return "bearing" if scene.track.lead == 0.0 else "ball screw"
 
 
-def _read_whole(raw: dict[str, Any], origin: str) -> Scene:
+def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys:
+    """The keys of the tables ``raw`` of a whole screw or bearing, each by itself in range. Raises SceneError."""
     try:
-        keys = SceneKeys.model_validate(raw)
+        return SceneKeys.model_validate(raw)
     except ValidationError as error:
         refuse_keys(origin, SceneKeys, error)
+
+
+def of_tables(raw: dict[str, Any], origin: str) -> Scene:
+    """The whole screw or bearing of the tables ``raw``; ``origin`` is the file named in errors. Raises SceneError."""
+    keys = keys_of(raw, origin)
     refuse(origin, raw, list(choice_faults(keys)))
     scene = scene_of(keys, escaped(Path(origin).stem))
     refuse(origin, raw, list(geometry_faults(scene)))

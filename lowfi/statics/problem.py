@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 
+from lowfi.compliance.bodies import geometry_only
 from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printed_hertz
 from lowfi.statics.conformity import curvature_changes
-from lowfi.statics.shape import motion_matrix, rigid_transport
+from lowfi.statics.shape import motion_matrices, rigid_transport
 from lowfi.statics.supports import contradiction, rigid_rows
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
@@ -91,12 +92,15 @@ def nominal_hertz(scene: Scene) -> HertzConstants:
     return found
 
 
-@lru_cache(maxsize=64)
 def nominal_curvatures(scene: Scene) -> Array:
     """Relative principal curvatures of the error-free parts at the nominal contact angle, ``(4, 2)`` [1/m], that across the
-    groove first. Kept for all solutions of a scene: not to be written to."""
-    bare = replace(scene, errors=Errors(), balls=replace(scene.balls, azimuths=(scene.track.phase,)))
-    layout = ball_layout(bare)
+    groove first. Kept for all scenes of the same parts: not to be written to."""
+    return _curvatures_of(geometry_only(scene))
+
+
+@lru_cache(maxsize=64)
+def _curvatures_of(bare: Scene) -> Array:
+    scene, layout = bare, ball_layout(bare)
     drawn = specimen(bare, layout)
     found: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
     found.flags.writeable = False
@@ -296,10 +300,8 @@ def build(
             )
             B[:, s] = flank_rows(parts, s, nodes[node[:, s]])
         else:
-            rows = flank_rows(parts, s, stations[:, s])
-            for i in range(count):
-                node[i, s], m = motion_matrix(float(stations[i, s]), nodes, section)
-                B[i, s] = rows[i] @ m
+            node[:, s], m = motion_matrices(stations[:, s], nodes, section)
+            B[:, s] = flank_rows(parts, s, stations[:, s]) @ m
     for s in range(2):
         if not use[s]:
             node[:, s] = node[:, used[0]] if used else 0

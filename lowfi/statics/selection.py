@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from lowfi.statics.mechanism import Mechanism
 from lowfi.statics.problem import Problem, distances
-from lowfi.statics.shape import motion_matrix
+from lowfi.statics.shape import motions_at
 from meshes.errors import Specimen
 from meshes.partition import MERGE, contact_stations
 from meshes.parts import FREEDOMS, SIDES, Scene
@@ -50,9 +50,8 @@ def flank_motions(problem: Problem, motion: Array) -> Array:
             out[:, s] = np.einsum("nak,nk->na", problem.B[:, s], flat[picks])
             continue
         centre, stations = problem.drawn.centre[:, s], contact_stations(problem.scene, layout)[:, s]
-        for i in range(layout.z.size):
-            j, matrix = motion_matrix(float(stations[i]), problem.nodes, problem.section)
-            u = matrix @ flat[6 * j : 6 * j + 12]
+        moved_at = motions_at(stations, problem.nodes, problem.section, motion.reshape(-1, 6))
+        for i, u in enumerate(moved_at):
             r = layout.centre[i] + centre[i, 0] * layout.radial[i] + centre[i, 1] * layout.binormal[i]
             r = r - np.array([0.0, 0.0, stations[i]])
             moved = u[:3] + np.cross(u[3:], r)

@@ -46,21 +46,33 @@ def shape_matrix(xi: float, length: float, phi: float, order: int = 0) -> Array:
 
 
 def motion_matrix(z: float, nodes: Array, section: BeamSection) -> tuple[int, Array]:
-    """First node and matrix ``(6, 12)`` giving the motion at station z [m] from the two nodes around it.
+    """`motion_matrices` of one station."""
+    first, m = motion_matrices(np.array([z]), nodes, section)
+    return int(first[0]), m[0]
+
+
+def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArray[np.int64], Array]:
+    """First nodes ``(k,)`` and matrices ``(k, 6, 12)`` giving the motions at stations z ``(k,)`` [m] from the two nodes
+    around each.
 
     Beyond the end nodes the shaft is free and moves rigidly with the last one.
     """
     last = nodes.size - 1
-    j = int(np.clip(np.searchsorted(nodes, z, side="right") - 1, 0, last - 1))
-    length = float(nodes[j + 1] - nodes[j])
-    xi = (z - float(nodes[j])) / length
-    if 0.0 <= xi <= 1.0:
-        return j, shape_matrix(xi, length, float(shear_ratio(length, section)))
-    end = 0 if xi < 0.0 else 1
-    reach = z - float(nodes[j + end])
-    m = np.zeros((6, 12))
-    m[:, 6 * end : 6 * end + 6] = rigid_transport(reach)
+    j = np.clip(np.searchsorted(nodes, z, side="right") - 1, 0, last - 1).astype(np.int64)
+    length = nodes[j + 1] - nodes[j]
+    xi = (z - nodes[j]) / length
+    m = shape_polynomials(np.clip(xi, 0.0, 1.0), length, section)
+    for end, beyond in ((0, xi < 0.0), (1, xi > 1.0)):
+        for i in np.flatnonzero(beyond):
+            m[i] = 0.0
+            m[i, :, 6 * end : 6 * end + 6] = rigid_transport(float(z[i] - nodes[j[i] + end]))
     return j, m
+
+
+def motions_at(z: Array, nodes: Array, section: BeamSection, motion: Array) -> Array:
+    """Motions ``(k, 6)`` at stations z ``(k,)`` [m] from those of the nodes ``(n, 6)``."""
+    j, m = motion_matrices(z, nodes, section)
+    return np.asarray(np.einsum("kab,kb->ka", m, np.concatenate([motion[j], motion[j + 1]], axis=1)))
 
 
 def rigid_transport(reach: float | Array) -> Array:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lowfi.statics.problem import SIGNS, Problem
 from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
-from lowfi.statics.shape import motion_matrix, rigid_transport
+from lowfi.statics.shape import motions_at, rigid_transport
 from lowfi.statics.solved import SolvedState
 from lowfi.statics.validity import profile_warning, warnings_of
 from meshes.parts import Scene
@@ -50,11 +50,7 @@ def centreline(problem: Problem, q: Array) -> tuple[Array, Array]:
     if problem.basis is not None:
         motion = problem.basis @ flat
         return stations, np.stack([rigid_transport(float(z - problem.nodes[0])) @ motion for z in stations])
-    rows = []
-    for z in stations:
-        j, m = motion_matrix(float(z), problem.nodes, problem.section)
-        rows.append(m @ flat[6 * j : 6 * j + 12])
-    return stations, np.stack(rows)
+    return stations, motions_at(stations, problem.nodes, problem.section, q.reshape(-1, 6))
 
 
 def contact_geometry(solved: SolvedState) -> tuple[Array, Array]:
@@ -91,9 +87,9 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
         held, taken = nodal.copy(), np.zeros(6)
         taken[pins] = nodal[0, pins]
         held[0, pins] = 0.0
-        for j, z in enumerate(problem.nodes):
-            reaction_force += held[j, :3]
-            reaction_moment += held[j, 3:] + np.cross([0.0, 0.0, z], held[j, :3])
+        about = np.stack([-problem.nodes * held[:, 1], problem.nodes * held[:, 0], np.zeros(problem.nodes.size)], axis=1)
+        reaction_force = held[:, :3].sum(axis=0)
+        reaction_moment = (held[:, 3:] + about).sum(axis=0)
         pin_force = taken[:3]
         pin_moment = taken[3:] + np.cross([0.0, 0.0, problem.nodes[0]], taken[:3])
     else:  # the supports of a rigid screw take what is left along the motions they hold

@@ -1,5 +1,6 @@
 """Shared by the literature tests: every printed entry of a table is a test of the evidence that the project computes."""
 
+from compare.evidence.audit import data_digest, judge, stored
 from compare.evidence.record import Evidence
 from compare.evidence.registry import evidence
 from compare.models.study import Study
@@ -23,6 +24,9 @@ def found(key: str) -> Evidence:
 def check(key: str) -> None:
     """An open entry is not claimed as reproduced; every other one with something to compare agrees."""
     e = found(key)
+    digest, verdict = stored()[key]
+    if digest == data_digest(e.printed):
+        assert judge(e)[0] == verdict, "the verdict changed without its data changing: see rollbench audit"
     if e.printed.cls == "open" or (e.printed.cls == "input" and e.value is None):
         assert e.verdict.startswith("open"), "an open entry must not be claimed as reproduced"
         assert e.words or e.printed.remark, "an open entry says why"

@@ -262,9 +262,10 @@ def test_members_of_an_ensemble_are_single_solutions():
         np.stack([getattr(r.problem, name) for r in ready]) if name else np.stack([r.contacts.r_ball for r in ready])
         for name in ("", "closure", "geometry")
     ]
-    forces, statuses, residuals = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3)
+    forces, statuses, residuals, works = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3), np.empty(3)
     first = ready[0]
-    first.engine.ensemble(first.beam, first.contacts, first.state, first.options, *stacks, forces, statuses, residuals)
+    found = (forces, statuses, residuals, works)
+    first.engine.ensemble(first.beam, first.contacts, first.state, first.options, *stacks, *found)
     assert not statuses.any()
     assert residuals.max() <= 1e-10
     for scene, force in zip(scenes, forces, strict=True):

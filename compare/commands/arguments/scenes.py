@@ -68,9 +68,13 @@ def solve(
     everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
     member: int = 0,
     condensed: Path | None = None,
+    members: int | None = None,
+    csv: Path | None = None,
+    seed: int | None = None,
+    workers: int | None = None,
     time_limit: float | None = None,
 ) -> int:
-    """Solve one scene with one model.
+    """Solve one scene with one model, or many members of a scene with random errors.
 
     Parameters
     ----------
@@ -84,6 +88,14 @@ def solve(
         Which specimen of a scene with random errors.
     condensed
         File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+    members
+        Solve so many members: bands of every ball, distributions of the largest load, stiffness, lost contacts, life.
+    csv
+        With --members: file of one row a member.
+    seed
+        With --members: seed of the random errors in place of the scene's.
+    workers
+        With --members: processes at the same time.
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
     """
@@ -96,6 +108,24 @@ def solve(
     from compare.watch import checked, watched
     from meshes.axis import Assembly
 
+    if members is not None:
+        from compare.commands import members as ensembles
+        from compare.reference.jobs import Engine
+
+        how = Engine(workers=workers)
+        return ensembles.run(
+            scene,
+            model or DEFAULT,
+            members,
+            csv_out=csv,
+            seed=seed,
+            engine=how,
+            json_out=as_json,
+            show=show,
+            print_json=print_json,
+        )
+    if csv is not None or seed is not None or workers is not None:
+        raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
     asked, model = model, model or (DEFAULT if condensed is None else "condensed")
     if condensed is not None and model != "condensed":
         raise InputError("command line", "--condensed", str(condensed), "the model condensed", "leave --model out")

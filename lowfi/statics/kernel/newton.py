@@ -307,11 +307,12 @@ def ensemble(
     forces: Array,
     statuses: Array,
     residuals: Array,
+    works: Array,
 ) -> int:
     """Solve many specimens of one screw from the same start; they differ in ball radii [m] and groove centres.
 
     radii (M, N), closures (M, N, 2), geometries (M, N, 4, 9) replace those of ``contacts``; forces (M, N, 4),
-    statuses (M,), residuals (M,) are filled. Returns the total number of iterations.
+    statuses (M,), residuals (M,), works (M,), load times motion [J], are filled. Returns the total number of iterations.
     """
     node, B, _, _, _, profile, tiny = contacts
     q, d, contact = state.q, state.d, state.contact
@@ -326,6 +327,11 @@ def ensemble(
         for i in range(contact.shape[0]):
             for s in range(4):
                 forces[member, i, s] = contact[i, s, FORCE]
+        work = 0.0
+        for i in range(q.shape[0]):
+            for k in range(6):
+                work += beam.load[i, k] * q[i, k]
+        works[member] = work
         total += found.iterations
     return total
 

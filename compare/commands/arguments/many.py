@@ -1,0 +1,83 @@
+"""Many solutions and many entries: sweep, audit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from compare.commands.arguments.terminal import Json, Tls, app, engine, print_json, show
+
+
+@app.command
+def sweep(
+    scene: str,
+    *,
+    vary: Annotated[list[str], Parameter(negative="")],
+    samples: int = 256,
+    method: Literal["sobol", "lhs", "grid"] = "sobol",
+    model: str = "",
+    seed: int = 0,
+    out: Path = Path("rollbench-sweep"),
+    as_json: Json = False,
+    backend: str = "joblib",
+    scheduler: str | None = None,
+    workers: int | None = None,
+    tls: Tls | None = None,
+) -> int:
+    """Solve a scene at many values of its keys; one stored record a sample, an interrupted sweep goes on.
+
+    Parameters
+    ----------
+    scene
+        Name of a shipped scene, or a scene file.
+    vary
+        KEY=A:B or KEY=v1,v2, again for every key: dotted path, lists by [0], units as in the scene, e.g.
+        "loads[0].force[2]=1 kN:5 kN"; KEY+KEY=... gives several keys one value. A range of bare whole numbers gives whole
+        numbers (errors.seed=1:1000).
+    samples
+        How many; sobol takes the nearest n (keys + 2) with n a power of two, grid at most so many.
+    method
+        sobol (with Sobol indices), lhs (Latin hypercube) or grid.
+    model
+        refined unless given; see: rollbench list.
+    seed
+        Seed of the design.
+    out
+        Folder of the records and the summary; what it holds is not solved again.
+    backend
+        joblib (this machine) or dask (a cluster).
+    scheduler
+        Address of the Dask scheduler.
+    workers
+        Processes at the same time; 1 here, or what the cluster has, unless given.
+    """
+    from compare.commands.sweep import run_sweep, sweep_of
+    from compare.models.registry import DEFAULT
+
+    what = sweep_of(scene, vary, samples, method, seed, model or DEFAULT)
+    return run_sweep(
+        what, out, engine(backend, scheduler, workers, tls), json_out=as_json, show=show, print_json=print_json
+    )
+
+
+@app.command
+def audit(
+    *,
+    only: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
+    write: Path | None = None,
+    as_json: Json = False,
+) -> int:
+    """Judge every printed entry of the sources; exit 1 where a verdict differs from the stored list.
+
+    Parameters
+    ----------
+    only
+        Names of printed tables; all unless given.
+    write
+        File to write the list of verdicts to, as compare/printed/audit/verdicts.json holds it.
+    """
+    from compare.commands.audit import run_audit
+
+    return run_audit(only or (), write=write, json_out=as_json, show=show, print_json=print_json)

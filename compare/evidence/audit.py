@@ -1,0 +1,205 @@
+"""The audit: one verdict for every printed entry of the sources, and how much of each source can be trusted."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tomllib
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import cache
+from importlib import resources
+from typing import Any, Literal
+
+from compare.evidence.record import Evidence, sentences
+from compare.evidence.registry import NOT_COMPUTED, evidence
+from compare.models.study import Study
+from compare.printed.printed_data import Printed, load_table, tables
+
+Verdict = Literal["reproduced", "only as printed", "band", "contradicted", "not identifiable", "input", "identity"]
+#: Verdicts, those that say something of the source's models first; in words.
+VERDICTS: dict[Verdict, str] = {
+    "reproduced": "the text determines it, and it comes out to the digits printed",
+    "only as printed": "it comes out only when a fault of the source is repeated",
+    "band": "under-specified or random, and within a range of stated origin",
+    "contradicted": "computation, or the source itself, says otherwise",
+    "not identifiable": "the text does not determine it: measured, of another program, or resting on what is not printed",
+    "input": "given by the source and taken over",
+    "identity": "arithmetic on printed numbers, or zero by symmetry: it tests no model",
+}
+#: Verdicts that are counted apart: they say nothing of a model.
+APART: tuple[Verdict, ...] = ("input", "identity")
+#: The sources, by the beginning of their tables' names.
+SOURCES = {"lin": "Lin (2019)", "smith": "Smith (1994)", "liu": "Liu et al. (2025)"}
+
+
+@dataclass(frozen=True)
+class Audited:
+    """One printed entry with its verdict: what is computed for it, of the 3D reference where it has one, and why."""
+
+    found: Evidence
+    verdict: Verdict
+    reason: str
+    reference: float | None = None
+
+    @property
+    def name(self) -> str:
+        """ "table:key"."""
+        return f"{self.found.printed.table}:{self.found.printed.key}"
+
+    @property
+    def source(self) -> str:
+        """Name of the source."""
+        return SOURCES[self.found.printed.table.split("-")[0]]
+
+    def as_json(self) -> dict[str, Any]:
+        """JSON-ready."""
+        f, p = self.found, self.found.printed
+        return {
+            "entry": self.name,
+            "source": self.source,
+            "place": p.place,
+            "quantity": p.label,
+            "printed": p.claim or p.printed,
+            "unit": p.unit,
+            "class": p.cls,
+            "kind": p.kind,
+            "as_printed": f.as_printed,
+            "right": f.value,
+            "inferred_reading": f.reading,
+            "reference_3d": self.reference,
+            "error_percent": f.error_percent,
+            "verdict": self.verdict,
+            "reason": self.reason,
+        }
+
+
+@cache
+def contradicted() -> dict[str, str]:
+    """Patterns "table:key" of open entries that are contradicted, and by what."""
+    found: dict[str, str] = tomllib.loads(_text("open.toml"))["contradicted"]
+    return found
+
+
+def _text(name: str) -> str:
+    return resources.files("compare").joinpath("printed", "audit", name).read_text(encoding="utf-8")
+
+
+def judge(found: Evidence) -> tuple[Verdict, str]:
+    """Verdict of an entry and the reason."""
+    p = found.printed
+    words = sentences(p.remark, found.words)
+    if p.cls == "open":
+        return _judge_open(found, words)
+    if p.kind == "input":
+        return ("input" if found.agrees is not False else "contradicted"), words
+    if found.agrees is None:
+        return "not identifiable", words
+    if not found.agrees:
+        return "contradicted", words
+    if p.kind in ("arithmetic", "zero"):
+        return "identity", words
+    if p.cls == "as-printed":
+        return "only as printed", words
+    return ("band" if p.cls == "band" else "reproduced"), words
+
+
+def _judge_open(found: Evidence, words: str) -> tuple[Verdict, str]:
+    name = f"{found.printed.table}:{found.printed.key}"
+    for pattern, why in contradicted().items():
+        if fnmatchcase(name, pattern):
+            return "contradicted", sentences(why[:1].upper() + why[1:], words)
+    return "not identifiable", words
+
+
+def audit(study: Study, *names: str) -> list[Audited]:
+    """Every printed entry of the tables ``names`` (all unless given) with its verdict, in the order of the tables.
+
+    Raises InputError for an unknown table.
+    """
+    out = []
+    for name in names or tables():
+        found = [Evidence(row, words=NOT_COMPUTED[name]) for row in load_table(name)] if name in NOT_COMPUTED else None
+        for one in found if found is not None else evidence(study, name):
+            verdict, reason = judge(one)
+            out.append(Audited(one, verdict, reason, reference_value(study, f"{name}:{one.printed.key}")))
+    return out
+
+
+def reference_value(study: Study, name: str) -> float | None:
+    """What the 3D reference gives for an entry, in its unit; None where it says nothing of it or is not stored.
+
+    The 3D reference has the case studies of 2.4.1 without errors of the grooves: of what is printed of them, one number is
+    no comparison with another program.
+    """
+    if name != "lin-2.4.1:case1_ratio":
+        return None
+    reference = study.reference("lin-case1")
+    if reference is None:
+        return None
+    load = reference.estimate[:, 0]
+    return float(load.max() / load.min())
+
+
+def counts(rows: Sequence[Audited]) -> list[dict[str, Any]]:
+    """Entries by source and verdict, one row a source and one for all: verdicts, ``judged`` (without inputs and
+    identities), ``all``."""
+    out = []
+    for source in (*SOURCES.values(), "all"):
+        own = Counter(row.verdict for row in rows if source in (row.source, "all"))
+        if own:
+            judged = sum(n for verdict, n in own.items() if verdict not in APART)
+            verdicts: dict[str, Any] = {str(v): own[v] for v in VERDICTS}
+            out.append({"source": source, **verdicts, "judged": judged, "all": own.total()})
+    return out
+
+
+def trust(row: Mapping[str, Any]) -> str:
+    """How much of a source can be trusted, in one sentence, from its row of ``counts``."""
+    n = row["judged"]
+    if n == 0:
+        return f"{row['source']}: nothing that a model could be judged by."
+    share = {v: f"{row[v]} ({100.0 * row[v] / n:.0f} %)" for v in VERDICTS if v not in APART}
+    return (
+        f"{row['source']}: of {n} numbers and claims that a model can be judged by, {share['reproduced']} come out as "
+        f"printed, {share['band']} lie within a band, {share['only as printed']} come out only with a fault repeated, "
+        f"{share['contradicted']} are contradicted and {share['not identifiable']} cannot be identified from the text."
+    )
+
+
+def data_digest(printed: Printed) -> str:
+    """Digest of all of an entry that its verdict rests on."""
+    p = printed
+    data = [p.printed, p.claim, p.unit, p.cls, p.kind, p.tolerance, p.low, p.high]
+    data.append([pattern for pattern in contradicted() if fnmatchcase(f"{p.table}:{p.key}", pattern)])
+    return hashlib.sha256(json.dumps(data).encode()).hexdigest()[:8]
+
+
+@cache
+def stored() -> dict[str, tuple[str, str]]:
+    """The list of verdicts that is held by tests: "table:key" -> (digest of its data, verdict)."""
+    return {name: (row[0], row[1]) for name, row in json.loads(_text("verdicts.json")).items()}
+
+
+def as_stored(rows: Sequence[Audited]) -> str:
+    """The list of verdicts as its file holds it."""
+    lines = [f"{json.dumps(r.name)}: {json.dumps([data_digest(r.found.printed), r.verdict])}" for r in rows]
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def changes(rows: Sequence[Audited]) -> list[str]:
+    """What differs from the stored list, in words: verdicts that changed, without their data or with them; new entries."""
+    out = []
+    for row in rows:
+        held = stored().get(row.name)
+        own = data_digest(row.found.printed), row.verdict
+        if held is None:
+            out.append(f"{row.name}: not in the stored list ({row.verdict})")
+        elif held[1] != own[1]:
+            why = "without its data changing" if held[0] == own[0] else "and so did its data"
+            out.append(f"{row.name}: {held[1]} became {own[1]}, {why}")
+        elif held[0] != own[0]:
+            out.append(f"{row.name}: its data changed, {own[1]} as before")
+    return out

@@ -1,0 +1,166 @@
+"""Keys of a scene that a sweep varies: ``KEY=A:B`` for a range, ``KEY=v1,v2`` for a list, units as in the scene.
+
+``KEY+KEY=...`` gives several keys the same value.
+"""
+
+from __future__ import annotations
+
+import copy
+import re
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from compare.errors import InputError
+from compare.scenes.units import show
+
+_ONE = r"[A-Za-z_]\w*(\[\d+\])*(\.\w+(\[\d+\])*)*"
+_PATH = re.compile(rf"{_ONE}(\+{_ONE})*")
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
+_FORM = "KEY=A:B or KEY=v1,v2, units as in the scene"
+#: Most keys of a sweep, and most values of a list.
+MOST_KEYS, MOST_VALUES = 20, 1000
+
+
+@dataclass(frozen=True)
+class Vary:
+    """One varied key.
+
+    key: dotted path with indices from 0, ``loads[0].force[2]``, or several that share their value with ``+`` between; text:
+    as given; low, high and unit of a range, whole: of
+    whole numbers, both ends included; choices: the values of a list, as a scene file holds them (empty for a range).
+    """
+
+    key: str
+    text: str
+    low: float = 0.0
+    high: float = 0.0
+    unit: str = ""
+    whole: bool = False
+    choices: tuple[Any, ...] = ()
+
+    def at(self, u: float) -> Any:
+        """The value at a place ``u`` from 0 to 1 of the range or list, as a scene file holds it."""
+        if self.choices:
+            return self.choices[min(int(u * len(self.choices)), len(self.choices) - 1)]
+        if self.whole:
+            return min(int(self.low + u * (self.high - self.low + 1.0)), int(self.high))
+        number = float(f"{self.low + u * (self.high - self.low):.12g}")
+        return f"{number!r} {self.unit}" if self.unit else number
+
+    def number(self, value: Any) -> float:
+        """A value of this key for plots and means: in the range's unit, of a list its place from 1."""
+        if self.choices:
+            return 1.0 + self.choices.index(value)
+        return float(str(value).removesuffix(self.unit)) if self.unit else float(value)
+
+    @property
+    def ends(self) -> tuple[Any, ...]:
+        """Values whose key is tried before anything is computed."""
+        return self.choices or (self.at(0.0), self.at(1.0))
+
+    @property
+    def label(self) -> str:
+        """The key with its unit, for tables and axes."""
+        if self.choices:
+            return f"{self.name} ({', '.join(str(c) for c in self.choices[:6])}{', ...' if len(self.choices) > 6 else ''})"
+        return f"{self.name} / {self.unit}" if self.unit else self.name
+
+    @property
+    def paths(self) -> list[str]:
+        """The paths that take the value."""
+        return self.key.split("+")
+
+    @property
+    def name(self) -> str:
+        """The first path, and how many share its value."""
+        first, *others = self.paths
+        return f"{first} (+{len(others)})" if others else first
+
+
+def read_vary(texts: Sequence[str]) -> tuple[Vary, ...]:
+    """The varied keys of the command line. Raises InputError for a text of another form, or a key given twice."""
+    found = tuple(_read(text) for text in texts)
+    if not 1 <= len(found) <= MOST_KEYS:
+        raise InputError("command line", "--vary", f"{len(found)} keys", f"1 to {MOST_KEYS} keys", f"give {_FORM}")
+    paths = [path for one in found for path in one.paths]
+    for path in paths:
+        if paths.count(path) > 1:
+            raise InputError("command line", "--vary", path, "each key once", "put all its values into one --vary")
+    return found
+
+
+def _read(text: str) -> Vary:
+    key, sign, values = (part.strip() for part in text.partition("="))
+
+    def refuse(value: str, allowed: str, advice: str) -> InputError:
+        return InputError("command line", "--vary", show(value), allowed, advice)
+
+    if not sign or not _PATH.fullmatch(key) or not values:
+        raise refuse(text, _FORM, 'e.g. --vary "errors.balls.oversize=0 um:7 um" --vary "loads[0].force[2]=1 kN,5 kN"')
+    if ":" in values:
+        return _range(key, text, values)
+    parts = [part.strip() for part in values.split(",")]
+    if not 2 <= len(parts) <= MOST_VALUES or not all(parts):
+        raise refuse(text, f"2 to {MOST_VALUES} values with commas between", f"give {_FORM}")
+    if len(set(parts)) < len(parts):
+        raise refuse(text, "each value once", "remove the repeated one")
+    return Vary(key, text, choices=tuple(_scalar(part) for part in parts))
+
+
+def _range(key: str, text: str, values: str) -> Vary:
+    ends = [_NUMBER.fullmatch(part) for part in values.split(":")]
+    if len(ends) != 2 or ends[0] is None or ends[1] is None:
+        raise InputError("command line", "--vary", show(text), "two numbers, with or without unit", f"give {_FORM}")
+    (first, unit), (second, other) = ends[0].groups(), ends[1].groups()
+    if unit and other and unit != other:
+        raise InputError("command line", "--vary", show(text), "one unit for both ends", f"write both in {other}")
+    low, high = float(first), float(second)
+    if not low < high:
+        raise InputError("command line", "--vary", show(text), "A below B", "turn them round, or give a list of values")
+    whole = not (unit or other) and all(re.fullmatch(r"[+-]?\d+", end) for end in (first, second))
+    return Vary(key, text, low, high, unit or other or "", whole)
+
+
+def _scalar(text: str) -> Any:
+    """A value as TOML reads it, or, where it is no TOML, text as it stands."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def changed(raw: dict[str, Any], keys: Sequence[Vary], values: Sequence[Any]) -> dict[str, Any]:
+    """A copy of a scene's tables with other values of the keys. Raises InputError for a list that has no such entry."""
+    out = copy.deepcopy(raw)
+    for vary, value in zip(keys, values, strict=True):
+        for path in vary.paths:
+            _put(out, path, value)
+    return out
+
+
+def _put(raw: dict[str, Any], key: str, value: Any) -> None:
+    parts: list[str | int] = [int(p) if p.isdigit() else p for p in re.findall(r"[^.\[\]]+", key)]
+    node: Any = raw
+    for part, following in zip(parts, [*parts[1:], None], strict=True):
+        _check_entry(node, part, key)
+        if following is None:
+            node[part] = value
+        elif isinstance(node, dict):
+            node = node.setdefault(str(part), {})
+        else:
+            node = node[part]
+
+
+def _check_entry(node: Any, part: str | int, key: str) -> None:
+    """Refuse what cannot be reached: an entry that a list does not have, a key of what is no table."""
+    if isinstance(node, list) and isinstance(part, int):
+        if part < len(node):
+            return
+        allowed = f"entries 0 to {len(node) - 1}" if node else "no entry: the scene's list is empty"
+    elif isinstance(node, dict) and isinstance(part, str):
+        return
+    else:
+        allowed = "a key of a table, or an entry [0], [1], ... of a list that the scene has"
+    raise InputError("command line", "--vary", show(key), allowed, "see the scene file, or: rollbench schema")

@@ -1,0 +1,144 @@
+"""The folder of a sweep: what is swept, and one line a sample, appended when it is solved and never touched again.
+
+Every process writes lines to a file of its own, each whole in one call and with a checksum, so that whatever moment a
+process is killed at, every finished sample is there and a torn line is told from a whole one. A process that outlives the
+run it belonged to stops before its next sample: the run's token is no longer the folder's. A new run waits, by a lock on
+the folder, until such processes have stopped; only then it reads what there is, so that no sample is solved twice.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+from uuid import uuid4
+
+from compare.errors import InputError
+from compare.writing import replace_file
+
+HEADER, TOKEN, LOCK, RECORDS = "sweep.json", "token", "lock", "records"
+#: Longest wait for processes of an earlier run [s].
+PATIENCE = 600.0
+
+Record = dict[str, Any]
+
+
+def open_folder(folder: Path, header: Mapping[str, Any]) -> None:
+    """Make the folder that of this sweep. Raises InputError where it is another's, or cannot be written to."""
+    path = folder / HEADER
+    text = json.dumps(header, indent=1, ensure_ascii=False) + "\n"
+    advice = "choose another --out for another sweep"
+    if path.exists():
+        if path.read_text(encoding="utf-8") != text:
+            raise InputError(
+                str(folder), "--out", "the folder of another sweep", "a new one, or that of this sweep", advice
+            )
+    else:
+        if folder.exists() and any(folder.iterdir()):
+            raise InputError(str(folder), "--out", "a folder with other files", "a new one, or that of this sweep", advice)
+        replace_file(path, text)
+    (folder / RECORDS).mkdir(exist_ok=True)
+    (folder / LOCK).touch()
+
+
+@contextmanager
+def taken_over(folder: Path) -> Iterator[str]:
+    """Take the folder for a run: its token, once no process of an earlier run writes any more.
+
+    Raises InputError where another run is at work in it.
+    """
+    with (folder / LOCK).open("rb") as lock, (folder / "run").open("ab") as alone:
+        try:
+            fcntl.flock(alone, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            advice = "wait for it, or end it"
+            raise InputError(str(folder), "--out", "a sweep under way", "one run at a time", advice) from None
+        token = uuid4().hex
+        replace_file(folder / TOKEN, token)
+        _wait_for(lock, folder)
+        fcntl.flock(lock, fcntl.LOCK_UN)
+        yield token
+
+
+def _wait_for(lock: Any, folder: Path) -> None:
+    until = monotonic() + PATIENCE
+    while True:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if monotonic() > until:
+                advice = "end the processes of the earlier run"
+                raise InputError(str(folder), "--out", "processes of an earlier run", "none", advice) from None
+            sleep(0.02)
+        else:
+            return
+
+
+@contextmanager
+def working(folder: Path) -> Iterator[None]:
+    """Keep a new run waiting while this process solves samples."""
+    with (folder / LOCK).open("rb") as lock:
+        fcntl.flock(lock, fcntl.LOCK_SH)
+        yield
+
+
+def current(folder: Path, token: str) -> bool:
+    """Whether the folder is here and belongs to the run of ``token``."""
+    try:
+        return (folder / TOKEN).read_text(encoding="utf-8") == token
+    except OSError:
+        return False
+
+
+class Writer:
+    """Appends records to a file of this process's own."""
+
+    def __init__(self, folder: Path, token: str) -> None:
+        """Open the file when the first record comes."""
+        self._path = folder / RECORDS / f"{token[:8]}-{os.uname().nodename}-{os.getpid()}.lines"
+
+    def append(self, record: Record) -> None:
+        """Append one record, whole in one call. Raises OSError where the disk does not take it."""
+        line = packed(record)
+        handle = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+        try:
+            if os.write(handle, line) != len(line):
+                raise OSError(28, "a record was not written whole", str(self._path))
+        finally:
+            os.close(handle)
+
+
+def packed(record: Record) -> bytes:
+    """A record as a line with its checksum."""
+    body = json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
+    return b"%08x %s\n" % (zlib.crc32(body), body)
+
+
+def unpacked(line: bytes) -> Record | None:
+    """The record of a line; None for one that is torn or damaged."""
+    checksum, _, body = line.rstrip(b"\n").partition(b" ")
+    if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(body):
+        return None
+    found: Record = json.loads(body)
+    return found
+
+
+def read(folder: Path) -> Iterator[Record]:
+    """All whole records of a folder, file by file."""
+    for path in sorted((folder / RECORDS).glob("*.lines")):
+        with path.open("rb") as file:
+            for line in file:
+                record = unpacked(line)
+                if record is not None:
+                    yield record
+
+
+def load(folder: Path) -> dict[int, Record]:
+    """Records by the sample's number from 0."""
+    return {int(record["sample"]): record for record in read(folder)}

@@ -1,0 +1,153 @@
+"""Members of a scene: brute force, closed-form moments, the same numbers whatever the number of workers."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import integrate
+from scipy.stats import binom, norm
+
+from compare.cli import main
+from compare.errors import InputError
+from compare.models.members import KEPT, STEP, error_free, life_sum, run_members, statistics
+from compare.models.registry import Options, run_model
+from compare.reference.jobs import Engine
+from compare.scenes.catalogue import scene as shipped
+from meshes.parts import BallErrors, FourierTerm, SideErrors
+
+RANDOM = shipped("lin-random")
+
+
+def test_members_are_the_single_solves():
+    found = run_members(RANDOM, "lin", 5)
+    results = [run_model(RANDOM, "lin", Options(member=m, discretisation=False)) for m in range(5)]
+    loads = np.stack([r.load for r in results])
+    np.testing.assert_allclose(found.mean, loads.mean(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(found.deviation, loads.std(axis=0, ddof=1), rtol=1e-8, atol=1e-9)
+    np.testing.assert_allclose(found.largest, loads.max(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(found.smallest, loads.min(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(found.kept[:, 0], loads.max(axis=(1, 2)), rtol=1e-12)
+    assert np.all(np.abs(found.quantile(0.5) - np.median(loads, axis=0))[loads[0] > 0.0] <= found.width)
+    assert not found.failed
+
+
+def test_stiffness_is_that_of_a_small_change_of_the_load():
+    found = run_members(RANDOM, "lin", 2)
+    (load,) = RANDOM.loads
+    shift = []
+    for factor in (1.0 - STEP, 1.0 + STEP):
+        scene = replace(RANDOM, loads=(replace(load, force=tuple(factor * f for f in load.force)),))
+        shift.append(run_model(scene, "lin", Options(member=1, discretisation=False)).centreline[0, 2])
+    expected = 2.0 * STEP * load.force[2] / (shift[1] - shift[0]) * 1e-6
+    assert found.kept[1, 2] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_the_same_numbers_whatever_the_workers_and_the_engine_of_blocks():
+    alone = run_members(RANDOM, "lin", 12)
+    shared = run_members(RANDOM, "lin", 12, Engine(workers=2))
+    for name in ("kept", "mean", "deviation", "smallest", "largest", "counts"):
+        assert np.array_equal(getattr(alone, name), getattr(shared, name)), name
+
+
+def test_another_seed_gives_other_members():
+    other = replace(RANDOM, errors=replace(RANDOM.errors, seed=1))
+    assert not np.array_equal(run_members(RANDOM, "lin", 3).kept, run_members(other, "lin", 3).kept)
+
+
+def test_moments_of_balls_between_rigid_rings():
+    # rings that stand: the load of each ball depends on its own radius alone, F = ((t + 2 e) / (C_a + C_b))^1.5
+    base = shipped("two-balls")
+    ((support,), sigma, count) = base.supports, 1e-6, 150
+    fixed = tuple((name, 0.0 if name == "ux" else value) for name, value in support.fixed)
+    scene = replace(
+        base,
+        supports=(replace(support, fixed=fixed),),
+        errors=replace(base.errors, balls=BallErrors(oversize=1e-6, sigma=sigma)),
+        ingredients=replace(base.ingredients, hertz="error-free"),
+    )
+    found = run_members(scene, "lin", count)
+    bare = run_model(error_free(scene), "lin", Options(discretisation=False))
+    ball, side = np.unravel_index(bare.load.argmax(), bare.load.shape)
+    both = bare.hertz_C[ball, side] + bare.hertz_C[ball, 3 - side]
+    start = both * bare.load[ball, side] ** (2.0 / 3.0)
+
+    def moment(power):
+        def weighted(e):
+            return (max(start + 2.0 * e, 0.0) / both) ** (1.5 * power) * norm.pdf(e, scale=sigma)
+
+        return integrate.quad(weighted, -8.0 * sigma, 8.0 * sigma, limit=200)[0]
+
+    mean, deviation = moment(1), np.sqrt(moment(2) - moment(1) ** 2)
+    assert abs(found.mean[ball, side] - mean) < 4.0 * deviation / np.sqrt(count)
+    assert found.deviation[ball, side] == pytest.approx(deviation, rel=4.0 / np.sqrt(2.0 * count))
+    assert mean != pytest.approx(bare.load[ball, side], rel=1e-3)
+
+
+def test_random_errors_are_left_out_and_others_kept():
+    side = SideErrors(profile=(1e-6,), profile_sigma=(1e-6,), pitch=(FourierTerm(1.0, sin=2e-6, sigma=1e-6),))
+    scene = replace(RANDOM, errors=replace(RANDOM.errors, SL=side))
+    bare = error_free(scene)
+    assert not bare.errors.random
+    assert bare.errors.SL.profile == (1e-6,)
+    assert bare.errors.SL.pitch == (FourierTerm(1.0, sin=2e-6),)
+
+
+def test_life_of_equal_loads_goes_with_their_cube():
+    load = np.zeros((8, 4))
+    load[:, 0] = load[:, 3] = 100.0
+    ratio = (life_sum(2.0 * load) / life_sum(load)) ** -0.9
+    assert ratio == pytest.approx(1.0 / 8.0)
+    uneven = load.copy()
+    uneven[:4] *= 1.5
+    uneven[4:] *= 0.5
+    assert life_sum(uneven) > life_sum(load)
+
+
+def test_intervals_of_quantiles_cover():
+    rng = np.random.default_rng(3)
+    hits = 0
+    for _ in range(300):
+        own = statistics(rng.normal(size=200))["quantiles"][3]
+        assert own["low"] <= own["value"] <= own["high"]
+        hits += own["low"] <= norm.ppf(0.95) <= own["high"]
+    assert hits >= binom.ppf(0.001, 300, 0.95)
+
+
+@pytest.mark.parametrize(
+    ("scene", "model", "count"), [("lin-case1", "lin", 5), ("lin-random", "x", 5), ("lin-random", "lin", 1)]
+)
+def test_what_cannot_be_is_refused(scene, model, count):
+    with pytest.raises(InputError):
+        run_members(shipped(scene), model, count)
+
+
+def test_members_without_equilibrium_are_named():
+    scene = replace(RANDOM, supports=())
+    with pytest.raises(InputError, match="not held"):
+        run_members(scene, "lin", 3)
+
+
+def test_command(tmp_path, capsys):
+    rows = tmp_path / "members.csv"
+    with pytest.raises(SystemExit) as done:
+        main(["solve", "lin-random", "--members", "4", "--model", "lin", "--seed", "7", "--csv", str(rows), "--json"])
+    assert done.value.code == 0
+    data = json.loads(capsys.readouterr().out)
+    assert (data["members"], data["converged"], data["seed"]) == (4, 4, 7)
+    assert data["statistics"]["largest_load_N"]["members"] == 4
+    with rows.open() as file:
+        found = list(csv.DictReader(file))
+    assert [row["member"] for row in found] == ["0", "1", "2", "3"]
+    assert max(float(row["largest_load_N"]) for row in found) == data["statistics"]["largest_load_N"]["largest"]
+    assert list(KEPT) == list(found[0])[2:]
+    assert max(ball["largest_N"] for ball in data["balls"]) == data["statistics"]["largest_load_N"]["largest"]
+
+
+def test_options_of_members_need_members(capsys):
+    with pytest.raises(SystemExit) as done:
+        main(["solve", "lin-random", "--seed", "7"])
+    assert done.value.code == 2
+    assert "--members" in capsys.readouterr().err

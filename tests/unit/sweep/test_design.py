@@ -1,0 +1,48 @@
+import numpy as np
+import pytest
+
+from compare.errors import InputError
+from compare.sweep.design import base_points, points, values
+from compare.sweep.keys import read_vary
+
+KEYS = read_vary(["a=0.0:1.0", "b=1 um:3 um", "c=x,y,z"])
+
+
+def test_sobol_design_is_a_b_and_their_mixtures():
+    found = points("sobol", KEYS, 100, 1)
+    n = base_points(100, 3)
+    assert n == 16
+    assert found.shape == (5 * n, 3)
+    a, b = found[:n], found[n : 2 * n]
+    for k in range(3):
+        mixed = found[(2 + k) * n : (3 + k) * n]
+        assert np.array_equal(mixed[:, k], b[:, k])
+        assert np.array_equal(np.delete(mixed, k, axis=1), np.delete(a, k, axis=1))
+
+
+def test_latin_hypercube_has_one_sample_in_every_slice():
+    found = points("lhs", KEYS, 50, 3)
+    assert found.shape == (50, 3)
+    for k in range(3):
+        assert sorted((50 * found[:, k]).astype(int)) == list(range(50))
+
+
+def test_grid_has_all_combinations_and_the_ends():
+    found = points("grid", KEYS, 30, 0)
+    rows = [tuple(values(KEYS, place)) for place in found]
+    assert len(rows) == len(set(rows)) == 3 * 3 * 3
+    assert {row[1] for row in rows} == {"1.0 um", "2.0 um", "3.0 um"}
+    assert {row[2] for row in rows} == {"x", "y", "z"}
+
+
+def test_same_seed_same_places_and_another_seed_others():
+    for method in ("sobol", "lhs"):
+        first = points(method, KEYS, 64, 5)
+        assert np.array_equal(first, points(method, KEYS, 64, 5))
+        assert not np.array_equal(first, points(method, KEYS, 64, 6))
+
+
+@pytest.mark.parametrize(("method", "samples"), [("random", 10), ("lhs", 1), ("grid", 5), ("lhs", 10**7)])
+def test_bad_designs_are_refused(method, samples):
+    with pytest.raises(InputError):
+        points(method, KEYS, samples, 0)

@@ -1,0 +1,64 @@
+import pytest
+
+from compare.errors import InputError
+from compare.scenes import catalogue, scene_file
+from compare.sweep.keys import Vary, changed, read_vary
+
+
+def test_forms():
+    one, two, three, four = read_vary(
+        ["errors.balls.oversize=0 um:7 um", "loads[0].force[2]=1:5 kN", "errors.seed=3:5", "track.hand=left,right"]
+    )
+    assert (one.key, one.low, one.high, one.unit, one.whole) == ("errors.balls.oversize", 0.0, 7.0, "um", False)
+    assert (two.low, two.high, two.unit) == (1.0, 5.0, "kN")
+    assert [three.at(u) for u in (0.0, 0.34, 0.67, 1.0)] == [3, 4, 5, 5]
+    assert [four.at(u) for u in (0.0, 0.49, 0.5, 1.0)] == ["left", "left", "right", "right"]
+    assert one.at(0.5) == "3.5 um"
+    assert one.number("3.5 um") == 3.5
+    assert four.number("right") == 2.0
+
+
+def test_values_of_a_list_are_read_as_toml_reads_them():
+    (found,) = read_vary(["nut.conformity=0.52,0.56"])
+    assert found.choices == (0.52, 0.56)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "track.lead", "track.lead=", "track..lead=1 mm:2 mm", "track.lead=1 mm:2 um", "track.lead=2 mm:1 mm", "a=1",
+     "a=1,1", "a=1,,2", "a=x:y", "a=1:2:3", "a b=1,2"],
+)  # fmt: skip
+def test_other_forms_are_refused(text):
+    with pytest.raises(InputError, match="--vary"):
+        read_vary([text])
+
+
+def test_a_key_twice_is_refused():
+    with pytest.raises(InputError, match="each key once"):
+        read_vary(["a=1,2", "a=3,4"])
+
+
+def test_no_key_is_refused():
+    with pytest.raises(InputError, match="0 keys"):
+        read_vary([])
+
+
+RAW = scene_file.read_toml(catalogue.scene_text("lin-case3"), "lin-case3.toml")
+
+
+def put(key, value):
+    return changed(RAW, [Vary(key, key)], [value])
+
+
+def test_values_reach_the_scene():
+    scene = scene_file.of_tables(put("loads[0].force[2]", "3 kN"), "x")
+    assert scene.loads[0].force == (0.0, 0.0, 3000.0)
+    scene = scene_file.of_tables(put("errors.NL.profile_sigma", ["1 um"]), "x")
+    assert scene.errors.NL.profile_sigma == (1e-6,)
+    assert RAW["loads"][0]["force"][2] == "5 kN"
+
+
+@pytest.mark.parametrize("key", ["loads[1].force[2]", "loads.force", "track.lead.x", "errors.SL.pitch[0].sin"])
+def test_what_the_scene_does_not_have_is_refused(key):
+    with pytest.raises(InputError, match="--vary"):
+        put(key, "1 um")

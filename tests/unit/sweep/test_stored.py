@@ -1,0 +1,35 @@
+"""The shipped study of tolerances: of the scene as it is, and its worst screw solved again."""
+
+import pytest
+
+from compare.scenes import catalogue
+from compare.scenes.scene_file import scene_hash
+from compare.sections import tolerances
+from compare.sweep.keys import read_vary
+from compare.sweep.sample import solve
+from compare.sweep.stored import TOLERANCES, command, stored
+from compare.sweep.summary import MAIN
+
+FOUND = stored(TOLERANCES)
+KEYS = read_vary(FOUND["vary"])
+NAME = FOUND["scene"].removesuffix(".toml")
+
+
+def test_scene_is_that_of_the_study():
+    assert FOUND["scene_hash"] == scene_hash(catalogue.scene_text(NAME)), f"compute it anew: {command(FOUND)}"
+
+
+def test_worst_screw_is_what_the_model_gives_now():
+    worst = FOUND["worst"][0]
+    again = solve(catalogue.scene_text(NAME), FOUND["scene"], KEYS, worst["values"], FOUND["model"], "interpreted")
+    assert again["status"] == "converged"
+    assert again[MAIN] == pytest.approx(worst[MAIN], rel=1e-8)
+    assert again["at"] == worst["at"]
+
+
+def test_table_has_every_key_and_the_one_that_matters_most_first():
+    rows = tolerances.effects(KEYS, FOUND)
+    assert len(rows) == len(KEYS) == 5
+    assert [row["total"] for row in rows] == sorted((row["total"] for row in rows), reverse=True)
+    assert len({row["key"] for row in rows}) == 5
+    assert all(tolerances.words(vary) != vary.name for vary in KEYS)

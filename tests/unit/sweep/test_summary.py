@@ -1,0 +1,97 @@
+import numpy as np
+import pytest
+
+from compare.sweep.keys import read_vary
+from compare.sweep.run import Sweep
+from compare.sweep.summary import MAIN, indices, main_effects, statistics, summary
+
+KEYS = read_vary(["a=-3.141592653589793:3.141592653589793", "b=-3.141592653589793:3.141592653589793",
+                  "c=-3.141592653589793:3.141592653589793"])  # fmt: skip
+NAMES = ("largest_load_N", "mean_load_N", "loaded_contacts", "idle_balls", "displacement_um", "largest_approach_um")
+
+
+def records(sweep, function):
+    out = {}
+    for n, place in enumerate(sweep.places()):
+        x = [vary.at(u) for vary, u in zip(KEYS, place, strict=True)]
+        out[n] = {"sample": n, "values": x, "status": "converged", "at": "1 SL", **dict.fromkeys(NAMES, 1.0)}
+        out[n][MAIN] = function(*x)
+    return out
+
+
+def ishigami(a, b, c):
+    return float(np.sin(a) + 7.0 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a))
+
+
+def sweep(samples, method="sobol"):
+    return Sweep("", "x.toml", KEYS, samples, method, 3, "lin")
+
+
+def test_indices_of_ishigami_lie_in_their_intervals():
+    # Ishigami and Homma (1990): closed forms for coefficients 7 and 0.1
+    v = 0.5 * (1.0 + 0.1 * np.pi**4 / 5.0) ** 2
+    total = 7.0**2 / 8.0 + 0.1 * np.pi**4 / 5.0 + 0.1**2 * np.pi**8 / 18.0 + 0.5
+    cross = 0.1**2 * np.pi**8 * (1.0 / 18.0 - 1.0 / 50.0)
+    exact = {"a": (v / total, (v + cross) / total), "b": (7.0**2 / 8.0 / total,) * 2, "c": (0.0, cross / total)}
+    what = sweep(10240)
+    found = indices(what, records(what, ishigami))
+    assert found["base_points"] == 2048
+    own = found["outputs"][MAIN]
+    for key, (first, last) in exact.items():
+        for kind, value in (("first", first), ("total", last)):
+            low, high = own[key][f"{kind}_low"], own[key][f"{kind}_high"]
+            assert low < own[key][kind] < high
+            assert abs(own[key][kind] - value) < 1.5 * (high - low)
+            assert high - low < 0.15
+    assert found["outputs"]["mean_load_N"] is None  # it does not change
+
+
+def test_indices_are_the_same_every_time():
+    what = sweep(640)
+    made = records(what, ishigami)
+    assert indices(what, made) == indices(what, made)
+
+
+def test_base_points_with_a_failed_sample_are_left_out():
+    what = sweep(640)
+    made = records(what, ishigami)
+    made[128 + 5] = {"sample": 133, "values": made[133]["values"], "status": "refused: x"}
+    found = indices(what, made)
+    assert (found["base_points"], found["of"]) == (64, 128)
+    text = summary(what, made)
+    assert (text["solved"], text["converged"]) == (640, 639)
+    assert text["failures"] == [{"reason": "refused: x", "samples": 1}]
+
+
+def test_other_designs_say_that_they_give_no_indices():
+    what = sweep(50, "lhs")
+    assert "sobol" in indices(what, records(what, ishigami))["none"]
+
+
+def test_worst_samples_come_first():
+    what = sweep(50, "lhs")
+    made = records(what, ishigami)
+    worst = summary(what, made)["worst"]
+    assert len(worst) == 10
+    assert [row[MAIN] for row in worst] == sorted((row[MAIN] for row in made.values()), reverse=True)[:10]
+
+
+def test_main_effect_of_a_linear_function():
+    what = sweep(4000, "lhs")
+    made = records(what, lambda a, b, c: 2.0 * a)  # noqa: ARG005
+    groups = main_effects(KEYS, list(made.values()))
+    assert len(groups["a"]) == 8
+    assert sum(g["samples"] for g in groups["a"]) == 4000
+    for g in groups["a"]:
+        assert g["mean"] == pytest.approx(2.0 * g["at"])
+    for g in groups["b"]:
+        assert abs(g["mean"]) < 5.0 * g["standard_error"]
+
+
+def test_statistics_of_known_values():
+    found = statistics(np.arange(101.0))
+    assert found["mean"] == 50.0
+    assert found["standard_deviation"] == pytest.approx(np.sqrt(101 * 102 / 12))
+    assert found["standard_error"] == pytest.approx(found["standard_deviation"] / np.sqrt(101))
+    assert found["quantile_0.95"] == 95.0
+    assert statistics(np.array([1.0, np.nan])) is None
