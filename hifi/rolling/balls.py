@@ -24,7 +24,7 @@ from hifi.rolling.patch import Patch, hertz_patch
 Array = NDArray[np.float64]
 
 #: Compliance along tangents that stands for rigid bodies where grids are compared, over the true one.
-NEARLY_RIGID = 1e-4
+NEARLY_RIGID = 0.01
 #: Contact forces below this share of a ball's largest are none.
 NEGLIGIBLE = 1e-9
 
@@ -85,14 +85,16 @@ class ContactOut:
 @dataclass(frozen=True)
 class RollingResult:
     """Steady rolling: speeds of the balls along the track ``(N,)``, rotations about their own axes ``(N, 3)`` [rad/s], forces
-    of meetings [N] and their losses [W], wrench of friction on every ball ``(N, 6)`` [N, N m] at its grooves, power [W] put in
-    by the bodies, the contacts, solver's state and seconds."""
+    of meetings [N] and their losses [W], wrench of friction on every ball ``(N, 6)`` [N, N m] at its grooves, force of its
+    neighbours on it ``(N, 3)`` [N], both in its own axes, power [W] put in by the bodies, the contacts, solver's state and
+    seconds."""
 
     speed: Array
     rotation: Array
     force: Array
     ball_loss: Array
     wrench: Array
+    between: Array
     power: float
     contacts: tuple[ContactOut, ...]
     status: str
@@ -218,16 +220,20 @@ def _result(
         outs.append(
             ContactOut(b, i, patch.at, patch.size, patch.normal, two[0], two[1], found.stick[k], axes, loss, upwind)
         )
-    rub = [
-        scene.mu_balls * float(f) * float(np.linalg.norm((m.rows @ found.motions[m.columns])[1:]))
-        for f, m in zip(force, scene.meetings, strict=True)
-    ]
+    rub, between = np.zeros(force.size), np.zeros((count, 3))
+    for k, (f, m) in enumerate(zip(force, scene.meetings, strict=True)):
+        slide = (m.rows @ found.motions[m.columns])[1:]
+        rub[k] = scene.mu_balls * float(f) * float(np.linalg.norm(slide))
+        pulls = m.forces(float(f), scene.mu_balls, slide)
+        for ball, sign in ((m.one, 1.0), (m.two, -1.0)):
+            between[ball] += sign * (scene.balls[ball].frame @ pulls)
     return RollingResult(
         motions[:, 0] / scene.track.length,
         motions[:, 1:] / scene.radius,
         force,
-        np.array(rub),
+        rub,
         wrench,
+        between,
         power,
         tuple(outs),
         found.status,

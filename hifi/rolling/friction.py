@@ -27,8 +27,12 @@ Balance = Callable[[Array], tuple[Array, Array]]
 
 #: Creeping speeds of the path over the largest slip, and Newton's steps at each.
 PATH, STEPS = tuple(10.0**-k for k in range(7)), 25
+#: Creeping speed on the path with elasticity from which the sharp law is tried.
+SHARPEST = 0.02
 #: Most steps without smoothing, and remainder at which they end, over the largest bound and slip.
 MOST, TOLERANCE = 60, 1e-11
+#: Growth of the remainder at which they are given up.
+LOST = 1e4
 
 
 @dataclass(frozen=True)
@@ -216,11 +220,14 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
         residual = max(residual, float(np.abs(system.unbalanced(q, y)).max(initial=0.0)) / largest)
         if residual <= TOLERANCE or (residual <= 100.0 * TOLERANCE and residual >= best):
             break
-        best = min(best, residual)
-        dq, dy = system.step(parts, q, y)
-        q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
-        if not all(np.isfinite(v).all() for v in q):
+        if residual > LOST * max(1.0, best):
             break
+        best = min(best, residual)
+        try:
+            dq, dy = system.step(parts, q, y)
+        except np.linalg.LinAlgError:  # cells that slip may leave a motion free on the way
+            break
+        q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
     slips = [c.slip(v, y) for c, v in zip(system.contacts, q, strict=True)]
     pulls = [
         np.linalg.norm(_pair(v) - g[:, None] * _pair(s), axis=1) for v, g, s in zip(q, grips, slips, strict=True)
@@ -252,17 +259,21 @@ def solve_friction(
         if found.converged:
             return found
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
-    forces, count = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts], 0
+    start, count = y.copy(), 0
+    forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for part in PATH:
         forces, y, used = _descend(system, forces, y, part * speed, elastic=False)
         count += used
     found = _settle(system, forces, y)
     if found.converged:
         return found
+    y = start
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
     for part in PATH:
         forces, y, used = _descend(system, forces, y, part * speed, elastic=True)
         count += used
+        if part > SHARPEST:
+            continue
         found = _settle(system, [v.copy() for v in forces], y)
         if found.converged:
             return found

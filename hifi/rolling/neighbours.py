@@ -20,12 +20,19 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Meeting:
     """Balls ``one`` and ``two`` (indices) in touch: rows ``(3, 8)`` of closing speed and sliding of ball one past ball two per
-    their motions; gap between them per second to be closed before they touch [m/s]."""
+    their motions; directions ``(3, 3)`` of these in common axes; speed [m/s] at which they may close without touching."""
 
     one: int
     two: int
     rows: Array
+    axes: Array
     apart: float
+
+    def forces(self, force: float, mu: float, slide: Array) -> Array:
+        """Force ``(3,)`` on ball one in common axes at a sliding ``(2,)``; the other's is its opposite."""
+        size = float(np.linalg.norm(slide))
+        rub = mu * force / size * slide if size > 0.0 else np.zeros(2)
+        return np.asarray(-force * self.axes[0] - rub @ self.axes[1:])
 
     @property
     def columns(self) -> NDArray[np.int64]:
@@ -46,7 +53,7 @@ def meeting(
         at = sign * radius * own[0]
         rows = own @ motion_rows(track, radius, at[None])[0]
         parts.append(sign * rows)
-    return Meeting(one, two, np.hstack(parts), apart)
+    return Meeting(one, two, np.hstack(parts), axes, apart)
 
 
 @dataclass(frozen=True)
