@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root
 
-from hifi.rolling.balls import Choices, RollingResult, solve_rolling, without_meetings
+from hifi.rolling.balls import Choices, RollingResult, solve_rolling, touching, without_meetings
 from hifi.rolling.loads import Cell, Loads, settle
 from hifi.rolling.scenes import Layout, Material, scene_of
 
@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 #: Difference of the force that friction exerts and the one that the loads are for, over the largest load, that is none.
 AGREED = 1e-7
+#: Search by Anderson's acceleration of the alternation of loads and friction.
+SEARCH = {"fatol": 0.1 * AGREED, "maxiter": 40, "line_search": None, "jac_options": {"M": 4, "alpha": 1.0, "w0": 1e-6}}
 #: Grid on which loads and friction are brought together first.
 COARSE = (10, 10)
 
@@ -48,19 +50,20 @@ def solve_loaded(
 ) -> Fed:
     """Loads of a cell and rolling under them; feedback: friction moves the balls, the inner body stays where it settled.
 
-    The force that friction exerts across the track is found by Powell's hybrid method, first on a coarse grid.
+    The force that friction exerts across the track is found by Anderson's acceleration, first on a coarse grid.
     """
     loads = settle(cell)
     if not feedback:
         return Fed(loads, _roll(layout, material, loads, choices, meet), np.zeros((len(cell.push), 2)), 1, 0.0)
     held, count = hold(cell, loads), 0
-    scale = float(loads.force.max())
+    scale, last = float(loads.force.max()), dict[tuple[int, int], RollingResult]()
 
     def exerted(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
         nonlocal count
         count += 1
         now = settle(replace(held, push=cell.push + push))
-        rolling = _roll(layout, material, now, grid, meet)
+        rolling = _roll(layout, material, now, grid, meet, last.get(grid.shape))
+        last[grid.shape] = rolling
         return now, rolling, (rolling.wrench[:, :3] + rolling.between) @ layout.section.T
 
     def missing(push: Array, grid: Choices) -> Array:
@@ -69,12 +72,18 @@ def solve_loaded(
 
     push = np.zeros(2 * len(cell.push))
     for shape in (COARSE, choices.shape):
-        push = root(missing, push, args=(replace(choices, shape=shape),), method="hybr", options={"xtol": 1e-9, "factor": 0.01}).x
+        grid = replace(choices, shape=shape)
+        push = root(lambda x, grid=grid: missing(x, grid), push, method="anderson", options=SEARCH).x
     now, rolling, found = exerted(push.reshape(-1, 2) * scale, choices)
     change = float(np.abs(found / scale - push.reshape(-1, 2)).max())
     return Fed(now, rolling, push.reshape(-1, 2) * scale, count, change)
 
 
-def _roll(layout: Layout, material: Material, loads: Loads, choices: Choices, meet: bool) -> RollingResult:
+def _roll(
+    layout: Layout, material: Material, loads: Loads, choices: Choices, meet: bool, near: RollingResult | None = None
+) -> RollingResult:
+    """Rolling under the loads, from the last solution if the same contacts are loaded."""
     scene = scene_of(layout, material, loads.normal, loads.force)
-    return solve_rolling(scene if meet else without_meetings(scene), choices)
+    now = [(b, k) for b, k, _ in touching(scene)]
+    same = near is not None and [(c.ball, c.touch) for c in near.contacts] == now
+    return solve_rolling(scene if meet else without_meetings(scene), choices, near if same else None)

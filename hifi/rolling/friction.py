@@ -199,6 +199,8 @@ def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: 
             if new <= (1.0 - 0.1 * t) * now:
                 break
             t *= 0.5
+        if not new < now:
+            break
         (q, y), now = trial, new
         if now <= 1e-6 * scale:
             break
