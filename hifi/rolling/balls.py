@@ -1,8 +1,8 @@
 """Balls in steady rolling: motions that balance the friction of elastic contacts, and the forces of balls that touch.
 
-Of a ball's six equations of equilibrium two fix its place in the section of the track, that is its contact forces, which are
-given here (`hifi.rolling.loads`); the other four fix its speed along the track and its rotation. Forces across the track that
-friction adds to the given ones are in the result.
+Of a ball's six equations of equilibrium two fix its place in the section of the track, that is its contact forces,
+which are given here (`hifi.rolling.loads`); the other four fix its speed along the track and its rotation. Forces
+across the track that friction adds to the given ones are in the result.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ class Ball:
 
 @dataclass(frozen=True)
 class Rolling:
-    """Balls of radius [m] on a track, of one material (Young's modulus [Pa], Poisson's ratio) with their grooves; coefficients
-    of friction at the grooves and between balls; orbit: nominal speed of the balls; which balls touch."""
+    """Balls of radius [m] on a track, of one material (Young's modulus [Pa], Poisson's ratio) with their grooves;
+    coefficients of friction at the grooves and between balls; orbit: nominal speed of the balls; which balls touch."""
 
     track: Track
     radius: float
@@ -55,8 +55,8 @@ class Rolling:
 
 @dataclass(frozen=True)
 class Choices:
-    """Numerical choices: cells of every contact's grid along and across the groove; share of the tangential compliance (1, or
-    `NEARLY_RIGID`); curved: contacts on the surface that ball and groove share, not on its tangent plane."""
+    """Numerical choices: cells of every contact's grid along and across the groove; share of the tangential compliance
+    (1, or `NEARLY_RIGID`); curved: contacts on the surface that ball and groove share, not on its tangent plane."""
 
     shape: tuple[int, int] = (24, 24)
     elastic: float = 1.0
@@ -76,7 +76,7 @@ class ContactOut:
     normal: Array
     tangential: Array
     slip: Array
-    stick: Array
+    stick: NDArray[np.bool_]
     axes: Array
     loss: float
     upwind: float
@@ -84,10 +84,10 @@ class ContactOut:
 
 @dataclass(frozen=True)
 class RollingResult:
-    """Steady rolling: speeds of the balls along the track ``(N,)``, rotations about their own axes ``(N, 3)`` [rad/s], forces
-    of meetings [N] and their losses [W], wrench of friction on every ball ``(N, 6)`` [N, N m] at its grooves, force of its
-    neighbours on it ``(N, 3)`` [N], both in its own axes, power [W] put in by the bodies, the contacts, solver's state and
-    seconds."""
+    """Steady rolling: speeds of the balls along the track ``(N,)``, rotations about their own axes ``(N, 3)`` [rad/s],
+    forces of meetings [N] and their losses [W], wrench of friction on every ball ``(N, 6)`` [N, N m] at its grooves,
+    force of its neighbours on it ``(N, 3)`` [N], both in its own axes, power [W] put in by the bodies, the contacts,
+    solver's state and seconds."""
 
     speed: Array
     rotation: Array

@@ -6,9 +6,9 @@ In every cell of a contact the slip s = M q + J y + w [m/s] comes from the elast
     |q| <= g,   s = -c q with c >= 0,   c (g - |q|) = 0,                                          (1)
     sum J^T q + f(y) = 0,                                                                          (2)
 
-g: coefficient of friction times normal force. (1) is the root of q - P(q - r s), P the projection onto the disk of radius g,
-for any r > 0; Newton's method on that root (Alart and Curnier 1991) solves both without smoothing. A smoothed law,
-q = -g s/sqrt(s^2 + eps^2), only leads there: first without elasticity, and where that start is too poor with it.
+g: coefficient of friction times normal force. (1) is the root of q - P(q - r s), P the projection onto the disk of
+radius g, for any r > 0; Newton's method on that root (Alart and Curnier 1991) solves both without smoothing. A smoothed
+law, q = -g s/sqrt(s^2 + eps^2), only leads there: first without elasticity, and where that start is too poor with it.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ PATH, STEPS = tuple(10.0**-k for k in range(7)), 25
 SHARPEST = 0.02
 #: Most steps without smoothing, and remainder at which they end, over the largest bound and slip.
 MOST, TOLERANCE = 60, 1e-11
+#: r over the stiffness of one cell: from 0.3 on, stiff stick zones of many cells make Newton's method cycle.
+SOFT = 0.03
 #: Growth of the remainder at which they are given up.
 LOST = 1e4
 
@@ -58,7 +60,8 @@ class Contact:
 @dataclass(frozen=True)
 class Friction:
     """Solution: tangential forces q and slips s of every contact, each ``(2 n,)``, motions y; Newton's steps; status
-    "converged" or why not; residual: largest violation of (1) and (2), over the largest bound or slip; stick: which cells."""
+    "converged" or why not; residual: largest violation of (1) and (2), over the largest bound or slip; stick: which
+    cells."""
 
     forces: list[Array]
     slips: list[Array]
@@ -114,7 +117,7 @@ def _smooth(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[
     if not elastic:
         return left, -left, -rest
     found = np.linalg.solve(np.eye(q.size) + times(c.elastic), -np.column_stack([left, rest]))
-    return left, found[:, 0], found[:, 1:]
+    return left, np.asarray(found[:, 0]), np.asarray(found[:, 1:])
 
 
 def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
@@ -126,7 +129,7 @@ def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, A
     stick = size <= c.bound
     slip = np.flatnonzero(~stick)
     unit = pull[slip] / size[slip, None]
-    left = _pair(grip.repeat(2).reshape(n, 2).T.ravel() * s).copy()
+    left = _pair(np.tile(grip / SOFT, 2) * s)
     left[slip] = _pair(q)[slip] - c.bound[slip, None] * unit
     known = np.zeros((n, 2))
     known[slip] = -np.sum(left[slip] * unit, axis=1)[:, None] * unit
@@ -168,7 +171,7 @@ class _System:
         for c, force, (_, first, rest) in zip(self.contacts, q, parts, strict=True):
             f[c.columns] += c.motion.T @ (force + first)
             S[np.ix_(c.columns, c.columns)] += c.motion.T @ rest
-        dy = -np.linalg.solve(S, f) if y.size else y
+        dy: Array = np.asarray(-np.linalg.solve(S, f)) if y.size else y
         return [first + rest @ dy[c.columns] for c, (_, first, rest) in zip(self.contacts, parts, strict=True)], dy
 
     def unbalanced(self, q: list[Array], y: Array) -> Array:
@@ -231,9 +234,7 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
             break
         q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
     slips = [c.slip(v, y) for c, v in zip(system.contacts, q, strict=True)]
-    pulls = [
-        np.linalg.norm(_pair(v) - g[:, None] * _pair(s), axis=1) for v, g, s in zip(q, grips, slips, strict=True)
-    ]
+    pulls = [np.linalg.norm(_pair(v) - g[:, None] * _pair(s), axis=1) for v, g, s in zip(q, grips, slips, strict=True)]
     stick = [p <= c.bound for p, c in zip(pulls, system.contacts, strict=True)]
     good = residual <= 100.0 * TOLERANCE
     status = "converged" if good else f"not converged after {steps} steps (remainder {residual:.1e})"
@@ -241,9 +242,9 @@ def _settle(system: _System, q: list[Array], y: Array) -> Friction:
 
 
 def _grip(c: Contact) -> Array:
-    """r ``(n,)`` [N s/m]: a cell's own stiffness, so that both sides of q - P(q - r s) count alike."""
+    """r ``(n,)`` [N s/m]: a share of a cell's own stiffness."""
     own = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
-    return np.asarray(1.0 / own)
+    return np.asarray(SOFT / own)
 
 
 def solve_friction(
@@ -251,8 +252,9 @@ def solve_friction(
 ) -> Friction:
     """Tangential forces, slips and motions of contacts by (1) and (2); y, q: a neighbouring solution.
 
-    Without a balance the motions ``y`` are given (none: all in ``Contact.given``). Where the sharp law does not converge from
-    the start, the smoothed one leads there with creeping speeds that fall by tens. A result that is none says so.
+    Without a balance the motions ``y`` are given (none: all in ``Contact.given``). Where the sharp law does not
+    converge from the start, the smoothed one leads there with creeping speeds that fall by tens. A result that is none
+    says so.
     """
     system = _System(contacts, balance)
     y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()

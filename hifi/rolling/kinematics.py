@@ -1,9 +1,9 @@
 """Balls that roll between bodies which all move along one screw motion: a straight track, a ring or a helix.
 
-Each body moves with the field H(r) = forward + axis x r times its own speed, seen from the centre of a ball in the ball's own
-axes: a carriage (axis 0, forward a unit vector, speeds in m/s), a ring (axis its axis of rotation, forward = R_p along the
-path, speeds in rad/s) or a nut and a screw (forward along the helix, its length the path per angle). All of them are
-unchanged by that motion, so that a contact seen from its ball's centre stays where it is.
+Each body moves with the field H(r) = forward + axis x r times its own speed, seen from the centre of a ball in the
+ball's own axes: a carriage (axis 0, forward a unit vector, speeds in m/s), a ring (axis its axis of rotation, forward =
+R_p along the path, speeds in rad/s) or a nut and a screw (forward along the helix, its length the path per angle). All
+of them are unchanged by that motion, so that a contact seen from its ball's centre stays where it is.
 """
 
 from __future__ import annotations
@@ -61,7 +61,8 @@ class Touch:
 def axes_of(touch: Touch, track: Track, radius: float, orbit: float) -> Array:
     """Rows: local x (against the flow of material), y, and the normal, ``(3, 3)``.
 
-    orbit: speed of the ball along the track. Raises ValueError where the groove's body moves as the ball does: nothing rolls.
+    orbit: speed of the ball along the track. Raises ValueError where the groove's body moves as the ball does: nothing
+    rolls.
     """
     flow = (touch.ride - orbit) * track.field(radius * touch.normal)
     flow = flow - (flow @ touch.normal) * touch.normal

@@ -1,7 +1,8 @@
 """Contact forces of balls between two rigid bodies with Hertz contacts: the least of a convex energy over all places.
 
-Each ball moves in the section of its track, the inner body (screw, inner ring, carriage) by its free motions u, the outer one
-stands. The arc of groove i has its centre at d_i from the ball's: with the ball displaced by p and the inner body by u,
+Each ball moves in the section of its track, the inner body (screw, inner ring, carriage) by its free motions u, the
+outer one stands. The arc of groove i has its centre at d_i from the ball's: with the ball displaced by p and the inner
+body by u,
 
     d_i = reach n_i + p - (rows u on the inner body's grooves),   approach_i = |d_i| - reach + interference_i,
 
@@ -25,10 +26,10 @@ POLISH, BALANCED = 30, 1e-9
 
 @dataclass(frozen=True)
 class Cell:
-    """N balls with k grooves each: directions ``(N, k, 2)`` of the unloaded contacts in the section, reach [m] (groove radius
-    less ball radius), interference ``(N, k)`` [m], Hertz constants C ``(N, k)`` [m/N^(2/3)], which grooves are the inner
-    body's ``(k,)``, its motion in the section ``(N, 2, m)`` per free motion, displacement given to it ``(N, 2)`` [m], forces on
-    it ``(m,)`` and on the balls ``(N, 2)`` [N]."""
+    """N balls with k grooves each: directions ``(N, k, 2)`` of the unloaded contacts in the section, reach [m] (groove
+    radius less ball radius), interference ``(N, k)`` [m], Hertz constants C ``(N, k)`` [m/N^(2/3)], which grooves are
+    the inner body's ``(k,)``, its motion in the section ``(N, 2, m)`` per free motion, displacement given to it ``(N,
+    2)`` [m], forces on it ``(m,)`` and on the balls ``(N, 2)`` [N]."""
 
     normals: Array
     reach: float
@@ -43,8 +44,8 @@ class Cell:
 
 @dataclass(frozen=True)
 class Loads:
-    """Contact forces ``(N, k)`` [N], their directions from the ball ``(N, k, 2)``, places of balls ``(N, 2)`` and inner body
-    ``(m,)`` [m]; force out of balance over the sum of the contact forces, and whether that is balance."""
+    """Contact forces ``(N, k)`` [N], their directions from the ball ``(N, k, 2)``, places of balls ``(N, 2)`` and inner
+    body ``(m,)`` [m]; force out of balance over the sum of the contact forces, and whether that is balance."""
 
     force: Array
     normal: Array

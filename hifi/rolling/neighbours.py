@@ -1,7 +1,7 @@
 """Balls that touch: force and closing speed not negative and complementary, sliding friction at the point of contact.
 
-Two balls of a track turn the same way, so that where they touch they rub at about the full speed of their surfaces: the whole
-contact, some hundredths of a radius wide, slides one way, and a point stands for it.
+Two balls of a track turn the same way, so that where they touch they rub at about the full speed of their surfaces: the
+whole contact, some hundredths of a radius wide, slides one way, and a point stands for it.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Meeting:
-    """Balls ``one`` and ``two`` (indices) in touch: rows ``(3, 8)`` of closing speed and sliding of ball one past ball two per
-    their motions; directions ``(3, 3)`` of these in common axes; speed [m/s] at which they may close without touching."""
+    """Balls ``one`` and ``two`` (indices) in touch: rows ``(3, 8)`` of closing speed and sliding of ball one past ball
+    two per their motions; directions ``(3, 3)`` of these in common axes; speed [m/s] at which they may close without
+    touching."""
 
     one: int
     two: int
@@ -58,7 +59,8 @@ def meeting(
 
 @dataclass(frozen=True)
 class Together:
-    """f of (2) in `hifi.rolling.friction` for balls with meetings: motions of all balls, then the force of each meeting [N].
+    """f of (2) in `hifi.rolling.friction` for balls with meetings: motions of all balls, then the force of each meeting
+    [N].
 
     mu: coefficient of friction between balls; push ``(4 N,)``: what else acts on the motions [N]; weight: of closing speeds
     beside forces [N s/m].
@@ -77,13 +79,13 @@ class Together:
         f[:m] += self.push
         for k, pair in enumerate(self.meetings):
             i, own = pair.columns, m + k
-            force, speeds = y[own], pair.rows @ y[i]
+            force, speeds = float(y[own]), pair.rows @ y[i]
             closing, slide = speeds[0] - pair.apart, speeds[1:]
             size = float(np.linalg.norm(slide))
             unit = slide / size if size > 0.0 else slide
             turn = (np.eye(2) - np.outer(unit, unit)) / size if size > 0.0 else np.zeros((2, 2))
             f[i] -= force * (pair.rows[0] + self.mu * unit @ pair.rows[1:])
-            S[np.ix_(i, [own])] -= (pair.rows[0] + self.mu * unit @ pair.rows[1:])[:, None]
+            S[i, own] -= pair.rows[0] + self.mu * unit @ pair.rows[1:]
             S[np.ix_(i, i)] -= force * self.mu * pair.rows[1:].T @ turn @ pair.rows[1:]
             if force + self.weight * closing > 0.0:
                 f[own] = self.weight * closing

@@ -44,7 +44,8 @@ class Patch:
         return float(self.normal.sum())
 
     def tangential(self, shift: float = 0.0) -> Array:
-        """Compliance ``(2 n, 2 n)`` [m/N]: displacement of body 1 past body 2 at the cells' centres, ``shift`` [m] upstream.
+        """Compliance ``(2 n, 2 n)`` [m/N]: displacement of body 1 past body 2 at the cells' centres, ``shift`` [m]
+        upstream.
 
         Of unit tangential forces, each uniform over its cell.
         """
@@ -52,7 +53,8 @@ class Patch:
 
     @cached_property
     def transport(self) -> Array:
-        """D ``(2 n, 2 n)`` [1/N]: rate of the elastic displacement, per length of rolling, of material at the cells' centres.
+        """D ``(2 n, 2 n)`` [1/N]: rate of the elastic displacement, per length of rolling, of material at the cells'
+        centres.
 
         Backward differences of second order, upstream by `STEP` cells: displacements are known everywhere, so that nothing
         is interpolated. The symmetric part of D is positive: forces do work on it that the differences lose.
@@ -65,11 +67,7 @@ class Patch:
         """The patch of a similar contact: lengths and normal forces multiplied."""
         square = length * length
         out = replace(
-            self,
-            at=self.at * length,
-            size=self.size * length,
-            normal=self.normal * force,
-            approach=self.approach * square,
+            self, at=self.at * length, size=self.size * length, normal=self.normal * force, approach=self.approach * square
         )
         if "transport" in self.__dict__:  # [1/N]: compliance over length
             out.__dict__["transport"] = self.transport / square

@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Layout:
     """Where balls and grooves are: track seen from every ball, frames ``(N, 3, 3)``, plane of the section in a ball's axes
-    ``(2, 3)``, ball and groove radius [m], relative radii [m] along and across every groove ``(k, 2)``, speeds of the grooves'
-    bodies ``(k,)`` and nominal speed of the balls, meetings of neighbours."""
+    ``(2, 3)``, ball and groove radius [m], relative radii [m] along and across every groove ``(k, 2)``, speeds of the
+    grooves' bodies ``(k,)`` and nominal speed of the balls, meetings of neighbours."""
 
     track: Track
     frames: Array
@@ -71,13 +71,14 @@ def hertz_constants(layout: Layout, material: Material) -> Array:
 
 
 def linear_layout(radius: float, groove_radius: float, count: int, moving: Array, speed: float, touch: Array) -> Layout:
-    """``count`` balls of a straight track along z, sections in x and y; moving ``(k,)``: whether a groove moves at ``speed``
-    [m/s]; touch ``(count - 1,)``: which neighbours are in reach."""
+    """``count`` balls of a straight track along z, sections in x and y; moving ``(k,)``: whether a groove moves at
+    ``speed`` [m/s]; touch ``(count - 1,)``: which neighbours are in reach."""
     track = Track(np.zeros(3), np.array([0.0, 0.0, 1.0]))
     frames = np.repeat(np.eye(3)[None], count, axis=0)
     along = np.array([0.0, 0.0, 1.0])
     pairs = tuple(
-        meeting(k, k + 1, (frames[k], frames[k + 1]), along, track, radius) for k in np.flatnonzero(np.asarray(touch))
+        meeting(k, k + 1, (frames[k], frames[k + 1]), along, track, radius)
+        for k in np.flatnonzero(np.asarray(touch)).tolist()
     )
     radii = np.tile([radius, 1.0 / (1.0 / radius - 1.0 / groove_radius)], (moving.size, 1))
     return Layout(
@@ -87,7 +88,7 @@ def linear_layout(radius: float, groove_radius: float, count: int, moving: Array
 
 def along_radius(radius: float, pitch_radius: float, lead_angle: float, outward: float) -> float:
     """Relative radius [m] of ball and groove along a helix or ring; outward: radial part of the contact's direction."""
-    return 1.0 / (1.0 / radius - outward * np.cos(lead_angle) ** 2 / (pitch_radius + outward * radius))
+    return float(1.0 / (1.0 / radius - outward * np.cos(lead_angle) ** 2 / (pitch_radius + outward * radius)))
 
 
 def screw_layout(
