@@ -33,6 +33,8 @@ SHARPEST = 0.02
 MOST, TOLERANCE = 60, 1e-11
 #: r over the stiffness of one cell: from 0.3 on, stiff stick zones of many cells make Newton's method cycle.
 SOFT = 0.03
+#: Force out of balance over the bound of a contact up to which rigid bodies balance.
+RIGID = 1e-8
 #: Growth of the remainder at which they are given up.
 LOST = 1e4
 
@@ -245,6 +247,25 @@ def _grip(c: Contact) -> Array:
     """r ``(n,)`` [N s/m]: a share of a cell's own stiffness."""
     own = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
     return np.asarray(SOFT / own)
+
+
+def solve_rigid(
+    contacts: Sequence[Contact], balance: Balance, y: Array, path: tuple[float, ...] = PATH
+) -> tuple[Array, float]:
+    """Motions of bodies that do not yield at all, from motions ``y``, and what smoothing leaves: their change by the last ten
+    times in creeping speed, over the largest slip. Raises ValueError where the search ends out of balance.
+    """
+    system = _System(contacts, balance)
+    speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
+    forces, last = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts], y
+    for part in path:
+        last = y
+        forces, y, _ = _descend(system, forces, y, part * speed, elastic=False)
+    left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
+    if not left <= RIGID:
+        raise ValueError(f"rigid bodies are out of balance by {left:.1e} of a contact's friction")
+    slip = max(float(np.abs(c.motion @ (y - last)[c.columns]).max()) for c in contacts)
+    return y, slip / max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
 
 
 def solve_friction(

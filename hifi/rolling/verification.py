@@ -16,6 +16,7 @@ from hifi.rolling.elements import Solids
 from hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
 from hifi.rolling.normal import press
 from hifi.rolling.patch import Patch, grid, hertz_patch
+from hifi.rolling.rigid_limit import quadrature
 
 Array = NDArray[np.float64]
 
@@ -147,16 +148,10 @@ def slip_everywhere(
     load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
 ) -> tuple[Array, float]:
     """Force ``(2,)`` [N] and moment [N m] under Hertz's pressure if all of the contact slips as rigid bodies would.
-
-    By the midpoint rule in angles that take the edge of the ellipse to the ends of an interval.
     """
     found = hertz(load, *radii, young, poisson)
-    t = (np.arange(points) + 0.5) / points * np.pi
-    u, w = np.cos(t), np.sin(t) * np.pi / points
-    X, V = np.meshgrid(u, u, indexing="ij")
-    Y = V * np.sqrt(1.0 - X**2)
-    weight = np.outer(w * np.sqrt(1.0 - u**2), w).ravel()
-    at = np.stack([(found.semi_x * X).ravel(), (found.semi_y * Y).ravel()], axis=1)
+    unit, weight = quadrature(points)
+    at = unit * np.array([found.semi_x, found.semi_y])
     normal = found.pressure(at[:, 0], at[:, 1]) * weight * found.semi_x * found.semi_y
     x, y = full_slip(mu * normal, creep.slip(at)).reshape(2, -1)
     return np.array([x.sum(), y.sum()]), float(at[:, 0] @ y - at[:, 1] @ x)
