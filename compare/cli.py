@@ -241,9 +241,22 @@ def mesh_study(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
+    from compare.commands.rolling import all_rolling, run_rolling_study
     from compare.commands.study import run_mesh_study
     from compare.reference.jobs import Engine
 
+    if all_rolling(scenes):
+        return run_rolling_study(
+            scenes,
+            levels,
+            store,
+            workers,
+            source=source_mesh,
+            json_out=as_json,
+            show=_show,
+            print_json=_print_json,
+            fresh=fresh,
+        )
     return run_mesh_study(
         scenes,
         levels,
@@ -292,13 +305,19 @@ def compare(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
+    from compare.commands.rolling import all_rolling, run_rolling_compare
     from compare.commands.study import parse_levels, run_compare
     from compare.reference.jobs import Engine
 
+    wanted = None if levels is None else parse_levels(levels)
+    if all_rolling(scenes):
+        return run_rolling_compare(
+            scenes, wanted, store, workers, json_out=as_json, show=_show, print_json=_print_json, fresh=fresh
+        )
     return run_compare(
         scenes,
         model or (),
-        None if levels is None else parse_levels(levels),
+        wanted,
         store,
         Engine(backend, scheduler, workers, _cache()),
         json_out=as_json,

@@ -252,8 +252,8 @@ def _grip(c: Contact) -> Array:
 def solve_rigid(
     contacts: Sequence[Contact], balance: Balance, y: Array, path: tuple[float, ...] = PATH
 ) -> tuple[Array, float]:
-    """Motions of bodies that do not yield at all, from motions ``y``, and what smoothing leaves: their change by the last ten
-    times in creeping speed, over the largest slip. Raises ValueError where the search ends out of balance.
+    """Motions of bodies that do not yield at all, from motions ``y``, and what smoothing leaves: their change by the
+    last ten times in creeping speed, over the largest slip. Raises ValueError where the search ends out of balance.
     """
     system = _System(contacts, balance)
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)

@@ -1,7 +1,7 @@
 """Balls on grooves that do not yield along tangents: Coulomb friction under Hertz's pressure by fine quadrature.
 
-The limit that grids of elastic contacts are differenced against: what a grid's cells, its staircase edge and a spin pole within
-a cell do to an answer they do to nearly rigid bodies too, so that
+The limit that grids of elastic contacts are differenced against: what a grid's cells, its staircase edge and a spin
+pole within a cell do to an answer they do to nearly rigid bodies too, so that
 
     answer = grid(elastic) - grid(nearly rigid) + limit
 
@@ -28,8 +28,8 @@ FIRST, POINTS = 40, 300
 
 @dataclass(frozen=True)
 class RigidResult:
-    """Speeds of the balls along the track ``(N,)``, rotations ``(N, 3)`` [rad/s], forces of meetings [N], losses at every loaded
-    contact and meeting [W]; what the smoothing of the path leaves, over the largest slip."""
+    """Speeds of the balls along the track ``(N,)``, rotations ``(N, 3)`` [rad/s], forces of meetings [N], losses at
+    every loaded contact and meeting [W]; what the smoothing of the path leaves, over the largest slip."""
 
     speed: Array
     rotation: Array
@@ -90,10 +90,5 @@ def _result(scene: Rolling, contacts: list[Contact], y: Array, remainder: float)
         for f, m in zip(force, scene.meetings, strict=True)
     ]
     return RigidResult(
-        motions[:, 0] / scene.track.length,
-        motions[:, 1:] / scene.radius,
-        force,
-        np.array(loss),
-        np.array(rub),
-        remainder,
+        motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, force, np.array(loss), np.array(rub), remainder
     )

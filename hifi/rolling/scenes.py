@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from hifi.hertz import hertz
@@ -70,7 +70,9 @@ def hertz_constants(layout: Layout, material: Material) -> Array:
 # --- layouts
 
 
-def linear_layout(radius: float, groove_radius: float, count: int, moving: Array, speed: float, touch: Array) -> Layout:
+def linear_layout(
+    radius: float, groove_radius: float, count: int, moving: ArrayLike, speed: float, touch: ArrayLike
+) -> Layout:
     """``count`` balls of a straight track along z, sections in x and y; moving ``(k,)``: whether a groove moves at
     ``speed`` [m/s]; touch ``(count - 1,)``: which neighbours are in reach."""
     track = Track(np.zeros(3), np.array([0.0, 0.0, 1.0]))
@@ -80,7 +82,7 @@ def linear_layout(radius: float, groove_radius: float, count: int, moving: Array
         meeting(k, k + 1, (frames[k], frames[k + 1]), along, track, radius)
         for k in np.flatnonzero(np.asarray(touch)).tolist()
     )
-    radii = np.tile([radius, 1.0 / (1.0 / radius - 1.0 / groove_radius)], (moving.size, 1))
+    radii = np.tile([radius, 1.0 / (1.0 / radius - 1.0 / groove_radius)], (np.size(moving), 1))
     return Layout(
         track, frames, np.eye(3)[:2], radius, groove_radius, radii, speed * np.asarray(moving, float), 0.5 * speed, pairs
     )

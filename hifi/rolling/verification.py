@@ -147,8 +147,7 @@ def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) ->
 def slip_everywhere(
     load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
 ) -> tuple[Array, float]:
-    """Force ``(2,)`` [N] and moment [N m] under Hertz's pressure if all of the contact slips as rigid bodies would.
-    """
+    """Force ``(2,)`` [N] and moment [N m] under Hertz's pressure if all of the contact slips as rigid bodies would."""
     found = hertz(load, *radii, young, poisson)
     unit, weight = quadrature(points)
     at = unit * np.array([found.semi_x, found.semi_y])

@@ -3,15 +3,8 @@
 import numpy as np
 import pytest
 
-from hifi.rolling.verification import (
-    Creep,
-    carter,
-    linear_coefficients,
-    mindlin,
-    slip_everywhere,
-    steady,
-)
 from hifi.rolling.patch import hertz_patch
+from hifi.rolling.verification import Creep, carter, linear_coefficients, mindlin, slip_everywhere, steady
 
 #: A contact like those of the linear bearing: load [N], relative radii [m] along and across, modulus [Pa], ratio.
 GROOVE = (100.0, (5e-3, 46.667e-3), 210e9, 0.28)

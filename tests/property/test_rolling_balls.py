@@ -71,16 +71,11 @@ def test_turned_frame_changes_nothing():
     scene = linear_pair()
     turn = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [-1.0, 0.3, 2.0], [0.4, 1.0, -2.0]]))[0]
     turn *= np.sign(np.linalg.det(turn))
-    balls = tuple(
-        replace(b, touches=tuple(replace(t, normal=turn @ t.normal) for t in b.touches)) for b in scene.balls
-    )
+    balls = tuple(replace(b, touches=tuple(replace(t, normal=turn @ t.normal) for t in b.touches)) for b in scene.balls)
     track = Track(turn @ scene.track.axis, turn @ scene.track.forward)
     line = turn @ np.array([0.0, 0.0, 1.0])
     turned = replace(
-        scene,
-        balls=balls,
-        track=track,
-        meetings=(meeting(0, 1, (np.eye(3), np.eye(3)), line, track, scene.radius),),
+        scene, balls=balls, track=track, meetings=(meeting(0, 1, (np.eye(3), np.eye(3)), line, track, scene.radius),)
     )
     one, two = solve_rolling(scene, COARSE), solve_rolling(turned, COARSE)
     assert two.force[0] == pytest.approx(one.force[0], rel=1e-9)
@@ -91,7 +86,12 @@ def test_left_hand_screw_is_the_mirror_image():
     one, two = screw_pair(), screw_pair(lead=-20e-3)
     swap = [1, 0, 3, 2]
     balls = tuple(
-        replace(b, touches=tuple(replace(t, load=b.touches[k].load, normal=t.normal) for k, t in zip(swap, b.touches)))
+        replace(
+            b,
+            touches=tuple(
+                replace(t, load=b.touches[k].load, normal=t.normal) for k, t in zip(swap, b.touches, strict=True)
+            ),
+        )
         for b in two.balls
     )
     # mirrored, the second ball is still ahead in the sense of growing azimuth
@@ -101,7 +101,8 @@ def test_left_hand_screw_is_the_mirror_image():
 
 
 def test_rigid_limit_is_the_low_order_model():
-    """Rigid bodies on flat contacts: the low-order model's numbers at the same loads; grids of nearly rigid ones get there."""
+    """Rigid bodies on flat contacts: the low-order model's numbers at the same loads; grids of nearly rigid ones get
+    there."""
     bearing = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 210e9, 0.28)
     low = solve_pair(bearing, np.deg2rad(2.0), -0.6, 100.0, fast=False)
     limit = solve_rigid_rolling(linear_pair(), curved=False)
