@@ -11,7 +11,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -37,7 +37,8 @@ SOURCE_SIZE = {"linear pair": 0.13e-3, "linear chain": 0.13e-3, "screw pair": 0.
 class RollingRun:
     """A run: scene, level (0: the source's element size), cells, values by name, by the grid as it is, nearly rigid
     bodies on it, the rigid limit, bodies on their tangent planes; state of the solver; power lost by the differences
-    over that put in; largest remainder of the equations; seconds of the elastic solve and of all; cells that stick."""
+    over that put in; largest remainder of the equations; processor seconds of the elastic solve and of all; cells that
+    stick."""
 
     scene: str
     level: int
@@ -110,7 +111,7 @@ def shape_of(case: Case, level: int) -> tuple[int, int]:
 
 def compute(scene: KindScene, level: int) -> RollingRun:
     """Run a level. Raises Refusal for a scene that is beyond the 3D model."""
-    begin = perf_counter()
+    begin = process_time()
     case = case_of(scene, Choices(LEVELS.get(level, LEVELS[1])))
     shape = shape_of(case, level)
     pairs = {
@@ -135,7 +136,7 @@ def compute(scene: KindScene, level: int) -> RollingRun:
         max(r.upwind / r.power for r in (apart, touching)),
         max(r.residual for pair in pairs.values() for r in pair),
         apart.seconds + touching.seconds,
-        perf_counter() - begin,
+        process_time() - begin,
         int(sum(int(c.stick.sum()) for c in touching.contacts)),
     )
 

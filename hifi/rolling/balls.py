@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,7 +87,7 @@ class RollingResult:
     """Steady rolling: speeds of the balls along the track ``(N,)``, rotations about their own axes ``(N, 3)`` [rad/s],
     forces of meetings [N] and their losses [W], wrench of friction on every ball ``(N, 6)`` [N, N m] at its grooves,
     force of its neighbours on it ``(N, 3)`` [N], both in its own axes, power [W] put in by the bodies, the contacts,
-    solver's state and seconds."""
+    solver's state and seconds of processor time."""
 
     speed: Array
     rotation: Array
@@ -190,14 +190,14 @@ def start_of(scene: Rolling) -> Array:
 
 def solve_rolling(scene: Rolling, choices: Choices | None = None, near: RollingResult | None = None) -> RollingResult:
     """Steady rolling; near: a solution on the same grid to start from. Raises ValueError for a ball without a contact."""
-    begin, choices = perf_counter(), choices or Choices()
+    begin, choices = process_time(), choices or Choices()
     if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
         raise ValueError("a ball without a loaded contact has no steady motion")
     contacts = contacts_of(scene, choices)
     balance = balance_of(scene, contacts)
     y = start_of(scene) if near is None else near.friction.motions
     found = solve_friction(contacts, balance, y, None if near is None else near.friction.forces)
-    return _result(scene, choices, contacts, found, perf_counter() - begin)
+    return _result(scene, choices, contacts, found, process_time() - begin)
 
 
 def _result(

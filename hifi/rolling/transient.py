@@ -4,14 +4,14 @@ In a step dt material moves by V dt through every contact, so that
 
     s dt = A q(t) - A_shifted q(t - dt) + rigid slip dt,
 
-A_shifted giving the old displacements where the material was: nothing is interpolated. First order in the step. Contact forces
-are given and stay; the frame moves with each ball's centre.
+A_shifted giving the old displacements where the material was: nothing is interpolated. First order in the step. Contact
+forces are given and stay; the frame moves with each ball's centre.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TransientResult:
-    """Steps of a run: ends of the steps ``(T,)`` [s], speeds of the balls along the track ``(T, N)``, rotations ``(T, N, 3)``
-    [rad/s], forces ``(T, M)`` [N] and gaps ``(T, M)`` [m] of the meetings, losses of friction ``(T,)`` [W], power put in
-    ``(T,)`` [W]; seconds; "converged", or the first step that did not and why."""
+    """Steps of a run: ends of the steps ``(T,)`` [s], speeds of the balls along the track ``(T, N)``, rotations ``(T,
+    N, 3)`` [rad/s], forces ``(T, M)`` [N] and gaps ``(T, M)`` [m] of the meetings, losses of friction ``(T,)`` [W],
+    power put in ``(T,)`` [W]; seconds of processor time; "converged", or the first step that did not and why."""
 
     time: Array
     speed: Array
@@ -67,7 +67,7 @@ def run_from_rest(
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:
         raise ValueError("need a duration > 0, at least one step and no negative gap")
-    begin, choices, dt = perf_counter(), choices or Choices(), duration / steps
+    begin, choices, dt = process_time(), choices or Choices(), duration / steps
     carried = _carried(scene, choices, dt)
     forces = [np.zeros(c.contact.given.size) for c in carried]
     y, gaps, out, status = start_of(scene), np.full(len(scene.meetings), gap), [], "converged"
@@ -85,7 +85,7 @@ def run_from_rest(
         out.append(_row(scene, carried, forces, found.slips, y, gaps))
     count = len(out)
     columns = [np.array([row[k] for row in out]) for k in range(6)]
-    return TransientResult(dt * (1.0 + np.arange(count)), *columns, perf_counter() - begin, status)
+    return TransientResult(dt * (1.0 + np.arange(count)), *columns, process_time() - begin, status)
 
 
 def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
