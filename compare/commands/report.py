@@ -50,6 +50,7 @@ PARTS = (
     Part("manufacturing", "manufacturing"),
     Part("friction", "friction"),
     Part("friction-screw", "friction_screw"),
+    Part("rolling", "rolling"),
     Part("smith", "smith"),
     Part("liu", "liu"),
     Part("formulations", "formulations"),

@@ -13,7 +13,7 @@ from compare.models.study import Study
 from hifi.rolling.verification import linear_coefficients
 
 #: Ratios of semi-axes and Poisson's ratios; grids of each ratio, cells along and across.
-GRIDS = {"0.2": ((12, 24), (16, 32), (20, 40)), "1": ((20, 20), (28, 28), (36, 36)), "5": ((60, 12), (80, 16), (100, 20))}
+GRIDS = {"0.2": ((12, 24), (16, 32), (18, 36)), "1": ((16, 16), (20, 20), (28, 28)), "5": ((60, 12), (80, 16), (100, 20))}
 POISSON = ("0", "0.25", "0.5")
 NAMES = ("C11", "C22", "C23", "C33")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,8 @@ import numpy as np
 from compare.measure import error_percent
 from compare.printed.printed_data import entry
 from compare.rolling.low_order import low_order
-from compare.rolling.runs import RollingRun
+from compare.rolling.runs import LEVELS, RollingRun, load
+from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
 
 #: Factor on the scatter of the grids, as grid convergence indices have it for three grids.
@@ -24,6 +26,17 @@ PRINTED = {
     "lin-screw-pair-a-inferred": ("lin-3.7", "force_a", "ansys_a"),
     "lin-screw-pair-b": ("lin-3.7", "force_b", "ansys_b"),
     "lin-screw-pair-b-inferred": ("lin-3.7", "force_b", "ansys_b"),
+}
+#: Scenes of the report and the gate: those of Tables 3.5 and 3.7, and the rotary ball of 3.2.2.
+PAIRS = tuple(PRINTED)
+RINGS = ("lin-rotary-1", "lin-rotary-2", "lin-rotary-3")
+#: Limit [%] of the low-order model against 3D where the load state is the same.
+LIMIT = 2.0
+#: Quantities that are gated, and where the low-order model is beyond the limit, and why.
+GATED = ("force 1-2", "torque")
+KNOWN = {
+    ("lin-rotary-1", "torque"): "two contacts only: the one that rigid bodies let stick creeps by its elasticity, and "
+    "both share the ball's spin"
 }
 
 
@@ -104,3 +117,19 @@ def rows(scene: KindScene, runs: Sequence[RollingRun]) -> list[RollingRow]:
             )
         )
     return out
+
+
+def within(row: RollingRow) -> bool:
+    """Whether the low-order model is within `LIMIT` of 3D, the uncertainty deducted up to the limit itself."""
+    if row.error_percent is None:
+        return row.low == row.reference or (row.low is not None and abs(row.low - row.reference) <= row.uncertainty + 1e-9)
+    return abs(row.error_percent) - min(row.uncertainty_percent or 0.0, LIMIT) <= LIMIT
+
+
+def stored_rows(name: str, stores: Sequence[Path]) -> list[RollingRow]:
+    """Rows of a shipped scene from the stored runs of all levels; none where one is missing."""
+    scene = shipped(name)
+    assert isinstance(scene, KindScene)
+    found = [load(scene, level, stores) for level in LEVELS]
+    runs = [run for run in found if run is not None and run.converged]
+    return rows(scene, runs) if len(runs) == len(LEVELS) else []

@@ -83,9 +83,9 @@ def run_from_rest(
         closing = np.array([float(m.rows[0] @ y[m.columns]) for m in scene.meetings])
         gaps = np.maximum(gaps - dt * closing, 0.0)
         out.append(_row(scene, carried, forces, found.slips, y, gaps))
-    count = len(out)
-    columns = [np.array([row[k] for row in out]) for k in range(6)]
-    return TransientResult(dt * (1.0 + np.arange(count)), *columns, process_time() - begin, status)
+    speed, rotation, force, gap_left, loss, power = (np.array([row[k] for row in out], dtype=float) for k in range(6))
+    time = np.asarray(dt * (1.0 + np.arange(len(out))))
+    return TransientResult(time, speed, rotation, force, gap_left, loss, power, process_time() - begin, status)
 
 
 def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
