@@ -132,8 +132,8 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
         causes = {(r.scene, r.quantity): KNOWN.get((r.scene, r.quantity), "cause unknown") for r in beyond}
         names = "; ".join(f"{scene}, {what}: {cause}" for (scene, what), cause in causes.items())
         out.append(
-            f"{len(gated) - len(beyond)} of {len(gated)} ball-to-ball forces and torques of the low-order models are within "
-            f"{LIMIT:g} % of 3D" + (f"; beyond it: {names}." if beyond else ".")
+            f"{len(gated) - len(beyond)} of {len(gated)} ball-to-ball forces and torques of the low-order models are "
+            f"within {LIMIT:g} % of 3D" + (f"; beyond it: {names}." if beyond else ".")
         )
     return out
 

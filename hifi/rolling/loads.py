@@ -87,6 +87,8 @@ def settle(cell: Cell) -> Loads:
         x = x - np.linalg.solve(bend(x), g)
     force, normal, _ = _contacts(cell, best * unit)
     left = float(np.abs(energy(best)[1]).max()) * size / max(float(force.sum()), 1e-300)
+    if np.any((force > 0.0) & ((normal * cell.normals).sum(axis=2) <= 0.0)):  # a ball that left its groove for the far side
+        left = np.inf
     return Loads(force, normal, best[: 2 * N].reshape(N, 2) * unit, best[2 * N :] * unit, left)
 
 
