@@ -1,4 +1,4 @@
-"""Run times of the 3D model of rolling: steady pairs, a further load case, a run from rest, and how time grows with cells."""
+"""Run times of the 3D model of rolling: steady pairs, a further load case, a run from rest; how time grows with cells."""
 
 from __future__ import annotations
 

@@ -13,15 +13,15 @@ from compare.models.study import Study
 from hifi.rolling.verification import linear_coefficients
 
 #: Ratios of semi-axes and Poisson's ratios; grids of each ratio, cells along and across.
-GRIDS = {"0.2": ((12, 24), (16, 32), (18, 36)), "1": ((16, 16), (20, 20), (28, 28)), "5": ((60, 12), (80, 16), (100, 20))}
+GRIDS = {"0.2": ((12, 24), (16, 32), (18, 36)), "1": ((20, 20), (28, 28), (36, 36)), "5": ((60, 12), (80, 16), (100, 20))}
 POISSON = ("0", "0.25", "0.5")
 NAMES = ("C11", "C22", "C23", "C33")
 
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A coefficient: its key, values by grid, and the answer: extrapolated where the grids come to it from one side, in the
-    first order of the cells, otherwise the finest grid's."""
+    """A coefficient: its key, values by grid, and the answer: extrapolated where the grids come to it from one side in
+    falling steps, in the first order of the cells, otherwise the finest grid's."""
 
     key: str
     values: tuple[float, ...]
@@ -43,7 +43,7 @@ def _solved() -> Iterator[Coefficient]:
             limits = np.polyfit(cells, found, 1)[1]
             for name, values, limit in zip(NAMES, found.T, limits, strict=True):
                 steps = np.diff(values)
-                one_side = bool(steps[0] * steps[1] > 0.0)
+                one_side = bool(steps[0] * steps[1] > 0.0 and abs(steps[1]) < abs(steps[0]))
                 answer = float(limit if one_side else values[-1])
                 yield Coefficient(f"{name}_{ratio}_{poisson}", tuple(map(float, values)), answer, one_side)
 
