@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from hifi.hertz import hertz
 from hifi.rolling.patch import hertz_patch
 from hifi.rolling.verification import Creep, carter, linear_coefficients, mindlin, slip_everywhere, steady
+from lowfi.friction.contact.ellipse import contacts, friction
 
 #: A contact like those of the linear bearing: load [N], relative radii [m] along and across, modulus [Pa], ratio.
 GROOVE = (100.0, (5e-3, 46.667e-3), 210e9, 0.28)
@@ -54,6 +56,18 @@ def test_full_slip_is_that_of_rigid_bodies_under_the_same_pressure(spin):
         errors.append(max(np.abs(found.force - exact).max() / scale, abs(found.moment - moment) / (scale * 1e-4)))
     assert errors[1] < 5e-3
     assert errors[1] < max(0.5 * errors[0], 1e-3)
+
+
+@pytest.mark.parametrize("spin", [30.0, 400.0, 4000.0])
+def test_full_slip_is_the_closed_form_of_the_low_order_model(spin):
+    """Numbers of the two models at the same load: their axes are exchanged."""
+    load, radii, young, poisson = GROOVE
+    size = hertz(load, *radii, young, poisson)
+    own = contacts(size.semi_y, size.semi_x, load, 0.1)
+    low = friction(own, np.array([[0.004, 0.02, spin]]))
+    force, moment = slip_everywhere(load, radii, young, poisson, Creep(0.02, 0.004, spin), 0.1)
+    assert force == pytest.approx(low.force[0][::-1], rel=1e-3, abs=1e-3)
+    assert abs(moment) == pytest.approx(abs(float(low.moment[0])), rel=1e-3)
 
 
 def test_full_slip_without_spin_is_the_coefficient_of_friction():
