@@ -315,6 +315,11 @@ class Scene:
     time: Time | None = field(default=None, repr=False)
 
     @property
+    def stations(self) -> list[float]:
+        """Stations [m] of supports, then of loads."""
+        return [*(x.at for x in self.supports), *(x.at for x in self.loads)]
+
+    @property
     def ball_count(self) -> int:
         """Number of balls over all starts."""
         return len(self.balls.azimuths) * self.track.starts

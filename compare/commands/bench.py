@@ -10,6 +10,7 @@ from typing import Any
 from compare.costs.bench import Job, run_bench
 from compare.costs.chain_bench import jobs as chain_jobs
 from compare.costs.friction_bench import jobs as friction_jobs
+from compare.costs.rolling_bench import jobs as rolling_jobs
 
 
 def run_bench_command(*, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
@@ -20,6 +21,7 @@ def run_bench_command(*, as_json: bool, show: Callable[..., None], print_json: C
         for row in friction_jobs(5)
     ]
     jobs += chain_jobs(5)
+    jobs += rolling_jobs(3)
     if as_json:
         print_json([asdict(job) for job in jobs])
         return 0

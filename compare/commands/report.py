@@ -51,6 +51,7 @@ PARTS = (
     Part("tolerances", "tolerances"),
     Part("friction", "friction"),
     Part("friction-screw", "friction_screw"),
+    Part("rolling", "rolling"),
     Part("smith", "smith"),
     Part("liu", "liu"),
     Part("audit", "audit", runs=True),

@@ -10,6 +10,7 @@ from compare.evidence import rotary_linear, screw
 from compare.evidence.errors_2_4_2 import section_2_4_2
 from compare.evidence.errors_4_3_2 import section_4_3_2
 from compare.evidence.hertz_b1 import table_b_1
+from compare.evidence.kalker import table_e3
 from compare.evidence.liu import drawn as liu_drawn
 from compare.evidence.liu import given as liu_given
 from compare.evidence.liu import single_error as liu_single
@@ -29,6 +30,7 @@ SCREW = "tests/literature/test_lin_chapter3_screw.py"
 CHAPTER_4 = "tests/literature/test_lin_chapter4_friction.py"
 SMITH = "tests/literature/test_smith.py"
 LIU = "tests/literature/test_liu.py"
+KALKER = "tests/literature/test_kalker.py"
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,7 @@ COMPUTATIONS = (
     Computation("smith-4.2", smith_axis.section_4_2, SMITH),
     Computation("smith-4.3", smith_axis.section_4_3, SMITH),
     Computation("smith-5", smith_trials.chapter_5, SMITH),
+    Computation("kalker-E3", table_e3, KALKER),
     Computation("liu-2", liu_given.section_2, LIU),
     Computation("liu-3", liu_given.section_3, LIU),
     Computation("liu-4.1", liu_given.section_4_1, LIU),

@@ -129,7 +129,7 @@ def table_3_7(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
         _pair_of_3_7(sheet, case)
         force, ansys = (entry("lin-3.7", f"{what}_{case}").value or np.nan for what in ("force", "ansys"))
         sheet.number(f"difference_{case}", float(error_percent(force, ansys)), "from the printed forces alone")
-        sheet.words(f"ansys_{case}", "another program; this project has no 3D model of the pair")
+        sheet.words(f"ansys_{case}", "another program; the 3D model of this project is in table rolling-pairs")
         words = "another machine and language; run times of this project are in table timing-friction"
         sheet.words(f"time_{case}", words)
     return sheet.evidence()

@@ -18,6 +18,8 @@ from compare.models.registry import DEFAULT
 from compare.models.source_start import best_start
 from compare.models.study import Study
 from compare.reference.grid_summary import uncertainty_percent
+from compare.reference.runs import shipped_store
+from compare.rolling.rows import GATED, KNOWN, LIMIT, PAIRS, RINGS, stored_rows, within
 from compare.scenes import catalogue
 
 if TYPE_CHECKING:
@@ -206,6 +208,29 @@ def source_rows(study: Study, max_error: float) -> list[GateRow]:
     return rows
 
 
+def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
+    """Low-order balls in motion against the stored runs of the 3D model of rolling: ball-to-ball forces and torques.
+
+    A quantity beyond the line passes where the list of known ones names it with its cause, and fails where it names one
+    that is not.
+    """
+    out: list[GateRow] = []
+    stores = study.stores or (shipped_store(),)
+    limit = min(LIMIT, max_error)
+    for name in (*PAIRS, *RINGS):
+        own = [row for row in stored_rows(name, stores) if row.quantity in GATED]
+        if not own:
+            text = f"no stored runs of the 3D model of rolling: run rollbench mesh-study {name}"
+            out.append(GateRow(f"{name}: 3D rolling", "3D rolling", None, None, None, limit, False, text))
+        for row in own:
+            cause = KNOWN.get((name, row.quantity), "")
+            passed = within(row) != bool(cause)
+            label = f"{name}: {row.quantity} [{row.unit}] against 3D rolling" + (f" (known: {cause})" if cause else "")
+            text = f"uncertainty of the 3D model {row.uncertainty:.2g} {row.unit}"
+            out.append(GateRow(label, "3D rolling", row.low, row.reference, row.error_percent, limit, passed, text))
+    return out
+
+
 def run_gate(max_error: float) -> list[GateRow]:
     """All rows of the gate; no screws are drawn, because no claim on random errors is gated."""
     study = Study(members=0)
@@ -215,6 +240,7 @@ def run_gate(max_error: float) -> list[GateRow]:
         *solver_rows(study, max_error),
         *reference_rows(study, max_error),
         *source_rows(study, max_error),
+        *rolling_rows(study, max_error),
     ]
 
 

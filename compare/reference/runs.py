@@ -354,7 +354,7 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
 
 def _stations(scenes: Sequence[Scene]) -> tuple[float, ...]:
     """Stations of supports and loads [m] of all scenes that share a set-up: its shaft has freedoms there."""
-    return tuple(sorted({x.at for scene in scenes for x in (*scene.supports, *scene.loads)}))
+    return tuple(sorted({z for scene in scenes for z in scene.stations}))
 
 
 def path_in(store: Path, scene: Scene, run: Run) -> Path:

@@ -49,8 +49,21 @@ def mesh_study(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
+    from compare.commands.rolling import all_rolling, run_rolling_study
     from compare.commands.study import run_mesh_study
 
+    if all_rolling(scenes):
+        return run_rolling_study(
+            scenes,
+            levels,
+            store,
+            workers,
+            source=source_mesh,
+            json_out=as_json,
+            show=show,
+            print_json=print_json,
+            fresh=fresh,
+        )
     return run_mesh_study(
         scenes,
         levels,
@@ -100,12 +113,18 @@ def compare(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
+    from compare.commands.rolling import all_rolling, run_rolling_compare
     from compare.commands.study import parse_levels, run_compare
 
+    wanted = None if levels is None else parse_levels(levels)
+    if all_rolling(scenes):
+        return run_rolling_compare(
+            scenes, wanted, store, workers, json_out=as_json, show=show, print_json=print_json, fresh=fresh
+        )
     return run_compare(
         scenes,
         model or (),
-        None if levels is None else parse_levels(levels),
+        wanted,
         store,
         engine(backend, scheduler, workers, tls),
         json_out=as_json,

@@ -14,14 +14,14 @@ from lowfi.statics.axis.elastic import ElasticAxis, ready
 from lowfi.statics.axis.loose import loose_motions, pinned
 from lowfi.statics.axis.mount import mount
 from lowfi.statics.axis.result import AxisResult
-from lowfi.statics.axis.solve import engine_for, typical
+from lowfi.statics.axis.solve import axis_verdict, engine_for, typical
 from lowfi.statics.axis.stiffness import asked_station, inverse, rigid_rows
 from lowfi.statics.axis.summary import Ending, assemble_axis, failed_axis
 from lowfi.statics.axis.system import BallSet, build
 from lowfi.statics.records import AxisState, Outcome
 from lowfi.statics.result import SolverReport
 from lowfi.statics.shaft import flank_loads, node_motions
-from lowfi.statics.static import ACCEPTED, MAX_ITERATIONS, NO_LOADS, Engine, verdict
+from lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, Engine
 from lowfi.statics.summary import ELASTIC_ASSUMPTIONS
 from meshes.axis import Assembly
 
@@ -61,7 +61,7 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     kernels.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
     outcome: Outcome = kernels.solve_forces(*arrays, elastic.options, elastic.arms, np.zeros(MAX_ITERATIONS + 1))
     bound = round_off(elastic, outcome.scale)
-    status = verdict(outcome, max(bound, ACCEPTED))
+    status = axis_verdict(outcome, bound)
     if outcome.status in NO_LOADS:
         return failed_axis(assembly, name, status, perf_counter() - start)
     report = SolverReport(

@@ -19,7 +19,7 @@ from lowfi.statics.axis.system import System, build
 from lowfi.statics.problem import actual_hertz
 from lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
 from lowfi.statics.result import SolverReport
-from lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, TOLERANCE, Engine, contact_angles, pick_engine, verdict
+from lowfi.statics.static import ACCEPTED, MAX_ITERATIONS, NO_LOADS, TOLERANCE, Engine, contact_angles, pick_engine
 from meshes.axis import Assembly, RollerRow
 
 Array = NDArray[np.float64]
@@ -35,6 +35,17 @@ class Prepared:
     options: BeamOptions
     history: Array
     scale: float = 0.0
+
+
+def axis_verdict(outcome: Outcome, bound: float) -> str:
+    """Status sentence of a solver outcome. A shaft that runs away is not called unheld: that would need a proof."""
+    if outcome.residual <= max(ACCEPTED, bound) and outcome.status in (0, 1):
+        return "converged"
+    if outcome.status == 2:
+        return "not converged: the shaft or a ring ran away; whether its contacts can hold the load is not known"
+    if outcome.status == 3:
+        return "stopped: the stiffness matrix is not positive definite"
+    return f"not converged: relative residual {outcome.residual:.1e} after {outcome.iterations} iterations"
 
 
 def typical(system: System) -> tuple[float, float, float]:
@@ -113,7 +124,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     ready = perf_counter()
     outcome = solve_with_hertz(prepared)
     bound = round_off(prepared, outcome.scale)
-    status = verdict(outcome, bound)
+    status = axis_verdict(outcome, bound)
     if outcome.status in NO_LOADS:
         return failed_axis(assembly, "lin", status, perf_counter() - start)
     report = SolverReport(

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
 from lowfi.statics.axis.stiffness import asked_station
 from lowfi.statics.axis.system import BallSet, RollerSet, System
-from lowfi.statics.problem import SIGNS, nominal_hertz
+from lowfi.statics.problem import SIGNS
 from lowfi.statics.records import AxisState
 from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from lowfi.statics.shape import rigid_transport
 from lowfi.statics.solved import SolvedState
-from lowfi.statics.summary import MODEL_ASSUMPTIONS, contact_geometry, warnings_of
+from lowfi.statics.summary import MODEL_ASSUMPTIONS, contact_geometry
+from lowfi.statics.validity import warnings_of
 from meshes.axis import Assembly
 
 Array = NDArray[np.float64]
@@ -93,9 +94,8 @@ def ball_result(system: System, b: BallSet, state: AxisState, report: SolverRepo
     solved = SolvedState(problem, motion, p, force, normal, np.zeros(motion.shape), shifts, largest)
     points, on_ball = contact_geometry(solved)
     raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
-    semi_axis = nominal_hertz(problem.scene).C_a[None, :] * np.cbrt(force)
     from_apex = np.abs(raw) if b.of.thrust == "deep groove" else raw
-    notes = warnings_of(problem, force, from_apex, np.where(force.sum(axis=1, keepdims=True) > 0.0, p, 0.0), semi_axis)
+    notes = warnings_of(solved, from_apex, problem.nodes, motion)
     result = StaticResult(
         model="",
         status="converged",

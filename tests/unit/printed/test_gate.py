@@ -27,6 +27,7 @@ def test_every_kind_of_check_is_there() -> None:
         "3D reference",
         "3D reference, tight",
         "source's model",
+        "3D rolling",
     }
 
 

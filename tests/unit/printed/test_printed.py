@@ -14,7 +14,7 @@ from compare.sections import overview
 from lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
-SOURCES = {"lin": "Lin (2019), ", "smith": "Smith (1994), ", "liu": "Liu et al. (2025), "}
+SOURCES = {"lin": "Lin (2019), ", "smith": "Smith (1994), ", "liu": "Liu et al. (2025), ", "kalker": "Kalker (1990), "}
 ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "hard"\n'
 
 

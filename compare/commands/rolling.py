@@ -1,0 +1,167 @@
+"""``rollbench compare`` and ``rollbench mesh-study`` for scenes of rolling balls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from compare.commands.study import on_terminal
+from compare.errors import InputError, Refusal
+from compare.reference.runs import shipped_store
+from compare.rolling.rows import RollingRow, rows
+from compare.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
+from compare.scenes import catalogue
+from compare.scenes.kinds.common import KindScene
+
+Show = Callable[..., None]
+
+
+def all_rolling(names: Sequence[str]) -> bool:
+    """Whether all scenes are of kinds that only friction solves. Raises InputError where some are and some are not."""
+    kinds = [isinstance(catalogue.any_scene(name), KindScene) for name in names]
+    if any(kinds) and not all(kinds):
+        raise InputError(
+            "command line", "scenes", " ".join(names), "whole screws and bearings, or scenes of friction", "name them apart"
+        )
+    return bool(kinds) and all(kinds)
+
+
+def runs_of(scene: KindScene, levels: Sequence[int], store: Path, workers: int | None, *, fresh: bool) -> list[RollingRun]:
+    """Runs of the levels in order, stored ones where there are; each is stored when it is done.
+
+    Raises Refusal for a scene that is beyond the 3D model, and where a run did not converge.
+    """
+    stores = (store, shipped_store())
+    found = {} if fresh else {k: run for k in levels if (run := load(scene, k, stores)) is not None}
+    missing = [k for k in levels if k not in found]
+    for level, run in _computed(scene, missing, workers):
+        save(store, scene, run)
+        found[level] = run
+        on_terminal(f"{scene.name}: level {level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
+    bad = next((found[k] for k in levels if not found[k].converged), None)
+    if bad is not None:
+        raise Refusal(scene.name, f"level {bad.level}", bad.status, "try another level")
+    return [found[k] for k in levels]
+
+
+def _computed(scene: KindScene, levels: Sequence[int], workers: int | None) -> Any:
+    """Pairs of level and run, as they are done."""
+    if workers is None or workers < 2 or len(levels) < 2:
+        return ((k, compute(scene, k)) for k in levels)
+    from joblib import Parallel, delayed
+
+    done = Parallel(n_jobs=workers)(delayed(compute)(scene, k) for k in levels)
+    return zip(levels, done, strict=True)
+
+
+def run_rolling_compare(
+    names: Sequence[str],
+    levels: tuple[int, ...] | None,
+    store: Path,
+    workers: int | None,
+    *,
+    json_out: bool,
+    show: Show,
+    print_json: Callable[[Any], None],
+    fresh: bool,
+) -> int:
+    """Low-order models beside the 3D model of rolling; all its levels unless given."""
+    wanted = sorted({k for k in levels or tuple(LEVELS) if k != SOURCE_LEVEL})
+    out: list[RollingRow] = []
+    for name in names:
+        scene = catalogue.any_scene(name)
+        assert isinstance(scene, KindScene)
+        out += rows(scene, runs_of(scene, wanted, store, workers, fresh=fresh))
+    if json_out:
+        print_json([finite(row.as_json()) for row in out])
+        return 0
+    for name in dict.fromkeys(row.scene for row in out):
+        show(_table(name, [row for row in out if row.scene == name]))
+    return 0
+
+
+def finite(row: dict[str, Any]) -> dict[str, Any]:
+    """A row without infinity."""
+    return {k: None if isinstance(v, float) and abs(v) == float("inf") else v for k, v in row.items()}
+
+
+def _table(name: str, own: Sequence[RollingRow]) -> Any:
+    from rich.table import Table
+
+    table = Table(title=f"{name}: low-order model against the 3D model of rolling", title_justify="left")
+    for column in ("quantity", "low-order", "3D", "+-", "error %", "+- %", "printed", "ANSYS", "3D flat", "3D rigid"):
+        table.add_column(column)
+
+    def cell(value: float | None, form: str = ".5g") -> str:
+        return "–" if value is None or abs(value) == float("inf") else format(value, form)
+
+    for row in own:
+        table.add_row(
+            f"{row.quantity} [{row.unit}]",
+            cell(row.low),
+            cell(row.reference),
+            cell(row.uncertainty, ".2g"),
+            cell(row.error_percent, ".2f"),
+            cell(row.uncertainty_percent, ".2f"),
+            cell(row.printed),
+            cell(row.printed_ansys),
+            cell(row.flat),
+            cell(row.rigid),
+        )
+    table.caption = f"3D: {own[0].seconds:.2f} s on the finest grid; low-order: {1e3 * own[0].low_seconds:.2f} ms"
+    return table
+
+
+def run_rolling_study(
+    names: Sequence[str],
+    levels: int,
+    store: Path,
+    workers: int | None,
+    *,
+    source: bool,
+    json_out: bool,
+    show: Show,
+    print_json: Callable[[Any], None],
+    fresh: bool,
+) -> int:
+    """Every quantity on every grid, as it is and on top of the rigid limit."""
+    if not 1 <= levels <= len(LEVELS):
+        raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give a scatter")
+    out: list[dict[str, Any]] = []
+    for name in names:
+        scene = catalogue.any_scene(name)
+        assert isinstance(scene, KindScene)
+        wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
+        runs = runs_of(scene, wanted, store, workers, fresh=fresh)
+        out += [study_row(scene.name, run, key) for key in runs[-1].values for run in runs]
+    if json_out:
+        print_json(out)
+        return 0
+    from rich.table import Table
+
+    for name in dict.fromkeys(row["scene"] for row in out):
+        own = [row for row in out if row["scene"] == name]
+        table = Table(title=f"mesh study of {name}", title_justify="left")
+        for column in own[0]:
+            table.add_column(column)
+        for row in own:
+            table.add_row(*(f"{v:.6g}" if isinstance(v, float) else str(v) for v in row.values()))
+        show(table)
+    return 0
+
+
+def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
+    """A quantity on a grid: with limit and elasticity apart, and the grid's own number."""
+    return {
+        "scene": name,
+        "quantity": key,
+        "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
+        "cells": f"{run.shape[0]} x {run.shape[1]}",
+        "value": run.values[key],
+        "grid_alone": run.elastic[key],
+        "elasticity": run.elastic[key] - run.near_rigid[key],
+        "rigid_limit": run.limit[key],
+        "energy_lost_percent": 100.0 * run.upwind,
+        "seconds": run.seconds,
+    }

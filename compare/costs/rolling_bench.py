@@ -1,0 +1,81 @@
+"""Run times of the 3D model of rolling: steady pairs, a further load case, a run from rest; how time grows with cells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from compare.costs.bench import Job, timed
+from compare.reference.memory import peak_MB
+from compare.rolling.cases import case_of
+from compare.rolling.from_rest import DURATION, GAP
+from compare.rolling.low_order import low_order
+from compare.rolling.runs import LEVELS
+from compare.scenes.catalogue import shipped
+from compare.scenes.kinds.common import KindScene
+from hifi.rolling.balls import Choices, Rolling, solve_rolling, unit_patch
+from hifi.rolling.transient import run_from_rest
+
+#: Grids of the steady scenes, of the run from rest, and a coarse one; targets [s].
+PRODUCTION, REST, COARSE = LEVELS[1], (12, 16), (10, 12)
+TARGETS = {"lin-pair-a": 5.0, "lin-screw-pair-a-inferred": 15.0}
+AGAIN, STEPS, STEPS_TARGET = 1.0, 50, 30.0
+
+
+def jobs(repeats: int = 3) -> Iterator[Job]:
+    """Steady pairs with all set-up, a further load case, steps from rest; one core."""
+    with threadpool_limits(1, "blas"):
+        for name, target in TARGETS.items():
+            yield _steady(name, target, repeats)
+        linear = _scene("lin-pair-a", PRODUCTION)
+        first = solve_rolling(linear, Choices(PRODUCTION))
+        more = _heavier(linear)
+        again = timed(lambda: solve_rolling(more, Choices(PRODUCTION), first), repeats)
+        yield Job("rolling: further load case", again, None, _unknowns(linear, PRODUCTION), peak_MB(), _aim(AGAIN))
+        rest = timed(lambda: run_from_rest(linear, DURATION, STEPS, GAP, Choices(REST)), 1)
+        note = f"{REST[0]} x {REST[1]} cells; {_aim(STEPS_TARGET)}"
+        yield Job(f"rolling: {STEPS} steps from rest", rest, None, _unknowns(linear, REST), peak_MB(), note)
+
+
+def _steady(name: str, target: float, repeats: int) -> Job:
+    scene = shipped(name)
+    assert isinstance(scene, KindScene)
+    whole = _scene(name, PRODUCTION)
+
+    def solve(shape: tuple[int, int]) -> None:
+        unit_patch.cache_clear()
+        solve_rolling(whole, Choices(shape))
+
+    fine, coarse = timed(lambda: solve(PRODUCTION), repeats), timed(lambda: solve(COARSE), repeats)
+    cells = _unknowns(whole, PRODUCTION) / _unknowns(whole, COARSE)
+    exponent = float(np.log(fine / coarse) / np.log(cells))
+    _, low, _ = low_order(scene)
+    note = f"{PRODUCTION[0]} x {PRODUCTION[1]} cells, set-up included; time as unknowns to the power {exponent:.1f}; "
+    note += f"{fine / low:.3g} times the low-order model's; {_aim(target)}"
+    return Job(f"rolling: {name}, steady", fine, None, _unknowns(whole, PRODUCTION), peak_MB(), note)
+
+
+def _aim(seconds: float) -> str:
+    return f"target {seconds:g} s"
+
+
+def _scene(name: str, shape: tuple[int, int]) -> Rolling:
+    scene = shipped(name)
+    assert isinstance(scene, KindScene)
+    return case_of(scene, Choices(shape)).touching
+
+
+def _unknowns(scene: Rolling, shape: tuple[int, int]) -> int:
+    """Tangential forces of all cells of all loaded contacts."""
+    loaded = [t for b in scene.balls for t in b.touches if t.load > 0.0]
+    return sum(2 * len(unit_patch(t.radii, scene.young, scene.poisson, shape).at) for t in loaded)
+
+
+def _heavier(scene: Rolling) -> Rolling:
+    """Every load one per cent larger on the first ball."""
+    first, *others = scene.balls
+    first = replace(first, touches=tuple(replace(t, load=1.01 * t.load) for t in first.touches))
+    return replace(scene, balls=(first, *others))

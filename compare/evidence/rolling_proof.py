@@ -1,0 +1,122 @@
+"""The 3D model of rolling on contacts with known answers, each on three grids."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from compare.evidence.kalker import coefficients
+from compare.measure import error_percent
+from compare.printed.printed_data import entry
+from hifi.rolling.patch import hertz_patch
+from hifi.rolling.verification import Creep, carter, mindlin, slip_everywhere, steady
+
+#: Contact of the full-slip cases: load [N], relative radii [m], Young's modulus [Pa], Poisson's ratio; friction.
+GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
+#: Creepages of full slip: spin pole outside, near the edge, inside.
+SLIPS = {"pole outside": Creep(0.02, 0.004, 30.0), "pole inside": Creep(0.02, 0.004, 400.0)}
+#: CONTACT's example: load [N], halved curvatures [1/m], shear modulus [Pa], ratio, friction, creepages; its answers.
+EXAMPLE = (82e3, (0.8464, 2.406), 82e9, 0.28, 0.3, Creep(0.0, -6.25e-4, 0.625))
+EXAMPLE_FORCE, EXAMPLE_MOMENT = -0.6074, -48.21
+#: Errors [%] to reach: Carter, Cattaneo-Mindlin, full slip, Kalker's table, CONTACT's force and moment.
+REACH = (0.5, 0.5, 0.1, 2.0, 3.0, 5.0)
+#: The same of grids alone whose spin pole lies inside a cell: what differencing against the rigid limit takes out.
+ALONE = 2.0
+
+
+@dataclass(frozen=True)
+class Proof:
+    """A known answer: values on three grids, the exact or printed one, error of the answer [%] to reach; the answer is the
+    finest grid's unless another is given."""
+
+    case: str
+    quantity: str
+    values: tuple[float, ...]
+    exact: float
+    reach: float
+    answer: float
+
+    @property
+    def error(self) -> float:
+        """Error of the answer [%]."""
+        return float(error_percent(self.answer, self.exact))
+
+    @property
+    def reached(self) -> bool:
+        """Whether it is as close as was to be reached."""
+        return abs(self.error) <= self.reach
+
+    @property
+    def order(self) -> float | None:
+        """Observed order of the errors from the first grid to the last, whose cells are `FINER` times smaller; None
+        where an error is round-off or grows."""
+        first, last = (abs(v - self.exact) for v in (self.values[0], self.values[-1]))
+        if not last > 1e-12 * abs(self.exact) or first <= last:
+            return None
+        return float(np.log(first / last) / np.log(FINER))
+
+
+#: Cells of the finest grid over those of the coarsest, along each axis.
+FINER = 2.0
+
+
+@lru_cache(maxsize=1)
+def proofs() -> tuple[Proof, ...]:
+    """All known answers."""
+    return (*_carter(), *_mindlin(), *_full_slip(), *_kalker(), *_contact())
+
+
+def _carter() -> Iterator[Proof]:
+    for share in (0.1, 0.25, 0.5, 0.75, 0.9):
+        found = [carter(n, share) for n in (41, 61, 82)]
+        for k, name in enumerate(("force over mu P", "half width of stick over a")):
+            values = tuple(float(f[0][k]) for f in found)
+            reach = REACH[0] if k == 0 else 100.0 * 2.1 / 82 / float(found[-1][1][1])
+            yield Proof(f"Carter, Q = {share:g} mu P", name, values, float(found[-1][1][k]), reach, values[-1])
+
+
+def _mindlin() -> Iterator[Proof]:
+    for share in (0.25, 0.5, 0.75):
+        found = [mindlin(n, share) for n in (10, 14, 20)]
+        for k, name in enumerate(("force over mu P", "stick radius over a")):
+            values = tuple(float(f[0][k]) for f in found)
+            reach = REACH[1] if k == 0 else 100.0 * 2.0 / 20 / float(found[-1][1][1])
+            yield Proof(f"Cattaneo-Mindlin, Q = {share:g} mu P", name, values, float(found[-1][1][k]), reach, values[-1])
+
+
+def _full_slip() -> Iterator[Proof]:
+    load, radii, young, poisson = GROOVE
+    for where, creep in SLIPS.items():
+        exact, moment = slip_everywhere(load, radii, young, poisson, creep, MU, 1200)
+        fine = [slip_everywhere(load, radii, young, poisson, creep, MU, n) for n in (150, 225, 300)]
+        pulls, turns = tuple(float(f[0][0]) for f in fine), tuple(1e3 * f[1] for f in fine)
+        yield Proof(f"full slip by quadrature, {where}", "force [N]", pulls, float(exact[0]), REACH[2], pulls[-1])
+        yield Proof(f"full slip by quadrature, {where}", "moment [N mm]", turns, 1e3 * moment, REACH[2], turns[-1])
+        reach = ALONE if "inside" in where else REACH[2]
+        found = [steady(hertz_patch(load, radii, young, poisson, (n, n)), creep, MU, elastic=1e-3) for n in (16, 24, 32)]
+        forces = tuple(float(f.force[0]) for f in found)
+        moments = tuple(1e3 * f.moment for f in found)
+        yield Proof(f"full slip on a grid, {where}", "force [N]", forces, float(exact[0]), reach, forces[-1])
+        yield Proof(f"full slip on a grid, {where}", "moment [N mm]", moments, 1e3 * moment, reach, moments[-1])
+
+
+def _kalker() -> Iterator[Proof]:
+    for one in coefficients():
+        name, ratio, poisson = one.key.split("_")
+        value = entry("kalker-E3", one.key).value
+        assert value is not None
+        yield Proof(f"Kalker, a/b = {ratio}, nu = {poisson}", name, one.values, value, REACH[3], one.answer)
+
+
+def _contact() -> Iterator[Proof]:
+    load, halves, shear, poisson, mu, creep = EXAMPLE
+    radii = (0.5 / halves[0], 0.5 / halves[1])
+    young = 2.0 * shear * (1.0 + poisson)
+    found = [steady(hertz_patch(load, radii, young, poisson, (n, n)), creep, mu) for n in (16, 24, 32)]
+    forces = tuple(float(f.force[1]) / (mu * load) for f in found)
+    moments = tuple(f.moment for f in found)
+    yield Proof("CONTACT's example", "lateral force over mu P", forces, EXAMPLE_FORCE, REACH[4], forces[-1])
+    yield Proof("CONTACT's example", "moment [N m]", moments, EXAMPLE_MOMENT, REACH[5], moments[-1])

@@ -1,0 +1,255 @@
+"""Balls in steady rolling: motions that balance the friction of elastic contacts, and the forces of balls that touch.
+
+Of a ball's six equations of equilibrium two fix its place in the section of the track, that is its contact forces,
+which are given here (`hifi.rolling.loads`); the other four fix its speed along the track and its rotation. Forces
+across the track that friction adds to the given ones are in the result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from time import process_time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hifi.hertz import hertz
+from hifi.rolling.friction import Contact, Friction, solve_friction
+from hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact, surface
+from hifi.rolling.neighbours import Meeting, Together
+from hifi.rolling.patch import Patch, hertz_patch
+
+Array = NDArray[np.float64]
+
+#: Compliance along tangents that stands for rigid bodies where grids are compared, over the true one.
+NEARLY_RIGID = 0.01
+#: Contact forces below this share of a ball's largest are none.
+NEGLIGIBLE = 1e-9
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A ball: its own axes as rows in common ones ``(3, 3)``, and where it touches grooves."""
+
+    frame: Array
+    touches: tuple[Touch, ...]
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """Balls of radius [m] on a track, of one material (Young's modulus [Pa], Poisson's ratio) with their grooves;
+    coefficients of friction at the grooves and between balls; orbit: nominal speed of the balls; which balls touch."""
+
+    track: Track
+    radius: float
+    young: float
+    poisson: float
+    mu: float
+    mu_balls: float
+    orbit: float
+    balls: tuple[Ball, ...]
+    meetings: tuple[Meeting, ...] = ()
+
+
+@dataclass(frozen=True)
+class Choices:
+    """Numerical choices: cells of every contact's grid along and across the groove; share of the tangential compliance
+    (1, or `NEARLY_RIGID`); curved: contacts on the surface that ball and groove share, not on its tangent plane."""
+
+    shape: tuple[int, int] = (24, 24)
+    elastic: float = 1.0
+    curved: bool = True
+
+
+@dataclass(frozen=True)
+class ContactOut:
+    """A solved contact: which ball and touch; centres ``(n, 2)`` [m], normal and tangential forces on the ball ``(n,)``,
+    ``(n, 2)`` [N], slips ``(n, 2)`` [m/s], which cells stick, local axes ``(3, 3)``; loss [W], and power [W] that the
+    differences along the flow lose."""
+
+    ball: int
+    touch: int
+    at: Array
+    size: Array
+    normal: Array
+    tangential: Array
+    slip: Array
+    stick: NDArray[np.bool_]
+    axes: Array
+    loss: float
+    upwind: float
+
+
+@dataclass(frozen=True)
+class RollingResult:
+    """Steady rolling: speeds of the balls along the track ``(N,)``, rotations about their own axes ``(N, 3)`` [rad/s],
+    forces of meetings [N] and their losses [W], wrench of friction on every ball ``(N, 6)`` [N, N m] at its grooves,
+    force of its neighbours on it ``(N, 3)`` [N], both in its own axes, power [W] put in by the bodies, the contacts,
+    solver's state and seconds of processor time."""
+
+    speed: Array
+    rotation: Array
+    force: Array
+    ball_loss: Array
+    wrench: Array
+    between: Array
+    power: float
+    contacts: tuple[ContactOut, ...]
+    status: str
+    residual: float
+    steps: int
+    seconds: float
+    friction: Friction
+
+    @property
+    def converged(self) -> bool:
+        """Whether the equations hold."""
+        return self.status == "converged"
+
+    @property
+    def groove_loss(self) -> float:
+        """Losses at all grooves [W]."""
+        return sum(c.loss for c in self.contacts)
+
+    @property
+    def loss(self) -> float:
+        """All losses of friction [W]."""
+        return self.groove_loss + float(self.ball_loss.sum())
+
+    @property
+    def upwind(self) -> float:
+        """Power that the differences along the flow lose [W]."""
+        return sum(c.upwind for c in self.contacts)
+
+
+@lru_cache(maxsize=16)
+def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
+    """Contact under 1 N, its transport computed; every force has the same one, lengths growing by its cube root."""
+    patch = hertz_patch(1.0, radii, young, poisson, shape)
+    assert patch.transport.size
+    return patch
+
+
+def patch_of(scene: Rolling, touch: Touch, shape: tuple[int, int]) -> Patch:
+    """The contact's patch under its force."""
+    unit = unit_patch(touch.radii, scene.young, scene.poisson, shape)
+    return unit.scaled(float(np.cbrt(touch.load)), touch.load)
+
+
+def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:
+    """Ball, number and record of every touch that carries load."""
+    out = []
+    for b, ball in enumerate(scene.balls):
+        least = NEGLIGIBLE * max((t.load for t in ball.touches), default=0.0)
+        out += [(b, k, t) for k, t in enumerate(ball.touches) if t.load > least]
+    return out
+
+
+def contacts_of(scene: Rolling, choices: Choices) -> list[Contact]:
+    """What friction sees of every loaded contact."""
+    return [
+        ball_contact(
+            t,
+            patch_of(scene, t, choices.shape),
+            scene.track,
+            scene.radius,
+            scene.orbit,
+            scene.mu,
+            MOTIONS * b,
+            curved=choices.curved,
+            elastic=choices.elastic,
+        )
+        for b, _, t in touching(scene)
+    ]
+
+
+def balance_of(scene: Rolling, contacts: Sequence[Contact]) -> Together:
+    """Meetings of the balls as the solver takes them."""
+    bound = max(float(c.bound.sum()) for c in contacts)
+    speed = max(float(np.abs(c.given).max()) for c in contacts)
+    return Together(len(scene.balls), scene.meetings, scene.mu_balls, np.zeros(MOTIONS * len(scene.balls)), bound / speed)
+
+
+def start_of(scene: Rolling) -> Array:
+    """Motions near rolling: each ball at its nominal speed, turning so that its contacts slide least."""
+    y = np.zeros(MOTIONS * len(scene.balls) + len(scene.meetings))
+    for b, ball in enumerate(scene.balls):
+        y[MOTIONS * b] = scene.orbit * scene.track.length
+        rows, given = [], []
+        for t in ball.touches:
+            if t.load > 0.0:
+                at = scene.radius * t.normal
+                turn = np.cross(np.eye(3), at).T / scene.radius
+                rows.append(turn * t.load)
+                given.append((t.ride - scene.orbit) * scene.track.field(at) * t.load)
+        y[MOTIONS * b + 1 : MOTIONS * (b + 1)] = np.linalg.lstsq(np.vstack(rows), np.concatenate(given), rcond=1e-10)[0]
+    return y
+
+
+def solve_rolling(scene: Rolling, choices: Choices | None = None, near: RollingResult | None = None) -> RollingResult:
+    """Steady rolling; near: a solution on the same grid to start from. Raises ValueError for a ball without a contact."""
+    begin, choices = process_time(), choices or Choices()
+    if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
+        raise ValueError("a ball without a loaded contact has no steady motion")
+    contacts = contacts_of(scene, choices)
+    balance = balance_of(scene, contacts)
+    y = start_of(scene) if near is None else near.friction.motions
+    found = solve_friction(contacts, balance, y, None if near is None else near.friction.forces)
+    return _result(scene, choices, contacts, found, process_time() - begin)
+
+
+def _result(
+    scene: Rolling, choices: Choices, contacts: Sequence[Contact], found: Friction, seconds: float
+) -> RollingResult:
+    count = len(scene.balls)
+    motions = found.motions[: MOTIONS * count].reshape(count, MOTIONS)
+    force = found.motions[MOTIONS * count :]
+    outs, power, wrench = [], 0.0, np.zeros((count, 6))
+    for k, (b, i, t) in enumerate(touching(scene)):
+        c, q, s = contacts[k], found.forces[k], found.slips[k]
+        patch, axes = patch_of(scene, t, choices.shape), axes_of(t, scene.track, scene.radius, scene.orbit)
+        points, tangents = surface(axes, scene.radius, t.radii, patch.at, curved=choices.curved)
+        on_ball = np.einsum("nck,cn->nk", tangents, q.reshape(2, -1))
+        wrench[b, :3] += on_ball.sum(axis=0)
+        wrench[b, 3:] += np.cross(points, on_ball).sum(axis=0)
+        power -= float(q @ c.given)
+        two = [v.reshape(2, -1).T for v in (q, s)]
+        loss, upwind = -float(q @ s), float(q @ (c.elastic @ q))
+        outs.append(
+            ContactOut(b, i, patch.at, patch.size, patch.normal, two[0], two[1], found.stick[k], axes, loss, upwind)
+        )
+    rub, between = np.zeros(force.size), np.zeros((count, 3))
+    for k, (f, m) in enumerate(zip(force, scene.meetings, strict=True)):
+        slide = (m.rows @ found.motions[m.columns])[1:]
+        rub[k] = scene.mu_balls * float(f) * float(np.linalg.norm(slide))
+        pulls = m.forces(float(f), scene.mu_balls, slide)
+        for ball, sign in ((m.one, 1.0), (m.two, -1.0)):
+            between[ball] += sign * (scene.balls[ball].frame @ pulls)
+    return RollingResult(
+        motions[:, 0] / scene.track.length,
+        motions[:, 1:] / scene.radius,
+        force,
+        rub,
+        wrench,
+        between,
+        power,
+        tuple(outs),
+        found.status,
+        found.residual,
+        found.steps,
+        seconds,
+        found,
+    )
+
+
+def without_meetings(scene: Rolling) -> Rolling:
+    """The same balls out of each other's reach."""
+    return replace(scene, meetings=())
+
+
+def hertz_size(scene: Rolling, touch: Touch) -> tuple[float, float]:
+    """Semi-axes [m] along and across the groove."""
+    found = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
+    return found.semi_x, found.semi_y

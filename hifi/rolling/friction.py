@@ -1,0 +1,305 @@
+"""Coulomb friction in contacts on grids, with rigid motions that balance their forces: Newton's method to round-off.
+
+In every cell of a contact the slip s = M q + J y + w [m/s] comes from the elastic displacement by the tangential forces q
+[N], the motions y and what is given; and
+
+    |q| <= g,   s = -c q with c >= 0,   c (g - |q|) = 0,                                          (1)
+    sum J^T q + f(y) = 0,                                                                          (2)
+
+g: coefficient of friction times normal force. (1) is the root of q - P(q - r s), P the projection onto the disk of
+radius g, for any r > 0; Newton's method on that root (Alart and Curnier 1991) solves both without smoothing. A smoothed
+law, q = -g s/sqrt(s^2 + eps^2), only leads there: first without elasticity, and where that start is too poor with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+#: Value and derivative of f at y.
+Balance = Callable[[Array], tuple[Array, Array]]
+
+#: Creeping speeds of the path over the largest slip, and Newton's steps at each.
+PATH, STEPS = tuple(10.0**-k for k in range(7)), 25
+#: Creeping speed on the path with elasticity from which the sharp law is tried.
+SHARPEST = 0.02
+#: Most steps without smoothing, and remainder at which they end, over the largest bound and slip.
+MOST, TOLERANCE = 60, 1e-11
+#: r over the stiffness of one cell: from 0.3 on, stiff stick zones of many cells make Newton's method cycle.
+SOFT = 0.03
+#: Force out of balance over the bound of a contact up to which rigid bodies balance.
+RIGID = 1e-8
+#: Growth of the remainder at which they are given up.
+LOST = 1e4
+
+
+@dataclass(frozen=True)
+class Contact:
+    """What friction sees of a contact: bound g ``(n,)`` [N]; M ``(2 n, 2 n)`` [m/s/N]; J ``(2 n, m)`` of the motions
+    ``columns`` ``(m,)`` of y; w ``(2 n,)`` [m/s]."""
+
+    bound: Array
+    elastic: Array
+    motion: Array
+    columns: Index
+    given: Array
+
+    def slip(self, q: Array, y: Array) -> Array:
+        """Slip ``(2 n,)`` [m/s] of body 1 past body 2."""
+        return np.asarray(self.elastic @ q + self.motion @ y[self.columns] + self.given)
+
+    def rigid_slip(self, y: Array) -> Array:
+        """Slip of the bodies without their elasticity."""
+        return np.asarray(self.motion @ y[self.columns] + self.given)
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Solution: tangential forces q and slips s of every contact, each ``(2 n,)``, motions y; Newton's steps; status
+    "converged" or why not; residual: largest violation of (1) and (2), over the largest bound or slip; stick: which
+    cells."""
+
+    forces: list[Array]
+    slips: list[Array]
+    motions: Array
+    steps: int
+    status: str
+    residual: float
+    stick: list[Flags]
+
+    @property
+    def converged(self) -> bool:
+        """Whether (1) and (2) hold."""
+        return self.status == "converged"
+
+
+def no_balance(y: Array) -> tuple[Array, Array]:
+    """f of given motions, which are no unknowns: nothing."""
+    return np.zeros(y.size), np.eye(y.size)
+
+
+def _pair(v: Array) -> Array:
+    """Values ``(n, 2)`` of a vector ``(2 n,)``."""
+    return v.reshape(2, -1).T
+
+
+def _flat(v: Array) -> Array:
+    return np.asarray(v.T.ravel())
+
+
+def full_slip(bound: Array, slip: Array, eps: float = 0.0) -> Array:
+    """Forces ``(2 n,)`` [N] against the slip ``(2 n,)``; none where nothing slips."""
+    s = _pair(slip)
+    size = np.sqrt((s**2).sum(axis=1) + eps * eps)
+    return _flat(-np.divide(bound, size, out=np.zeros_like(size), where=size > 0.0)[:, None] * s)
+
+
+# --- one Newton step: forces dq = first + rest @ dy of every contact
+
+
+def _smooth(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> tuple[Array, Array, Array]:
+    """Residual, and dq for the smoothed law, without the elasticity if not ``elastic``."""
+    s = _pair(c.slip(q, y) if elastic else c.rigid_slip(y))
+    size = np.sqrt((s**2).sum(axis=1) + eps * eps)
+    left = q + _flat((c.bound / size)[:, None] * s)
+    unit = s / size[:, None]
+    D = (c.bound / size)[:, None, None] * (np.eye(2) - unit[:, :, None] * unit[:, None, :])
+
+    def times(A: Array) -> Array:
+        two = A.reshape(2, len(s), -1)
+        return np.asarray(np.einsum("nij,jnk->ink", D, two).reshape(2 * len(s), -1))
+
+    rest = times(c.motion)
+    if not elastic:
+        return left, -left, -rest
+    found = np.linalg.solve(np.eye(q.size) + times(c.elastic), -np.column_stack([left, rest]))
+    return left, np.asarray(found[:, 0]), np.asarray(found[:, 1:])
+
+
+def _sharp(c: Contact, q: Array, y: Array, grip: Array) -> tuple[Array, Array, Array]:
+    """Residual, and dq for (1); one unknown for each slipping cell, two for each that sticks; grip ``(n,)``: r."""
+    n = c.bound.size
+    s = c.slip(q, y)
+    pull = _pair(q) - grip[:, None] * _pair(s)
+    size = np.linalg.norm(pull, axis=1)
+    stick = size <= c.bound
+    slip = np.flatnonzero(~stick)
+    unit = pull[slip] / size[slip, None]
+    left = _pair(np.tile(grip / SOFT, 2) * s)
+    left[slip] = _pair(q)[slip] - c.bound[slip, None] * unit
+    known = np.zeros((n, 2))
+    known[slip] = -np.sum(left[slip] * unit, axis=1)[:, None] * unit
+    across = np.stack([-unit[:, 1], unit[:, 0]], axis=1)
+    held = np.flatnonzero(stick)
+
+    def rows(A: Array) -> Array:
+        """Of a matrix (2 n, k): along ``across`` of slipping cells, then x and y of those that stick."""
+        return np.concatenate([across[:, :1] * A[slip] + across[:, 1:] * A[n + slip], A[held], A[n + held]])
+
+    MR = rows(c.elastic)
+    K = rows(MR.T).T  # the same of its columns
+    share = c.bound[slip] / size[slip]
+    weight = np.concatenate([share * grip[slip], np.ones(2 * held.size)])
+    right = np.column_stack([MR @ _flat(known), rows(c.motion)]) * -weight[:, None]
+    right[:, 0] -= np.concatenate([np.sum(left[slip] * across, axis=1), s[held], s[n + held]])
+    K *= weight[:, None]
+    K[np.arange(slip.size), np.arange(slip.size)] += 1.0 - share
+    found = np.linalg.solve(K, right)
+    out = np.zeros((2, n, right.shape[1]))
+    out[:, slip] = across.T[:, :, None] * found[: slip.size]
+    out[0, held], out[1, held] = found[slip.size : slip.size + held.size], found[slip.size + held.size :]
+    flat = out.reshape(2 * n, -1)
+    return _flat(left), flat[:, 0] + _flat(known), flat[:, 1:]
+
+
+# --- all contacts together
+
+
+@dataclass
+class _System:
+    contacts: Sequence[Contact]
+    balance: Balance
+
+    def step(self, parts: list[tuple[Array, Array, Array]], q: list[Array], y: Array) -> tuple[list[Array], Array]:
+        """Newton's dq of every contact and dy."""
+        f, S = self.balance(y)
+        f, S = f.copy(), S.copy()
+        for c, force, (_, first, rest) in zip(self.contacts, q, parts, strict=True):
+            f[c.columns] += c.motion.T @ (force + first)
+            S[np.ix_(c.columns, c.columns)] += c.motion.T @ rest
+        dy: Array = np.asarray(-np.linalg.solve(S, f)) if y.size else y
+        return [first + rest @ dy[c.columns] for c, (_, first, rest) in zip(self.contacts, parts, strict=True)], dy
+
+    def unbalanced(self, q: list[Array], y: Array) -> Array:
+        """Left side of (2)."""
+        f = self.balance(y)[0].copy()
+        for c, force in zip(self.contacts, q, strict=True):
+            f[c.columns] += c.motion.T @ force
+        return f
+
+
+def _descend(system: _System, q: list[Array], y: Array, eps: float, *, elastic: bool) -> tuple[list[Array], Array, int]:
+    """Newton's method at one creeping speed, damped where the residual would grow."""
+    scale = max(float(c.bound.max()) for c in system.contacts)
+    count = 0
+
+    def size(q: list[Array], y: Array) -> float:
+        lefts = [_residual(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
+        return float(sum(v @ v for v in lefts) ** 0.5 + np.linalg.norm(system.unbalanced(q, y)))
+
+    now = size(q, y)
+    for count in range(1, STEPS + 1):  # noqa: B007
+        parts = [_smooth(c, v, y, eps, elastic) for c, v in zip(system.contacts, q, strict=True)]
+        dq, dy = system.step(parts, q, y)
+        t = 1.0
+        for _ in range(12):
+            trial = [v + t * d for v, d in zip(q, dq, strict=True)], y + t * dy
+            new = size(*trial)
+            if new <= (1.0 - 0.1 * t) * now:
+                break
+            t *= 0.5
+        if not new < now:
+            break
+        (q, y), now = trial, new
+        if now <= 1e-6 * scale:
+            break
+    return q, y, count
+
+
+def _residual(c: Contact, q: Array, y: Array, eps: float, elastic: bool) -> Array:
+    return q - full_slip(c.bound, c.slip(q, y) if elastic else c.rigid_slip(y), eps)
+
+
+def _settle(system: _System, q: list[Array], y: Array) -> Friction:
+    """Newton's method on (1) and (2) as they stand."""
+    grips = [_grip(c) for c in system.contacts]
+    largest = max(float(c.bound.max()) for c in system.contacts)
+    residual, best, steps = np.inf, np.inf, 0
+    for steps in range(1, MOST + 1):  # noqa: B007
+        parts = [_sharp(c, v, y, g) for c, v, g in zip(system.contacts, q, grips, strict=True)]
+        residual = max(float(np.abs(p[0]).max()) for p in parts) / largest
+        residual = max(residual, float(np.abs(system.unbalanced(q, y)).max(initial=0.0)) / largest)
+        if residual <= TOLERANCE or (residual <= 100.0 * TOLERANCE and residual >= best):
+            break
+        if residual > LOST * max(1.0, best):
+            break
+        best = min(best, residual)
+        try:
+            dq, dy = system.step(parts, q, y)
+        except np.linalg.LinAlgError:  # cells that slip may leave a motion free on the way
+            break
+        q, y = [v + d for v, d in zip(q, dq, strict=True)], y + dy
+    slips = [c.slip(v, y) for c, v in zip(system.contacts, q, strict=True)]
+    pulls = [np.linalg.norm(_pair(v) - g[:, None] * _pair(s), axis=1) for v, g, s in zip(q, grips, slips, strict=True)]
+    stick = [p <= c.bound for p, c in zip(pulls, system.contacts, strict=True)]
+    good = residual <= 100.0 * TOLERANCE
+    status = "converged" if good else f"not converged after {steps} steps (remainder {residual:.1e})"
+    return Friction(q, slips, y, steps, status, residual, stick)
+
+
+def _grip(c: Contact) -> Array:
+    """r ``(n,)`` [N s/m]: a share of a cell's own stiffness."""
+    own = 0.5 * np.diag(c.elastic).reshape(2, -1).sum(axis=0)
+    return np.asarray(SOFT / own)
+
+
+def solve_rigid(
+    contacts: Sequence[Contact], balance: Balance, y: Array, path: tuple[float, ...] = PATH
+) -> tuple[Array, float]:
+    """Motions of bodies that do not yield at all, from motions ``y``, and what smoothing leaves: their change by the
+    last ten times in creeping speed, over the largest slip. Raises ValueError where the search ends out of balance.
+    """
+    system = _System(contacts, balance)
+    speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
+    forces, last = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts], y
+    for part in path:
+        last = y
+        forces, y, _ = _descend(system, forces, y, part * speed, elastic=False)
+    left = float(np.abs(system.unbalanced(forces, y)).max()) / max(float(c.bound.sum()) for c in contacts)
+    if not left <= RIGID:
+        raise ValueError(f"rigid bodies are out of balance by {left:.1e} of a contact's friction")
+    slip = max(float(np.abs(c.motion @ (y - last)[c.columns]).max()) for c in contacts)
+    return y, slip / max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
+
+
+def solve_friction(
+    contacts: Sequence[Contact], balance: Balance = no_balance, y: Array | None = None, q: list[Array] | None = None
+) -> Friction:
+    """Tangential forces, slips and motions of contacts by (1) and (2); y, q: a neighbouring solution.
+
+    Without a balance the motions ``y`` are given (none: all in ``Contact.given``). Where the sharp law does not
+    converge from the start, the smoothed one leads there with creeping speeds that fall by tens. A result that is none
+    says so.
+    """
+    system = _System(contacts, balance)
+    y = np.zeros(0) if y is None else np.asarray(y, dtype=float).copy()
+    if q is not None:
+        found = _settle(system, [v.copy() for v in q], y)
+        if found.converged:
+            return found
+    speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
+    start, count = y.copy(), 0
+    forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
+    for part in PATH:
+        forces, y, used = _descend(system, forces, y, part * speed, elastic=False)
+        count += used
+    found = _settle(system, forces, y)
+    if found.converged:
+        return found
+    y = start
+    forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
+    for part in PATH:
+        forces, y, used = _descend(system, forces, y, part * speed, elastic=True)
+        count += used
+        if part > SHARPEST:
+            continue
+        found = _settle(system, [v.copy() for v in forces], y)
+        if found.converged:
+            return found
+    return found

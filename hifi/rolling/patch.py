@@ -1,0 +1,111 @@
+"""One contact on a grid of rectangles: where it lies, its normal forces, and how tangential forces displace it.
+
+Local axes: x against the flow of material through the contact (the leading edge lies at largest x), y across, and the
+normal from body 1 (the ball) into body 2 (the groove). Freedoms of a patch of n cells: (n, 2) values along x and y, as
+vectors of length 2 n with all x first. Forces are those on body 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hifi.hertz import hertz
+from hifi.rolling.elements import Solids, influence
+from hifi.rolling.normal import press
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Width of a grid over that of Hertz's ellipse.
+MARGIN = 1.08
+#: Step of the differences along the flow, in cells; a whole one sees the same place in every cell and is less exact.
+STEP = 0.5
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A contact of n cells: columns and rows of the cells ``(n, 2)`` on a grid, centres x, y ``(n, 2)`` [m], size of a cell
+    ``(2,)`` [m], normal forces ``(n,)`` [N], the bodies, the approach [m]."""
+
+    cells: Index
+    at: Array
+    size: Array
+    normal: Array
+    solids: Solids
+    approach: float
+
+    @property
+    def load(self) -> float:
+        """Normal force [N]."""
+        return float(self.normal.sum())
+
+    def tangential(self, shift: float = 0.0) -> Array:
+        """Compliance ``(2 n, 2 n)`` [m/N]: displacement of body 1 past body 2 at the cells' centres, ``shift`` [m]
+        upstream.
+
+        Of unit tangential forces, each uniform over its cell.
+        """
+        return _matrix(self, shift)
+
+    @cached_property
+    def transport(self) -> Array:
+        """D ``(2 n, 2 n)`` [1/N]: rate of the elastic displacement, per length of rolling, of material at the cells'
+        centres.
+
+        Backward differences of second order, upstream by `STEP` cells: displacements are known everywhere, so that nothing
+        is interpolated. The symmetric part of D is positive: forces do work on it that the differences lose.
+        """
+        step = STEP * float(self.size[0])
+        now, before, first = (self.tangential(k * step) for k in range(3))
+        return np.asarray((3.0 * now - 4.0 * before + first) / (2.0 * step))
+
+    def scaled(self, length: float, force: float) -> Patch:
+        """The patch of a similar contact: lengths and normal forces multiplied."""
+        square = length * length
+        out = replace(
+            self, at=self.at * length, size=self.size * length, normal=self.normal * force, approach=self.approach * square
+        )
+        if "transport" in self.__dict__:  # [1/N]: compliance over length
+            out.__dict__["transport"] = self.transport / square
+        return out
+
+
+def _matrix(patch: Patch, shift: float) -> Array:
+    """See `Patch.tangential`; equal offsets are computed once."""
+    apart = patch.cells[:, None] - patch.cells[None]
+    low = apart.min(axis=(0, 1))
+    count = apart.max(axis=(0, 1)) - low + 1
+    i, j = (np.arange(count[k]) + low[k] for k in range(2))
+    dx, dy = patch.size
+    x, y = np.meshgrid(i * dx + shift, j * dy, indexing="ij")
+    table = influence(x, y, dx, dy, patch.solids)[..., :2, :2] / (dx * dy)
+    found = table[apart[..., 0] - low[0], apart[..., 1] - low[1]]
+    n = len(patch.cells)
+    return np.asarray(found.transpose(2, 0, 3, 1).reshape(2 * n, 2 * n))
+
+
+def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
+    """Cells ``(n, 2)`` and centres ``(n, 2)`` [m] of a grid about the origin."""
+    i, j = np.meshgrid(np.arange(shape[0]), np.arange(shape[1]), indexing="ij")
+    cells = np.stack([i.ravel(), j.ravel()], axis=1)
+    return cells, (cells + 0.5 - 0.5 * np.array(shape)) * size
+
+
+def hertz_patch(load: float, radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
+    """Contact of two bodies of one material with relative radii [m] along x and y under ``load`` [N] on a grid.
+
+    The pressure solves the contact on the grid: cells beyond its edge are dropped. Raises ValueError for what Hertz's
+    formulas refuse, and where the active set does not settle.
+    """
+    found = hertz(load, *radii, young, poisson)
+    size = 2.0 * MARGIN * np.array([found.semi_x, found.semi_y]) / np.array(shape)
+    cells, at = grid(shape, size)
+    solids = Solids.same(young, poisson)
+    gap = 0.5 * (at[:, 0] ** 2 / radii[0] + at[:, 1] ** 2 / radii[1])
+    forces, approach = press(cells, size, gap, load, solids)
+    inside = forces > 0.0
+    return Patch(cells[inside], at[inside], size, forces[inside], solids, approach)

@@ -1,0 +1,111 @@
+"""Balls that begin to roll from rest, in time: elastic displacements carried along by the material, gaps that close.
+
+In a step dt material moves by V dt through every contact, so that
+
+    s dt = A q(t) - A_shifted q(t - dt) + rigid slip dt,
+
+A_shifted giving the old displacements where the material was: nothing is interpolated. First order in the step. Contact
+forces are given and stay; the frame moves with each ball's centre.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from time import process_time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hifi.rolling.balls import Choices, Rolling, balance_of, contacts_of, patch_of, start_of, touching
+from hifi.rolling.friction import Contact, solve_friction
+from hifi.rolling.kinematics import MOTIONS, rolling_speed
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TransientResult:
+    """Steps of a run: ends of the steps ``(T,)`` [s], speeds of the balls along the track ``(T, N)``, rotations ``(T,
+    N, 3)`` [rad/s], forces ``(T, M)`` [N] and gaps ``(T, M)`` [m] of the meetings, losses of friction ``(T,)`` [W],
+    power put in ``(T,)`` [W]; seconds of processor time; "converged", or the first step that did not and why."""
+
+    time: Array
+    speed: Array
+    rotation: Array
+    force: Array
+    gap: Array
+    loss: Array
+    power: Array
+    seconds: float
+    status: str
+
+    @property
+    def converged(self) -> bool:
+        """Whether every step is a solution."""
+        return self.status == "converged"
+
+
+@dataclass(frozen=True)
+class _Carried:
+    """A contact without its history, its displacements now and where the material was, per force, over the step."""
+
+    contact: Contact
+    now: Array
+    before: Array
+
+    def at(self, forces: Array) -> Contact:
+        """The contact with the history of ``forces`` (2 n,) [N]."""
+        return replace(self.contact, elastic=self.now, given=self.contact.given - self.before @ forces)
+
+
+def run_from_rest(
+    scene: Rolling, duration: float, steps: int, gap: float = 0.0, choices: Choices | None = None
+) -> TransientResult:
+    """Equal steps of ``duration`` [s] from rest, all neighbours ``gap`` [m] apart at first.
+
+    Raises ValueError for a duration, steps or gap that make no sense.
+    """
+    if not duration > 0.0 or steps < 1 or gap < 0.0:
+        raise ValueError("need a duration > 0, at least one step and no negative gap")
+    begin, choices, dt = process_time(), choices or Choices(), duration / steps
+    carried = _carried(scene, choices, dt)
+    forces = [np.zeros(c.contact.given.size) for c in carried]
+    y, gaps, out, status = start_of(scene), np.full(len(scene.meetings), gap), [], "converged"
+    for step in range(steps):
+        meetings = tuple(replace(m, apart=float(g) / dt) for m, g in zip(scene.meetings, gaps, strict=True))
+        now = [c.at(q) for c, q in zip(carried, forces, strict=True)]
+        balance = balance_of(replace(scene, meetings=meetings), now)
+        found = solve_friction(now, balance, y, forces)
+        if not found.converged:
+            status = f"step {step + 1}: {found.status}"
+            break
+        y, forces = found.motions, found.forces
+        closing = np.array([float(m.rows[0] @ y[m.columns]) for m in scene.meetings])
+        gaps = np.maximum(gaps - dt * closing, 0.0)
+        out.append(_row(scene, carried, forces, found.slips, y, gaps))
+    speed, rotation, force, gap_left, loss, power = (np.array([row[k] for row in out], dtype=float) for k in range(6))
+    time = np.asarray(dt * (1.0 + np.arange(len(out))))
+    return TransientResult(time, speed, rotation, force, gap_left, loss, power, process_time() - begin, status)
+
+
+def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
+    out = []
+    for (_, _, touch), contact in zip(touching(scene), contacts_of(scene, choices), strict=True):
+        patch = patch_of(scene, touch, choices.shape)
+        shift = rolling_speed(touch, scene.track, scene.radius, scene.orbit) * dt
+        share = choices.elastic / dt
+        out.append(_Carried(contact, share * patch.tangential(), share * patch.tangential(shift)))
+    return out
+
+
+def _row(
+    scene: Rolling, carried: list[_Carried], forces: list[Array], slips: list[Array], y: Array, gaps: Array
+) -> tuple[Array, Array, Array, Array, float, float]:
+    """Speeds, rotations, forces, gaps, loss and power at the end of a step."""
+    count = len(scene.balls)
+    motions, press = y[: MOTIONS * count].reshape(count, MOTIONS), y[MOTIONS * count :]
+    loss = -sum(float(q @ s) for q, s in zip(forces, slips, strict=True))
+    for f, m in zip(press, scene.meetings, strict=True):
+        loss += scene.mu_balls * float(f) * float(np.linalg.norm((m.rows @ y[m.columns])[1:]))
+    power = -sum(float(q @ c.contact.given) for q, c in zip(forces, carried, strict=True))
+    return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, press.copy(), gaps, loss, power

@@ -1,0 +1,156 @@
+"""Rolling and sliding contacts with known answers, solved on grids: what the method is verified against.
+
+Carter's cylinder and Cattaneo and Mindlin's sphere in closed form, Kalker's linear theory, full slip under Hertz's
+pressure by fine quadrature, and any Hertzian contact under given creepages.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hifi.hertz import hertz
+from hifi.rolling.elements import Solids
+from hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
+from hifi.rolling.normal import press
+from hifi.rolling.patch import Patch, grid, hertz_patch
+from hifi.rolling.rigid_limit import quadrature
+
+Array = NDArray[np.float64]
+
+#: Length over half width of the strip that stands for a cylinder.
+LONG = 1e4
+
+
+@dataclass(frozen=True)
+class Creep:
+    """Creepages along and across the rolling direction, and spin over the rolling speed [1/m]."""
+
+    along: float
+    across: float
+    spin: float
+
+    def slip(self, at: Array) -> Array:
+        """Rigid slip over the rolling speed ``(2 n,)`` at ``(n, 2)`` [m]."""
+        return np.concatenate([self.along - self.spin * at[:, 1], self.across + self.spin * at[:, 0]])
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Force along and across [N] and moment about the normal [N m] on body 1, of a contact that rolls at 1 m/s; the
+    patch, its solution, power of friction [W], and power lost by differences along the flow [W]."""
+
+    force: Array
+    moment: float
+    patch: Patch
+    friction: Friction
+    loss: float
+    upwind: float
+
+
+def given_motion(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[Contact, Friction]:
+    """A contact whose bodies' rigid slip ``(2 n,)`` [m/s] is given."""
+    contact = Contact(mu * patch.normal, elastic, np.zeros((slip.size, 0)), np.zeros(0, dtype=np.int64), slip)
+    return contact, solve_friction([contact])
+
+
+def steady(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> Answer:
+    """Steady rolling at 1 m/s under given creepages; elastic: share of the tangential compliance."""
+    contact, found = given_motion(patch, elastic * patch.transport, creep.slip(patch.at), mu)
+    q = found.forces[0]
+    x, y = q.reshape(2, -1)
+    moment = float(patch.at[:, 0] @ y - patch.at[:, 1] @ x)
+    loss, upwind = -float(q @ found.slips[0]), float(q @ (contact.elastic @ q))
+    return Answer(np.array([x.sum(), y.sum()]), moment, patch, found, loss, upwind)
+
+
+# --- Carter
+
+
+def carter(cells: int, share: float) -> tuple[Array, Array]:
+    """Two like cylinders that roll, transmitting ``share`` of the largest tangential force by Carter's formula.
+
+    Johnson (1985) (8.26): creep mu a/R (1 - sqrt(1 - Q/(mu P))), stick over a strip of half width a sqrt(1 - Q/(mu P))
+    at the leading edge. Returns, computed and in closed form: Q/(mu P), half width of stick over a. nu: 0.3; plane strain.
+    """
+    shear, nu, radius, mu, load = 80e9, 0.3, 10e-3, 0.1, 2e5
+    modulus = shear / (1.0 - nu)
+    half = float(np.sqrt(4.0 * load * radius / (np.pi * modulus)))
+    long = LONG * half
+    size = np.array([2.1 * half / cells, long])
+    index, at = grid((cells, 1), size)
+    solids = Solids((shear, shear), (nu, nu))
+    forces, approach = press(index, size, at[:, 0] ** 2 / (2.0 * radius), load * long, solids)
+    inside = forces > 0.0
+    patch = Patch(index[inside], at[inside], size, forces[inside], solids, approach)
+    rest = float(np.sqrt(1.0 - share))
+    found = steady(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
+    stick = 0.5 * size[0] * np.count_nonzero(found.friction.stick[0]) / half
+    return np.array([-found.force[0] / (mu * load * long), stick]), np.array([share, rest])
+
+
+# --- Cattaneo and Mindlin
+
+
+def mindlin(cells: int, share: float, poisson: float = 0.0) -> tuple[Array, Array]:
+    """A sphere pressed onto a like one and then pushed sideways by ``share`` of mu P, without rolling.
+
+    Johnson (1985) (7.38), (7.39): stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G
+    (1 - (1 - Q/(mu P))^(2/3)); exact where nu is zero, tractions across the push being left out otherwise. Returns,
+    computed at the exact shift and in closed form: Q/(mu P), stick radius over a (from the area that sticks).
+    """
+    shear, mu, load, radius = 80e9, 0.1, 100.0, 10e-3
+    young = 2.0 * shear * (1.0 + poisson)
+    size = hertz(load, radius, radius, young, poisson).semi_x
+    patch = hertz_patch(load, (radius, radius), young, poisson, (cells, cells))
+    rest = 1.0 - share
+    shift = 3.0 * mu * load / (16.0 * size) * 2.0 * (2.0 - poisson) / shear * (1.0 - rest ** (2.0 / 3.0))
+    slip = np.concatenate([np.full(len(patch.at), shift), np.zeros(len(patch.at))])
+    _, found = given_motion(patch, patch.tangential(), slip, mu)
+    area = np.count_nonzero(found.stick[0]) * float(patch.size.prod())
+    force = -found.forces[0][: len(patch.at)].sum() / (mu * load)
+    return np.array([force, np.sqrt(area / np.pi) / size]), np.array([share, rest ** (1.0 / 3.0)])
+
+
+# --- Kalker's linear theory
+
+
+def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch:
+    """Cells within an ellipse of semi-axes sqrt(ratio) along and 1/sqrt(ratio) across [m], shear moduli 1 Pa.
+
+    The cells are stretched so that their area is the ellipse's: what its staircase edge does to the contact's size is taken
+    out.
+    """
+    semi = np.array([np.sqrt(ratio), 1.0 / np.sqrt(ratio)])
+    size = 2.0 * semi / np.array(shape)
+    index, at = grid(shape, size)
+    inside = ((at / semi) ** 2).sum(axis=1) < 1.0
+    stretch = float(np.sqrt(np.pi / (np.count_nonzero(inside) * size.prod())))
+    solids = Solids((1.0, 1.0), (poisson, poisson))
+    forces = np.full(np.count_nonzero(inside), np.inf)
+    return Patch(index[inside], stretch * at[inside], stretch * size, forces, solids, 0.0)
+
+
+def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
+    """C11, C22, C23, C33 of Kalker's linear theory for semi-axes along over across, where all of the contact sticks."""
+    patch = ellipse_patch(ratio, poisson, shape)
+    units = np.stack([Creep(*row).slip(patch.at) for row in np.eye(3)], axis=1)
+    F = -units.T @ np.linalg.solve(patch.transport, -units)
+    return np.array([F[0, 0], F[1, 1], F[1, 2], F[2, 2]])
+
+
+# --- full slip
+
+
+def slip_everywhere(
+    load: float, radii: tuple[float, float], young: float, poisson: float, creep: Creep, mu: float, points: int = 400
+) -> tuple[Array, float]:
+    """Force ``(2,)`` [N] and moment [N m] under Hertz's pressure if all of the contact slips as rigid bodies would."""
+    found = hertz(load, *radii, young, poisson)
+    unit, weight = quadrature(points)
+    at = unit * np.array([found.semi_x, found.semi_y])
+    normal = found.pressure(at[:, 0], at[:, 1]) * weight * found.semi_x * found.semi_y
+    x, y = full_slip(mu * normal, creep.slip(at)).reshape(2, -1)
+    return np.array([x.sum(), y.sum()]), float(at[:, 0] @ y - at[:, 1] @ x)

@@ -1,0 +1,10 @@
+"""Kalker (1990), Table E3: the linear creep coefficients to two per cent."""
+
+import pytest
+
+from tests.literature.entries import check, keys
+
+
+@pytest.mark.parametrize("key", keys("kalker-E3"))
+def test_entry(key):
+    check(key)

@@ -1,0 +1,122 @@
+"""Balls in steady rolling in 3D: balance, energy, symmetry, frames, the rigid limit and its low-order model."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hifi.rolling.balls import Choices, solve_rolling, without_meetings
+from hifi.rolling.kinematics import Track
+from hifi.rolling.neighbours import meeting
+from hifi.rolling.rigid_limit import solve_rigid_rolling
+from lowfi.friction.linear.bearing import LinearBearing
+from lowfi.friction.linear.pair import solve_pair
+from tests.rolling_scenes import linear_pair, screw_pair
+
+COARSE = Choices(shape=(10, 12))
+SCENES = {"linear": linear_pair(), "screw": screw_pair()}
+
+
+@pytest.mark.parametrize("name", list(SCENES))
+def test_forces_and_moments_balance_and_power_is_lost(name):
+    scene = SCENES[name]
+    found = solve_rolling(scene, COARSE)
+    assert found.converged
+    assert found.power == pytest.approx(found.loss + found.upwind, rel=1e-9)
+    assert found.upwind < 0.002 * found.power
+    pair = scene.meetings[0]
+    for ball, sign in ((pair.one, 1.0), (pair.two, -1.0)):
+        frame = scene.balls[ball].frame
+        arm = sign * scene.radius * (frame @ pair.axes[0])
+        moment = found.wrench[ball, 3:] + np.cross(arm, found.between[ball])
+        assert np.abs(moment).max() < 1e-9 * scene.radius
+        forward = scene.track.forward / scene.track.length
+        along = (found.wrench[ball, :3] + found.between[ball]) @ forward
+        twist = moment @ scene.track.axis / scene.track.length
+        assert abs(along + twist) < 1e-9
+    assert found.force[0] > 0.0
+    closing = (pair.rows @ found.friction.motions[pair.columns])[0]
+    assert abs(closing) < 1e-12
+
+
+def test_mated_grooves_keep_the_balls_apart_without_force():
+    """Case (b) of Lin 3.3.4: opposite contacts stay opposite; zero by symmetry, to round-off."""
+    scene = linear_pair(mated=True)
+    free = solve_rolling(without_meetings(scene), COARSE)
+    assert abs(free.speed[0] - free.speed[1]) < 1e-12 * free.speed[0]
+    assert solve_rolling(scene, COARSE).force[0] < 1e-9
+
+
+def test_balls_that_part_do_not_touch():
+    scene = linear_pair(rho=0.6)
+    found = solve_rolling(scene, COARSE)
+    assert found.force[0] == 0.0
+    assert found.speed[0] < found.speed[1]
+
+
+def test_mirrored_pair_has_the_same_force():
+    """Side forces and angle deviations the other way round: the section's mirror image."""
+    one, two = solve_rolling(linear_pair(), COARSE), solve_rolling(linear_pair(-2.0, 0.6), COARSE)
+    assert two.force[0] == pytest.approx(one.force[0], rel=1e-9)
+    assert two.loss == pytest.approx(one.loss, rel=1e-9)
+
+
+def test_speed_sets_the_scale_of_motion_only():
+    one, two = solve_rolling(linear_pair(), COARSE), solve_rolling(linear_pair(speed=1.0), COARSE)
+    assert two.force[0] == pytest.approx(one.force[0], rel=1e-9)
+    assert two.speed == pytest.approx(100.0 * one.speed, rel=1e-9)
+
+
+def test_turned_frame_changes_nothing():
+    scene = linear_pair()
+    turn = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [-1.0, 0.3, 2.0], [0.4, 1.0, -2.0]]))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    balls = tuple(replace(b, touches=tuple(replace(t, normal=turn @ t.normal) for t in b.touches)) for b in scene.balls)
+    track = Track(turn @ scene.track.axis, turn @ scene.track.forward)
+    line = turn @ np.array([0.0, 0.0, 1.0])
+    turned = replace(
+        scene, balls=balls, track=track, meetings=(meeting(0, 1, (np.eye(3), np.eye(3)), line, track, scene.radius),)
+    )
+    one, two = solve_rolling(scene, COARSE), solve_rolling(turned, COARSE)
+    assert two.force[0] == pytest.approx(one.force[0], rel=1e-9)
+    assert two.rotation @ turn == pytest.approx(one.rotation, rel=1e-7, abs=1e-9)
+
+
+def test_left_hand_screw_is_the_mirror_image():
+    one, two = screw_pair(), screw_pair(lead=-20e-3)
+    swap = [1, 0, 3, 2]
+    balls = tuple(
+        replace(
+            b,
+            touches=tuple(
+                replace(t, load=b.touches[k].load, normal=t.normal) for k, t in zip(swap, b.touches, strict=True)
+            ),
+        )
+        for b in two.balls
+    )
+    # mirrored, the second ball is still ahead in the sense of growing azimuth
+    found, mirror = solve_rolling(one, COARSE), solve_rolling(replace(two, balls=balls), COARSE)
+    assert mirror.force[0] == pytest.approx(found.force[0], rel=1e-6)
+    assert mirror.loss == pytest.approx(found.loss, rel=1e-6)
+
+
+def test_rigid_limit_is_the_low_order_model():
+    """Rigid bodies on flat contacts: the low-order model's numbers at the same loads; grids of nearly rigid ones get
+    there."""
+    bearing = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 210e9, 0.28)
+    low = solve_pair(bearing, np.deg2rad(2.0), -0.6, 100.0, fast=False)
+    limit = solve_rigid_rolling(linear_pair(), curved=False)
+    assert limit.remainder < 1e-5
+    assert limit.force[0] == pytest.approx(low.force, rel=3e-4)
+    assert limit.loss == pytest.approx(low.touching.loss, rel=1e-4)
+    assert limit.speed == pytest.approx(low.touching.velocity, rel=1e-5)
+    found = solve_rolling(linear_pair(), Choices((16, 24), 0.01, curved=False))
+    assert found.force[0] == pytest.approx(limit.force[0], rel=0.03)
+    assert found.loss == pytest.approx(limit.loss, rel=0.01)
+
+
+def test_a_ball_without_contacts_is_refused():
+    scene = linear_pair()
+    bare = replace(scene.balls[0], touches=tuple(replace(t, load=0.0) for t in scene.balls[0].touches))
+    with pytest.raises(ValueError, match="loaded contact"):
+        solve_rolling(replace(scene, balls=(bare, scene.balls[1])), COARSE)

@@ -1,0 +1,85 @@
+"""``compare`` and ``mesh-study`` of scenes of rolling balls: rows, store, refusals."""
+
+import json
+
+import pytest
+
+from compare.cli import app
+from compare.commands import rolling
+from compare.errors import InputError, Refusal
+from compare.rolling import runs
+from compare.rolling.rows import RollingRow, uncertainty, within
+from compare.scenes import catalogue
+
+
+@pytest.fixture(autouse=True)
+def _coarse(monkeypatch, tmp_path):
+    """Grids that take no time, and no runs but those of the test."""
+    monkeypatch.setattr(runs, "LEVELS", {1: (6, 8), 2: (8, 10), 3: (10, 12)})
+    monkeypatch.setattr(runs, "QUADRATURES", (24, 27))
+    monkeypatch.setattr(rolling, "shipped_store", lambda: tmp_path / "none")
+
+
+def call(capsys, *tokens):
+    code = app([*tokens, "--json"], exit_on_error=False, print_error=False, result_action="return_value")
+    return code, json.loads(capsys.readouterr().out)
+
+
+def test_compare_sets_low_order_printed_and_3d_side_by_side(capsys, tmp_path):
+    code, rows = call(capsys, "compare", "lin-pair-a", "--levels", "2", "--store", str(tmp_path))
+    assert code == 0
+    (force,) = (r for r in rows if r["quantity"] == "force 1-2")
+    assert (force["printed"], force["printed_ansys"]) == (4.01, 3.96)
+    assert force["low"] == pytest.approx(4.065, rel=1e-3)
+    assert force["reference"] == pytest.approx(4.06, rel=0.05)
+    assert force["uncertainty"] > 0.0
+    assert {r["quantity"] for r in rows} >= {"deviation 1 apart", "drive touching", "increase"}
+
+
+def test_mesh_study_resumes_from_its_store(capsys, tmp_path, monkeypatch):
+    call(capsys, "mesh-study", "lin-rotary-3", "--levels", "1", "--store", str(tmp_path))
+    assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
+    computed = []
+    real = rolling.compute
+    monkeypatch.setattr(rolling, "compute", lambda scene, level: computed.append(level) or real(scene, level))
+    code, rows = call(capsys, "mesh-study", "lin-rotary-3", "--levels", "2", "--store", str(tmp_path))
+    assert code == 0
+    assert computed == [2]
+    assert {r["level"] for r in rows} == {"1", "2"}
+    for r in rows:
+        assert r["value"] == pytest.approx(r["rigid_limit"] + r["elasticity"])
+
+
+def test_the_key_follows_all_that_a_run_depends_on(monkeypatch):
+    one, other = catalogue.any_scene("lin-pair-a"), catalogue.any_scene("lin-pair-b")
+    keys = {runs.key_of(one, 1), runs.key_of(one, 2), runs.key_of(other, 1)}
+    monkeypatch.setattr(runs, "SCHEMA", 99)
+    assert len(keys | {runs.key_of(one, 1)}) == 4
+
+
+@pytest.mark.parametrize(("name", "word"), [("lin-chain-10", "10 balls"), ("lin-screw-run", "screw run")])
+def test_scenes_beyond_the_model_are_refused_with_the_reason(name, word, tmp_path):
+    with pytest.raises(Refusal, match=word):
+        app(["compare", name, "--store", str(tmp_path)], exit_on_error=False, print_error=False)
+
+
+def test_whole_screws_and_rolling_balls_are_not_mixed():
+    with pytest.raises(InputError, match="name them apart"):
+        rolling.all_rolling(["lin-case1", "lin-pair-a"])
+
+
+def row(low, reference, bar):
+    error = 100.0 * (low - reference) / reference
+    return RollingRow("a", "force 1-2", "N", low, reference, bar, None, None, 0, 0, error, 100.0 * bar / reference, 0, 0)
+
+
+def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():
+    assert within(row(4.07, 4.0, 0.0))
+    assert not within(row(4.1, 4.0, 0.0))
+    assert within(row(4.1, 4.0, 0.03))
+    assert not within(row(4.2, 4.0, 1.0))
+
+
+def test_one_grid_has_no_uncertainty(tmp_path):
+    run = rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, None, fresh=False)
+    assert uncertainty(run, "torque N mm") == float("inf")

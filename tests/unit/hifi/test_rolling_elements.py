@@ -1,0 +1,70 @@
+"""Influence of tractions on rectangles: against quadrature of the point forces, symmetry, coupling of unlike materials."""
+
+import numpy as np
+import pytest
+from scipy.integrate import dblquad
+
+from hifi.rolling.elements import Solids, influence
+from hifi.rolling.normal import press
+from hifi.rolling.patch import grid, hertz_patch
+
+UNLIKE = Solids((80e9, 120e9), (0.28, 0.22))
+#: Johnson (1985): displacements (row) by unit point forces (column) at (x, y), shear modulus g, ratio n.
+POINT = {
+    (0, 0): lambda x, y, g, n: ((1 - n) / np.hypot(x, y) + n * x * x / np.hypot(x, y) ** 3) / (2 * np.pi * g),
+    (1, 1): lambda x, y, g, n: ((1 - n) / np.hypot(x, y) + n * y * y / np.hypot(x, y) ** 3) / (2 * np.pi * g),
+    (0, 1): lambda x, y, g, n: n * x * y / np.hypot(x, y) ** 3 / (2 * np.pi * g),
+    (2, 2): lambda x, y, g, n: (1 - n) / np.hypot(x, y) / (2 * np.pi * g),
+}
+
+
+@pytest.mark.parametrize("entry", list(POINT))
+@pytest.mark.parametrize("at", [(3e-4, 1e-4), (-2e-4, 2.5e-4)])
+def test_against_quadrature(entry, at):
+    dx, dy = 1e-4, 2e-4
+
+    def integrand(v, u):
+        return sum(POINT[entry](at[0] - u, at[1] - v, g, n) for g, n in zip(UNLIKE.shear, UNLIKE.poisson, strict=True))
+
+    exact = dblquad(integrand, -dx / 2, dx / 2, -dy / 2, dy / 2)[0]
+    assert influence(np.array(at[0]), np.array(at[1]), dx, dy, UNLIKE)[entry] == pytest.approx(exact, rel=1e-9)
+
+
+def test_coupling_of_unlike_materials():
+    """Pressure drags the surface of the softer body further towards itself: point force, far away."""
+    found = influence(np.array(1e-2), np.array(0.0), 1e-4, 1e-4, UNLIKE)
+    each = [(1 - 2 * n) / (4 * np.pi * g) for g, n in zip(UNLIKE.shear, UNLIKE.poisson, strict=True)]
+    assert found[0, 2] == pytest.approx(-(each[0] - each[1]) * 1e-8 / 1e-2, rel=1e-4)
+    assert found[2, 0] == -found[0, 2]
+    assert np.all(influence(np.array(1e-4), np.array(2e-4), 1e-4, 1e-4, Solids.same(2e11, 0.3))[:2, 2] == 0.0)
+
+
+def test_bad_materials_are_refused():
+    with pytest.raises(ValueError, match="Poisson"):
+        Solids((1e9, 1e9), (0.6, 0.3))
+
+
+def test_pressure_of_a_sphere_is_hertz():
+    patch = hertz_patch(225.0, (2.778e-3, 2.778e-3), 210e9, 0.28, (24, 24))
+    assert patch.load == pytest.approx(225.0, rel=1e-12)
+    assert patch.approach == pytest.approx(9.24316e-6, rel=2e-3)
+    assert patch.normal.max() / patch.size.prod() == pytest.approx(4183.80e6, rel=1e-2)
+
+
+def test_pressure_and_gap_are_complementary():
+    cells, at = grid((14, 14), np.array([2e-5, 2e-5]))
+    gap = 0.5 * (at**2).sum(axis=1) / 1e-3
+    forces, approach = press(cells, np.array([2e-5, 2e-5]), gap, 5.0, Solids.same(2e11, 0.3))
+    assert np.all(forces >= 0.0)
+    assert 0 < np.count_nonzero(forces) < forces.size
+    assert approach > gap[forces > 0.0].max()
+
+
+def test_a_similar_contact_is_the_unit_one_scaled():
+    unit = hertz_patch(1.0, (5e-3, 4e-2), 210e9, 0.28, (10, 10))
+    unit.transport  # noqa: B018 - computed once
+    own = hertz_patch(64.0, (5e-3, 4e-2), 210e9, 0.28, (10, 10))
+    scaled = unit.scaled(4.0, 64.0)
+    assert scaled.normal == pytest.approx(own.normal, rel=1e-9)
+    assert scaled.approach == pytest.approx(own.approach, rel=1e-9)
+    assert np.abs(scaled.transport - own.transport).max() < 1e-9 * np.abs(own.transport).max()

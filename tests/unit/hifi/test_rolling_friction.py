@@ -1,0 +1,70 @@
+"""Coulomb friction on grids: complementarity to round-off, energy, and answers that do not depend on the way to them."""
+
+import numpy as np
+import pytest
+
+from hifi.rolling import friction
+from hifi.rolling.patch import hertz_patch
+from hifi.rolling.verification import Creep, given_motion, steady
+
+PATCH = hertz_patch(100.0, (5e-3, 46.667e-3), 210e9, 0.28, (16, 16))
+MU = 0.1
+CREEPS = {
+    "stick and slip": Creep(1e-4, 2e-4, 0.0),
+    "spin": Creep(0.0, 0.0, 20.0),
+    "spin pole inside": Creep(1e-3, 0.0, 10.0),
+    "pole outside": Creep(1e-2, 0.0, 10.0),
+    "little": Creep(1e-7, 0.0, 0.0),
+}
+
+
+@pytest.mark.parametrize("name", list(CREEPS))
+def test_coulomb_holds_in_every_cell_to_round_off(name):
+    found = steady(PATCH, CREEPS[name], MU)
+    assert found.friction.converged
+    q, s = (v.reshape(2, -1) for v in (found.friction.forces[0], found.friction.slips[0]))
+    bound, size, speed = MU * PATCH.normal, np.hypot(*q), np.hypot(*s)
+    stick = found.friction.stick[0]
+    assert np.all(size <= bound * (1.0 + 1e-9))
+    assert np.all(speed[stick] <= 1e-9 * max(speed.max(), 1e-12 + np.abs(CREEPS[name].slip(PATCH.at)).max()))
+    assert size[~stick] == pytest.approx(bound[~stick], rel=1e-9)
+    against = (q * s).sum(axis=0)[~stick] + (size * speed)[~stick]
+    assert np.abs(against).max(initial=0.0) <= 1e-9 * (size * speed).max()
+
+
+@pytest.mark.parametrize("name", list(CREEPS))
+def test_power_put_in_is_dissipated_or_lost_by_the_differences(name):
+    creep = CREEPS[name]
+    found = steady(PATCH, creep, MU)
+    power = -float(found.friction.forces[0] @ creep.slip(PATCH.at))
+    assert found.loss >= -1e-9 * power
+    assert found.upwind >= 0.0
+    assert found.loss + found.upwind == pytest.approx(power, rel=1e-9)
+
+
+def test_differences_along_the_flow_lose_energy_only():
+    D = PATCH.transport
+    assert np.linalg.eigvalsh(D + D.T)[0] > 0.0
+
+
+def test_the_answer_does_not_depend_on_the_path(monkeypatch):
+    creep = CREEPS["spin pole inside"]
+    straight = steady(PATCH, creep, MU)
+    monkeypatch.setattr(friction, "PATH", tuple(3.0**-k for k in range(8)))
+    monkeypatch.setattr(friction, "SOFT", 0.004)
+    other = steady(PATCH, creep, MU)
+    assert other.friction.forces[0] == pytest.approx(straight.friction.forces[0], abs=1e-9 * MU * PATCH.normal.max())
+
+
+def test_mirrored_motion_gives_mirrored_forces():
+    one, two = steady(PATCH, Creep(1e-3, 4e-4, 8.0), MU), steady(PATCH, Creep(1e-3, -4e-4, -8.0), MU)
+    assert two.force == pytest.approx(one.force * [1.0, -1.0], rel=1e-9)
+    assert two.moment == pytest.approx(-one.moment, rel=1e-9)
+
+
+def test_a_search_that_is_cut_short_says_so(monkeypatch):
+    monkeypatch.setattr(friction, "MOST", 1)
+    monkeypatch.setattr(friction, "PATH", (1.0,))
+    _, found = given_motion(PATCH, PATCH.transport, CREEPS["spin"].slip(PATCH.at), MU)
+    assert not found.converged
+    assert "not converged" in found.status

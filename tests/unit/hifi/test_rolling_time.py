@@ -1,0 +1,63 @@
+"""Balls that start from rest: they close their gap, meet and end in the steady state; loads of the 3D model."""
+
+import numpy as np
+import pytest
+
+from hifi.rolling.balls import Choices, solve_rolling
+from hifi.rolling.loads import Cell, settle
+from hifi.rolling.transient import run_from_rest
+from tests.rolling_scenes import linear_pair
+
+GRID = Choices((8, 8))
+
+
+def test_balls_meet_and_end_in_steady_rolling():
+    scene = linear_pair()
+    run, steady = run_from_rest(scene, 0.1, 20, 1e-6, GRID), solve_rolling(scene, GRID)
+    assert run.converged
+    assert run.force[0, 0] == 0.0
+    assert run.gap[0, 0] > 0.0
+    assert run.gap[-1, 0] == pytest.approx(0.0, abs=1e-15)
+    assert np.all(np.diff(run.gap[:, 0]) <= 1e-15)
+    assert run.speed[0, 0] > run.speed[0, 1]
+    assert run.speed[-1, 0] == pytest.approx(run.speed[-1, 1], rel=1e-9)
+    assert run.force[-1, 0] == pytest.approx(steady.force[0], rel=0.02)
+
+
+def test_the_end_does_not_depend_on_the_steps():
+    ends = [run_from_rest(linear_pair(), 0.1, n, 1e-6, GRID).force[-1, 0] for n in (10, 30)]
+    assert ends[0] == pytest.approx(ends[1], rel=0.02)
+
+
+def test_power_put_in_covers_the_losses():
+    run = run_from_rest(linear_pair(), 0.1, 10, 1e-6, GRID)
+    assert run.loss[-1] <= run.power[-1]
+    assert run.loss[-1] == pytest.approx(run.power[-1], rel=0.03)
+
+
+@pytest.mark.parametrize("bad", [(0.0, 10, 0.0), (0.1, 0, 0.0), (0.1, 10, -1e-6)])
+def test_steps_that_make_no_sense_are_refused(bad):
+    with pytest.raises(ValueError, match="duration"):
+        run_from_rest(linear_pair(), *bad, GRID)
+
+
+def test_loads_of_two_opposite_contacts_share_a_force():
+    """Contacts at 45 deg under a force along one diagonal: F = force, directions unturned."""
+    n = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * np.sqrt(0.5)
+    pull = 100.0 * np.array([-np.sqrt(0.5), -np.sqrt(0.5)])
+    inner = np.array([False, False, True, True])
+    zero = np.zeros((1, 2))
+    cell = Cell(n[None], 6e-4, np.zeros((1, 4)), np.full((1, 4), 1e-7), inner, np.eye(2)[None], zero, pull, zero)
+    found = settle(cell)
+    assert found.converged
+    assert found.force[0] == pytest.approx([100.0, 0.0, 100.0, 0.0], rel=1e-6, abs=1e-3)
+
+
+def test_a_cell_that_nothing_holds_does_not_converge():
+    n = np.array([[[0.0, 1.0]]])
+    zero = np.zeros((1, 2))
+    cell = Cell(
+        n, 6e-4, np.zeros((1, 1)), np.full((1, 1), 1e-7), np.array([False]), np.zeros((1, 2, 0)), zero, np.zeros(0), -zero
+    )
+    found = settle(Cell(**(cell.__dict__ | {"push": np.array([[0.0, -5.0]])})))
+    assert not found.converged
