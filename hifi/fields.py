@@ -114,7 +114,8 @@ def screw_displacement(setup: Setup, mesh: GroovedBody, forces: dict[int, Array]
 def refuse_beyond_low_end(scene: Scene, dims: Dimensions) -> None:
     """Raise ValueError where a scene supports or loads its screw beyond the low end of the 3D stretch."""
     low = dims.ends(scene)[0]
-    beyond = sorted({x.at for x in (*scene.supports, *scene.loads) if x.at > low})
+    stations = [x.at for x in scene.supports] + [x.at for x in scene.loads]
+    beyond = sorted({z for z in stations if z > low})
     if dims.screw_held != "bore" and beyond:
         raise ValueError(
             f"{scene.name}: the screw is held or loaded at {1e3 * beyond[0]:.4g} mm, beyond the low end of its 3D "
