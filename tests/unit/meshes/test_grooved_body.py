@@ -1,4 +1,4 @@
-"""Coarse meshes of screws, nuts, rings and balls: volumes, exact closed surfaces, congruent sockets, any scene."""
+"""Coarse meshes of screws, nuts and rings: volumes, exact closed surfaces, congruent sockets, any scene."""
 
 from __future__ import annotations
 
