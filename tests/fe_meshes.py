@@ -3,7 +3,7 @@
 Points, cells and faces are arrays in gmsh's order; matrices and vectors are numbered like the points.
 """
 
-from itertools import permutations
+from itertools import combinations, permutations
 
 import numpy as np
 from skfem import Basis, ElementVector, Functional
@@ -142,3 +142,17 @@ def jacobians(points, cells, kind):
 def one(basis):
     """Volume or area of what a basis covers."""
     return float(Functional(lambda w: 1.0 + 0.0 * w.x[0]).assemble(basis))
+
+
+def volume_of(body):
+    """Volume [m3] of a meshed body."""
+    return one(space(body.mesh))
+
+
+def outer_faces(cells):
+    """Corner triples and midside nodes of faces ``(f, 6)`` that only one cell has, and how often any face occurs."""
+    mid = {(0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 3): 7, (2, 3): 8, (1, 3): 9}
+    rows = [cells[:, [*tri, *(mid[pair] for pair in combinations(tri, 2))]] for tri in combinations(range(4), 3)]
+    faces = np.concatenate(rows)
+    _, first, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
+    return faces[first[count == 1]], count

@@ -12,9 +12,8 @@ from compare.models.study import Study
 from compare.sections.case3 import readings_table
 from compare.sections.curves import loads
 from compare.sections.finding_table import printed_table
+from compare.sections.loaded_screw import loaded_screw
 from lowfi.statics.result import StaticResult
-from meshes.errors import specimen
-from meshes.helix import ball_layout
 from meshes.parts import SIDES, Scene
 from reports.records import Cell, Column, Figure, LoadedScrew, Panel, Section, Series, Table, Text
 
@@ -196,31 +195,10 @@ def figures(study: Study) -> tuple[Figure, ...]:
 
 def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
     """3D picture of a loaded screw."""
-    layout = ball_layout(scene)
-    phi = np.linspace(layout.azimuth.min(), layout.azimuth.max(), 400)
-    rise = np.interp(phi, layout.azimuth, layout.z)
-    radius = scene.track.pitch_radius
-    helix = np.stack([radius * np.cos(phi), radius * np.sin(phi), rise], axis=1)
-    loaded = result.load > 0.0
-    return LoadedScrew(
-        name="loaded-screw",
-        title="Case 3 with offset: contact forces on the balls",
-        screw_length=scene.screw.length,
-        screw_radius=scene.screw.outer_diameter / 2.0,
-        nut_position=scene.nut.position,
-        nut_length=scene.nut.length,
-        nut_radius=scene.nut.outer_diameter / 2.0,
-        track_radius=radius,
-        ball_radius=float(specimen(scene, layout).ball_radius.max()),
-        ball_radii_centres=layout.centre.tolist(),
-        ball_loads=[float(x) for x in result.load.max(axis=1)],
-        helix=helix.tolist(),
-        contact_points=result.contact_point[loaded].tolist(),
-        contact_forces=(result.force_direction * result.load[..., None])[loaded].tolist(),
-        groove_radius=scene.screw.groove_radius,
-        lead=scene.track.lead,
-        caption=caption,
-    )
+    held = result.load > 0.0
+    arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
+    title = "loaded-screw", "Case 3 with offset: contact forces on the balls"
+    return loaded_screw(scene, title, result.load, arrows, caption)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:

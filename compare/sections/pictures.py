@@ -13,24 +13,12 @@ from numpy.typing import NDArray
 
 from compare.models.study import Study
 from compare.reference.runs import settings_of
+from compare.sections.loaded_screw import loaded_screw
+from compare.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import SIDES, Scene
-from reports.records import (
-    Cell,
-    Column,
-    FieldPicture,
-    Figure,
-    LoadedScrew,
-    MeshPart,
-    Panel,
-    PressureMap,
-    PressurePanel,
-    Section,
-    Series,
-    Table,
-    Text,
-)
+from reports.records import FieldPicture, LoadedScrew, MeshPart, PressureMap, Section, Text
 
 if TYPE_CHECKING:
     from hifi.fields import ContactPressure, SolidField
@@ -46,7 +34,6 @@ SCENE, FOUR = "lin-case1", "lin-case3-offset"
 LEVEL = 1
 #: Colours: screw, nut, ball, patches of the grooves and of the ball.
 STEEL, NUT, BALL, FINE, FINE_BALL = "#c9ced4", "#a9bccd", "#e4dcc8", "#f0a35e", "#7fb7a2"
-MM, MPA = 1e3, 1e-6
 #: Sections are taken this far [m] from the middle of the ball, where no cells' faces lie in them.
 BESIDE = 0.02e-3
 
@@ -283,55 +270,6 @@ def ball_picture(solved: Solved, found: Stresses) -> FieldPicture:
     )
 
 
-def panel_of(name: str, found: ContactPressure) -> PressurePanel:
-    """Map of one contact."""
-    h = found.hertz
-    return PressurePanel(
-        name,
-        MM * found.across,
-        MM * found.along,
-        MPA * found.pressure,
-        (MM * found.centre[0], MM * found.centre[1], MM * h.semi_x, MM * h.semi_y),
-        f"{found.load:.1f} N; largest {MPA * found.pressure.max():.0f} MPa, pole pressure by Hertz "
-        f"{MPA * h.pole_pressure:.0f} MPa",
-    )
-
-
-def profiles(found: dict[str, ContactPressure]) -> Figure:
-    """Pressure along both lines of nodes through the most loaded node, with Hertz's."""
-    panels = []
-    for name, one in found.items():
-        assert one.shape is not None
-        grid = np.arange(one.pressure.size).reshape(one.shape)
-        i, k = np.unravel_index(int(one.pressure.argmax()), one.shape)
-        for title, line, own, axis in (
-            ("across the groove", grid[:, k], one.across, 0),
-            ("along the groove", grid[i], one.along, 1),
-        ):
-            at = np.linspace(own[line].min(), own[line].max(), 161)
-            other = (one.along if axis == 0 else one.across)[line].mean() - one.centre[1 - axis]
-            across, along = (at - one.centre[0], other + 0.0 * at) if axis == 0 else (other + 0.0 * at, at - one.centre[1])
-            panels.append(
-                Panel(
-                    f"{name}, {title}",
-                    "distance from the nominal contact / mm",
-                    "pressure / MPa",
-                    (
-                        Series("3D reference, nodes", list(MM * own[line]), list(MPA * one.pressure[line]), "markers"),
-                        Series("Hertz", list(MM * at), list(MPA * one.hertz.pressure(across, along)), "line"),
-                    ),
-                    zero=True,
-                )
-            )
-    return Figure(
-        "pressure-profiles",
-        "Contact pressure along lines of nodes",
-        tuple(panels),
-        "Lines of nodes through the most loaded node of each contact; Hertz's closed form for the same load, centred on "
-        "the resultant force.",
-    )
-
-
 def pressures(solved: Solved) -> dict[str, ContactPressure]:
     """Both contacts of the chosen ball."""
     from hifi.fields import contact_pressure
@@ -355,58 +293,11 @@ def four_sided(study: Study) -> tuple[int, dict[str, ContactPressure]]:
     return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in found.items()}
 
 
-PRESSURE_COLUMNS = (
-    Column("contact", "Contact", format="s"),
-    Column("load", "Load", "N", ".1f"),
-    Column("ours", "Largest pressure, 3D", "MPa", ".0f"),
-    Column("hertz", "Pole pressure, Hertz", "MPa", ".0f"),
-    Column("ratio", "3D / Hertz", "", ".3f"),
-    Column("a", "Semi-axis across", "mm", ".3f"),
-    Column("b", "Semi-axis along", "mm", ".3f"),
-    Column("cells", "Nodes across 2b", "", ".1f"),
-)
-
-
-def step_along(found: ContactPressure) -> float:
-    """Mean distance [m] of the nodes along the groove."""
-    assert found.shape is not None
-    return float(np.abs(np.diff(found.along.reshape(found.shape), axis=1)).mean())
-
-
-def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
-    """Largest pressures, by the 3D reference and by Hertz."""
-    rows: list[dict[str, Cell]] = [
-        {
-            "contact": f"{scene}, {name}",
-            "load": x.load,
-            "ours": MPA * float(x.pressure.max()),
-            "hertz": MPA * x.hertz.pole_pressure,
-            "ratio": float(x.pressure.max() / x.hertz.pole_pressure),
-            "a": MM * x.hertz.semi_x,
-            "b": MM * x.hertz.semi_y,
-            "cells": 2.0 * x.hertz.semi_y / step_along(x),
-        }
-        for scene, found in groups.items()
-        for name, x in found.items()
-    ]
-    return Table(
-        "pictures-pressure",
-        "Largest nodal pressure and Hertz's pole pressure",
-        PRESSURE_COLUMNS,
-        rows,
-        "Nodal force over tributary area. Where the pressure is curved this reads corner nodes of the second-order cells "
-        "high and nodes in their middle low, in proportion to the square of the cells' size, and the largest value is one "
-        "at a corner: on this coarsest mesh the ratio exceeds 1 for that reason. Loads and approaches do not depend on it.",
-    )
-
-
 def loaded(solved: Solved) -> LoadedScrew:
     """Contact forces of the 3D reference on all balls."""
     scene, result = solved.scene, solved.result
     layout, m = ball_layout(scene), solved.setup.map
-    radius, ball = scene.track.pitch_radius, float(specimen(scene, layout).ball_radius.max())
-    phi = np.linspace(layout.azimuth.min(), layout.azimuth.max(), 400)
-    rise = np.interp(phi, layout.azimuth, layout.z)
+    ball = float(specimen(scene, layout).ball_radius.max())
     points, forces = [], []
     for s in result.sides:
         sx, sz = m.signs[s]
@@ -415,24 +306,12 @@ def loaded(solved: Solved) -> LoadedScrew:
         held = result.load[:, s] > 0.0
         points.append((layout.centre + ball * direction)[held])
         forces.append((-load * direction)[held])
-    return LoadedScrew(
-        name="loaded-screw-3d",
-        title="Case 1: contact forces on the balls by the 3D reference",
-        screw_length=scene.screw.length,
-        screw_radius=scene.screw.outer_diameter / 2.0,
-        nut_position=scene.nut.position,
-        nut_length=scene.nut.length,
-        nut_radius=scene.nut.outer_diameter / 2.0,
-        track_radius=radius,
-        ball_radius=ball,
-        ball_radii_centres=layout.centre.tolist(),
-        ball_loads=[float(x) for x in result.load.max(axis=1)],
-        helix=np.stack([radius * np.cos(phi), radius * np.sin(phi), rise], axis=1).tolist(),
-        contact_points=np.concatenate(points).tolist(),
-        contact_forces=np.concatenate(forces).tolist(),
-        groove_radius=scene.screw.groove_radius,
-        lead=scene.track.lead,
-        caption=f"Mesh level {LEVEL}. Balls are coloured by their contact load, {result.load[:, 0].min():.0f} to "
+    return loaded_screw(
+        scene,
+        ("loaded-screw-3d", "Case 1: contact forces on the balls by the 3D reference"),
+        result.load,
+        (np.concatenate(points), np.concatenate(forces)),
+        f"Mesh level {LEVEL}. Balls are coloured by their contact load, {result.load[:, 0].min():.0f} to "
         f"{result.load[:, 0].max():.0f} N.",
     )
 

@@ -157,7 +157,7 @@ def free_state(shaft: Shaft) -> Array:
 def rigid_nodes(shaft: Shaft) -> Array:
     """Nodal motions ``(6 n, k)`` by the free rigid motions."""
     z = shaft.problem.nodes
-    return np.asarray((rigid_transport(z - z[shaft.pin]) @ shaft.motions).reshape(-1, shaft.motions.shape[1]))
+    return np.asarray((rigid_transport(z - z[shaft.pin]) @ shaft.motions).reshape(6 * z.size, -1))
 
 
 def node_motions(shaft: Shaft, forces: Array, amplitudes: Array, used: list[int]) -> Array:

@@ -1,17 +1,15 @@
-"""Coarse meshes of screws, nuts, rings and balls: volumes, exact closed surfaces, congruent sockets, any scene."""
+"""Coarse meshes of screws, nuts and rings: volumes, exact closed surfaces, congruent sockets, any scene."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from itertools import combinations
 
 import numpy as np
 import pytest
 
 from compare.scenes.catalogue import scene
 from meshes import shell as shells
-from meshes.ball_body import BallSocket, ball_depth, ball_points, build_ball, directions, rays
 from meshes.fem import nodes_on
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec, build_body
@@ -20,7 +18,7 @@ from meshes.parts import Balls, Nut, Screw, Track
 from meshes.quality import scaled_jacobians
 from meshes.shell import Face, Shell, freed
 from meshes.sockets import SocketSize, local_points, socket_mesh, socket_points
-from tests.fe_meshes import one, space
+from tests.fe_meshes import outer_faces, volume_of
 from tests.helpers import STEEL, body_specs, small_screw
 
 pytestmark = pytest.mark.xdist_group("grooved bodies")
@@ -38,22 +36,9 @@ def spec_of(case, sides, outer, size=SIZE, fine=2.0e-3, coarse=7e-3, half=20e-3)
     return BodySpec(*radii, z - half, z + half, outer, sockets_of(case, sides), size, fine, coarse)
 
 
-def volume(body):
-    return one(space(body.mesh))
-
-
 def outside(spec):
     """Boundary of the cylinder r = r_out."""
     return "land" if spec.outer else "outside"
-
-
-def faces_of(cells):
-    """Corner triples and midside nodes of faces ``(f, 6)`` that only one cell has, and how often any face occurs."""
-    mid = {(0, 1): 4, (1, 2): 5, (0, 2): 6, (0, 3): 7, (2, 3): 8, (1, 3): 9}
-    rows = [cells[:, [*tri, *(mid[pair] for pair in combinations(tri, 2))]] for tri in combinations(range(4), 3)]
-    faces = np.concatenate(rows)
-    _, first, count = np.unique(np.sort(faces[:, :3], axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[first[count == 1]], count
 
 
 def on_surfaces(m, spec, points):
@@ -75,7 +60,7 @@ def check_body(m, spec, mesh):
     assert mesh.quality.smallest > 0.01
     assert (mesh.quality.cells, mesh.quality.nodes) == (len(mesh.cells), len(mesh.points))
     assert mesh.deviation < 1e-12
-    faces, count = faces_of(mesh.cells)
+    faces, count = outer_faces(mesh.cells)
     assert count.max() == 2
     assert set(np.unique(mesh.cells)) == set(range(len(mesh.points)))
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [0, 2]]]), axis=1)
@@ -163,7 +148,7 @@ def test_volume_without_sockets(outer):
     sides = (0, 1) if outer else (2, 3)
     channel = 2.0 * np.pi * channel_section(m, spec.r_in, spec.r_out, sides)
     expected = np.pi * (spec.r_out**2 - spec.r_in**2) * 20e-3 - channel
-    found = volume(build_body(m, spec))
+    found = volume_of(build_body(m, spec))
     assert abs(found - expected) < 0.004 * channel
 
 
@@ -181,7 +166,7 @@ def test_volume_with_sockets(body):
     sides = (0, 1) if spec.outer else (2, 3)
     channels = 2.0 * 2.0 * np.pi * channel_section(m, spec.r_in, spec.r_out, sides)
     whole = np.pi * (spec.r_out**2 - spec.r_in**2) * 40e-3 - channels
-    assert abs(volume(mesh) - (whole - lost)) < min(0.3 * lost, 0.03 * channels)
+    assert abs(volume_of(mesh) - (whole - lost)) < min(0.3 * lost, 0.03 * channels)
 
 
 def test_bodies_are_sound(body):
@@ -191,7 +176,7 @@ def test_bodies_are_sound(body):
 def test_faces_hold_their_whole_area(body):
     """Second-order faces of the smooth cylinder: 2 pi r L, exact to the chords' fourth power."""
     _, spec, mesh = body
-    faces, _ = faces_of(mesh.cells)
+    faces, _ = outer_faces(mesh.cells)
     nodes = nodes_on(mesh.mesh, "bore" if spec.outer else "outside")
     own = faces[np.isin(faces, nodes).all(axis=1)]
     r = spec.r_in if spec.outer else spec.r_out
@@ -203,7 +188,7 @@ def test_faces_hold_their_whole_area(body):
 
 def test_ends_are_flat_and_complete(body):
     _, spec, mesh = body
-    faces, _ = faces_of(mesh.cells)
+    faces, _ = outer_faces(mesh.cells)
     for nodes, z in ((mesh.low_end, spec.z_low), (mesh.high_end, spec.z_high)):
         assert np.abs(mesh.points[nodes, 2] - z).max() < 1e-9
         area = 0.0
@@ -409,112 +394,3 @@ def test_the_volume_is_filled_between_raised_sockets(monkeypatch):
 
 
 # --- balls -----------------------------------------------------------------------------------------------------------
-
-
-def ball_sockets(sides, gamma=0.3, phi=0.075, depth=0.9e-3):
-    return tuple(BallSocket(s, SocketSize(gamma, 1.2e-3, phi), depth) for s in sides)
-
-
-@pytest.mark.parametrize("side", range(4))
-def test_rays_of_a_ball_pass_through_the_groove(side):
-    m = GrooveMap.of(small_screw(2, hand="left"))
-    (socket,) = ball_sockets((side,))
-    xi = np.random.default_rng(0).uniform([-1, 0, -socket.exact], [1, 1, socket.exact], (50, 3))
-    x = ball_points(m, socket, xi)
-    groove = local_points(m, socket.groove, side, xi * [1.0, 0.0, 1.0]) - [m.R, 0.0, 0.0]
-    assert np.abs(np.cross(x, groove)).max() < 1e-12 * m.ball**2
-    np.testing.assert_allclose(np.linalg.norm(ball_points(m, socket, xi * [1.0, 0.0, 1.0]), axis=1), m.ball, rtol=1e-12)
-    bottom = ball_points(m, socket, xi * [1.0, 0.0, 1.0] + [0.0, 1.0, 0.0])
-    np.testing.assert_allclose(bottom @ directions(m, side)[0], m.ball - socket.depth, rtol=1e-12)
-    top = ball_points(m, socket, np.zeros((1, 3)))[0]
-    np.testing.assert_allclose(top, m.ball * directions(m, side)[0], atol=1e-17)
-
-
-@pytest.mark.parametrize("end", [-1.0, 1.0])
-@pytest.mark.parametrize("gamma", [0.13, 0.3, 0.6])
-def test_ends_of_a_ball_socket_are_plane_and_never_fold(gamma, end):
-    m = GrooveMap.of(small_screw(2))
-    (socket,) = ball_sockets((0,), gamma=gamma)
-    line = np.linspace(-1.0, 1.0, 11)
-    at_end = rays(m, socket, np.stack([line, 0.0 * line, 0.0 * line + end], axis=1)) @ directions(m, 0)[2]
-    np.testing.assert_allclose(at_end, at_end[0], rtol=1e-12)
-    a, b = np.meshgrid(line, np.linspace(-1.0, 1.0, 201), indexing="ij")
-    t = rays(m, socket, np.stack([a, 0.0 * a, b], -1).reshape(-1, 3)) @ directions(m, 0)[2]
-    assert np.diff(t.reshape(a.shape), axis=1).min() > 0.0
-
-
-def test_wide_ball_sockets_are_deeper():
-    m = GrooveMap.of(small_screw(2))
-    usual = SocketSize(0.3, 1.2e-3, 0.075)
-    assert ball_depth(m, usual, 0) == pytest.approx(0.9e-3)
-    wide = replace(usual, gamma=0.6)
-    depth = ball_depth(m, wide, 0)
-    corners = np.array([[a, d, b] for a in (-1.0, 1.0) for d in (0.0, 1.0) for b in (-1.0, 1.0)])
-    x = ball_points(m, BallSocket(0, wide, depth), corners).reshape(2, 2, 2, 3)
-    assert depth > 0.9e-3
-    assert np.linalg.norm(x[:, 0] - x[:, 1], axis=-1).min() == pytest.approx(0.12 * m.ball, rel=1e-6)
-
-
-def socket_volume(m, socket):
-    """Volume of a ball's socket, from the areas of its cells on the unit sphere."""
-    line = np.linspace(-1.0, 1.0, 201)
-    a, b = np.meshgrid(line, line, indexing="ij")
-    ray = rays(m, socket, np.stack([a, 0.0 * a, b], -1).reshape(-1, 3)).reshape(201, 201, 3)
-    unit = ray / np.linalg.norm(ray, axis=2)[..., None]
-    angle = 0.5 * np.linalg.norm(np.cross(unit[1:, 1:] - unit[:-1, :-1], unit[1:, :-1] - unit[:-1, 1:]), axis=2)
-    inner = ((m.ball - socket.depth) * np.linalg.norm(ray, axis=2)[1:, 1:]) ** 3
-    return float((angle * (m.ball**3 - inner)).sum()) / 3.0
-
-
-@pytest.mark.parametrize(
-    ("beta", "sides"),
-    [(12.0, (0, 3)), (25.0, FOUR), (45.0, (1, 2)), (45.0, (2,)), (45.0, FOUR), (65.0, (2, 3)), (78.0, (0, 3))],
-)
-def test_ball(beta, sides):
-    m = GrooveMap.of(small_screw(2, beta=np.radians(beta)))
-    sockets = ball_sockets(sides)
-    mesh = build_ball(m, sockets, 0.55e-3, 1.2e-3)
-    assert scaled_jacobians(mesh.mesh).min() > 0.02
-    assert mesh.quality.smallest > 0.04
-    faces, count = faces_of(mesh.cells)
-    assert count.max() == 2
-    assert set(np.unique(mesh.cells)) == set(range(len(mesh.points)))
-    inner = np.concatenate(list(mesh.socket_nodes.values()))
-    r = np.linalg.norm(mesh.points[np.setdiff1d(np.unique(faces), inner)], axis=1)
-    assert np.abs(r - m.ball).max() < 1e-15
-    rows = {tuple(sorted(f)) for f in faces[:, :3].tolist()}
-    lost = 0.0
-    for socket in sockets:
-        nodes, standard = mesh.socket_nodes[socket.side], mesh.sockets[socket.side]
-        np.testing.assert_allclose(mesh.points[nodes], ball_points(m, socket, standard.xi), atol=1e-15)
-        assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= rows
-        lost += socket_volume(m, socket)
-    assert volume(mesh) == pytest.approx(4.0 / 3.0 * np.pi * m.ball**3 - lost, rel=3e-3)
-
-
-def test_edges_of_a_ball_are_as_long_as_asked():
-    m = GrooveMap.of(small_screw(2))
-    mesh = build_ball(m, ball_sockets((0,)), 0.5e-3, 1.0e-3)
-    faces, _ = faces_of(mesh.cells)
-    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [0, 2]]]), axis=1), axis=0)
-    a, b = mesh.points[edges[:, 0]], mesh.points[edges[:, 1]]
-    far = 0.5 * (a + b) @ directions(m, 0)[0] < 0.0
-    length = np.linalg.norm(a - b, axis=1)[far]
-    assert 0.7e-3 < length.mean() < 1.2e-3
-    assert length.max() < 1.8e-3
-
-
-@pytest.mark.parametrize(
-    ("sockets", "match"),
-    [
-        ((), "at least one socket"),
-        ((*ball_sockets((0,)), replace(*ball_sockets((3,)), depth=2.5e-3)), "2.5 mm deep"),
-        (ball_sockets((0, 1), gamma=0.68, depth=1.6e-3), "overlap"),
-        (ball_sockets((0, 1), gamma=0.66), "wider than its depth of 0.9 mm allows"),
-        (ball_sockets((0, 0)), "overlap"),
-        (ball_sockets((0,), gamma=0.8, depth=2e-3), "over the ball's middle"),
-    ],
-)
-def test_ball_sockets_that_do_not_fit_are_refused(sockets, match):
-    with pytest.raises(ValueError, match=match):
-        build_ball(GrooveMap.of(small_screw(2, beta=np.radians(44.9))), sockets, 0.5e-3, 1e-3)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.sections import pictures
+from compare.sections import pressures
 from hifi.fields import ContactPressure
 from hifi.hertz import hertz
 from reports import field3d, figures, html, offscreen
@@ -151,7 +151,7 @@ def contact():
 
 class TestPressureMap:
     def map_of(self, count=2):
-        panels = tuple(pictures.panel_of(f"ball {k} <1>", contact()) for k in range(count))
+        panels = tuple(pressures.panel_of(f"ball {k} <1>", contact()) for k in range(count))
         return PressureMap("map", "Pressures", panels, "across / mm", "along / mm", "pressure / MPa")
 
     def test_same_data_same_small_file_with_its_numbers(self):
@@ -173,14 +173,14 @@ class TestPressureMap:
             figures.draw_map(replace(self.map_of(), panels=(panel,)))
 
     def test_profiles_lie_on_hertz(self):
-        panels = pictures.profiles({"ball 1, SL": contact()}).panels
+        panels = pressures.profiles({"ball 1, SL": contact()}).panels
         assert len(panels) == 2
         for panel in panels:
             nodes, closed = panel.series
             assert np.interp(nodes.x, closed.x, closed.y) == pytest.approx(nodes.y, abs=60.0)
 
     def test_table_quotes_both_pressures(self):
-        (row,) = pictures.pressure_table({"case": {"ball 1, SL": contact()}}).rows
+        (row,) = pressures.pressure_table({"case": {"ball 1, SL": contact()}}).rows
         assert row["ratio"] == pytest.approx(1.0)
         assert row["hertz"] == pytest.approx(row["ours"])
         assert row["cells"] == pytest.approx(2.0 * contact().hertz.semi_y / (4e-4 / 12.0))
