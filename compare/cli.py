@@ -72,8 +72,8 @@ def new(file: Path, *, kind: str = "ball-screw") -> None:
     file
         Where to write it; an existing file is never overwritten.
     kind
-        ball-screw, bearing, several sets on one shaft: axis, double-nut; or what only friction solves: bearing-ball, bearing-pair, linear-pair, linear-chain,
-        screw-pair, screw-run.
+        ball-screw, bearing, axis, double-nut, or what only friction solves: bearing-ball, bearing-pair, linear-pair,
+        linear-chain, screw-pair, screw-run.
     """
     from compare.scenes.keys import WHOLE
     from compare.scenes.template import AXES, template
