@@ -83,9 +83,9 @@ class RollingSet:
     middle of the cup's contact lines [m].
 
     housing: the name of the housing of its outer part, None where that is held; offset: shift of the outer part along
-    +z against its housing [m]; preload: axial force [N] that is set by such a shift at mounting, without external loads, and
-    then locked (0: none); thrust: which thrust on the shaft the set carries; carrier: the name of the housing that its inner
-    part belongs to, as the bearing around a nut does, None for the shaft.
+    +z against its housing [m]; preload: axial force [N] that is set by such a shift at mounting, without external loads,
+    and then locked (0: none); thrust: which thrust on the shaft the set carries; carrier: the name of the housing that its
+    inner part belongs to, as the bearing around a nut does, None for the shaft.
     """
 
     name: str
