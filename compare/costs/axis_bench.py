@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -56,7 +57,8 @@ def jobs(repeats: int = 5) -> Iterator[Job]:
     with threadpool_limits(1, "blas"):
         single = timed(lambda: solve_static(one, engine="compiled"), repeats, nominal_curvatures.cache_clear)
         double = timed(lambda: solve_assembly(pair, engine="compiled"), repeats, nominal_curvatures.cache_clear)
-        times = [timed(lambda c=c: solve_assembly(row_of_nuts(c), engine="compiled"), repeats) for c in SETS]
+        rows = [row_of_nuts(count) for count in SETS]
+        times = [timed(partial(solve_assembly, row, engine="compiled"), repeats) for row in rows]
     note = (
         f"136 balls, set-up and stiffness included (aim {1e3 * AIM:g} ms); one nut of 136 balls by lin takes as long times "
     )
