@@ -59,10 +59,8 @@ def jobs(repeats: int = 5) -> Iterator[Job]:
         double = timed(lambda: solve_assembly(pair, engine="compiled"), repeats, nominal_curvatures.cache_clear)
         rows = [row_of_nuts(count) for count in SETS]
         times = [timed(partial(solve_assembly, row, engine="compiled"), repeats) for row in rows]
-    note = (
-        f"136 balls, set-up and stiffness included (aim {1e3 * AIM:g} ms); one nut of 136 balls by lin takes as long times "
-    )
-    yield Job("double nut, lin", double, None, None, peak_MB(), f"{note}{single / double:.2f}")
+    note = f"136 balls, set-up and stiffness included (aim {1e3 * AIM:g} ms); one nut of 136 balls takes "
+    yield Job("double nut, lin", double, None, None, peak_MB(), f"{note}{single / double:.2f} of it")
     slope = float(np.polyfit(np.log(SETS), np.log(times), 1)[0])
     per_set = ", ".join(f"{1e3 * t / c:.1f}" for t, c in zip(times, SETS, strict=True))
     note = f"{SETS[-1]} nuts of 68 balls in housings on springs; {per_set} ms a set with {', '.join(map(str, SETS))}, "

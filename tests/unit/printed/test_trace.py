@@ -54,7 +54,7 @@ def test_scenes_exist_and_every_pattern_is_needed():
 
 
 def test_only_what_needs_no_scene_has_none():
-    """Choices, arithmetic on printed numbers, other programs and machines; Smith's formulas and Liu's chain have none, but for his axis."""
+    """Choices, arithmetic on printed numbers, other programs and machines; Liu's chain; Smith's formulas but one."""
     lin = [t for t in TRACES if t.table.startswith("lin")]
     assert [t.key for t in TRACES if t not in lin and t.scenes] == ["total_ball"]
     without = {t.key for t in lin if not t.scenes and t.table not in NOT_COMPUTED}
