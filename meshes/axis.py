@@ -82,9 +82,10 @@ class RollingSet:
     is the shaft with this set's inner groove, or a row of rollers; ``position``: station of the outer part's centre, of the
     middle of the cup's contact lines [m].
 
-    housing: the name of the housing of its outer part, None where that is held; offset: shift of the outer part along +z
-    against its housing [m]; preload: axial force [N] that is set by such a shift at mounting, without external loads, and
-    then locked (0: none); thrust: which thrust on the shaft the set carries.
+    housing: the name of the housing of its outer part, None where that is held; offset: shift of the outer part along
+    +z against its housing [m]; preload: axial force [N] that is set by such a shift at mounting, without external loads,
+    and then locked (0: none); thrust: which thrust on the shaft the set carries; carrier: the name of the housing that its
+    inner part belongs to, as the bearing around a nut does, None for the shaft.
     """
 
     name: str
@@ -95,6 +96,7 @@ class RollingSet:
     offset: float = 0.0
     preload: float = 0.0
     thrust: Thrust = "both"
+    carrier: str | None = None
 
 
 @dataclass(frozen=True)

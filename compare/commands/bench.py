@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
+from compare.costs.axis_bench import jobs as axis_jobs
 from compare.costs.bench import Job, run_bench
 from compare.costs.chain_bench import jobs as chain_jobs
 from compare.costs.friction_bench import jobs as friction_jobs
@@ -20,8 +21,7 @@ def run_bench_command(*, as_json: bool, show: Callable[..., None], print_json: C
         Job(f"friction: {row.name}", row.seconds, row.ratio, None, None, f"{row.note}; target {row.target:g} s")
         for row in friction_jobs(5)
     ]
-    jobs += chain_jobs(5)
-    jobs += rolling_jobs(3)
+    jobs += [*chain_jobs(5), *axis_jobs(5), *rolling_jobs(3)]
     if as_json:
         print_json([asdict(job) for job in jobs])
         return 0

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from compare.evidence import rotary_linear, screw
+from compare.evidence import rotary_linear, screw, steering_4_2
 from compare.evidence.errors_2_4_2 import section_2_4_2
 from compare.evidence.errors_4_3_2 import section_4_3_2
 from compare.evidence.hertz_b1 import table_b_1
@@ -28,6 +28,7 @@ ROTARY = "tests/literature/test_lin_chapter3_rotary.py"
 LINEAR = "tests/literature/test_lin_chapter3_linear.py"
 SCREW = "tests/literature/test_lin_chapter3_screw.py"
 CHAPTER_4 = "tests/literature/test_lin_chapter4_friction.py"
+AXES = "tests/literature/test_lin_chapter4_axes.py"
 SMITH = "tests/literature/test_smith.py"
 LIU = "tests/literature/test_liu.py"
 KALKER = "tests/literature/test_kalker.py"
@@ -129,6 +130,13 @@ COMPUTATIONS = (
         ),
     ),
     Computation("lin-3.4.4", screw.section_3_4_4, SCREW, (("*", ("lin-screw-run", "lin-screw-run-2deg")),)),
+    Computation(
+        "lin-4.2.1",
+        steering_4_2.section_4_2,
+        AXES,
+        (("ratio_*", ("lin-steering-rack",)), ("grows", ("lin-steering-rack",)), ("even_*", ("lin-steering-rack",)))
+        + (("*", ("lin-nominal-4p1",)),),
+    ),
     Computation("lin-4.2", screw.table_4_2, CHAPTER_4, (("*", ("lin-bearing-pairs",)),)),
     Computation(
         "lin-4.3",
@@ -142,7 +150,7 @@ COMPUTATIONS = (
     Computation("smith-2.3", smith_ball.section_2_3, SMITH),
     Computation("smith-3", smith_taper.chapter_3, SMITH),
     Computation("smith-4.1", smith_axis.section_4_1, SMITH),
-    Computation("smith-4.2", smith_axis.section_4_2, SMITH),
+    Computation("smith-4.2", smith_axis.section_4_2, SMITH, (("total_ball", ("smith-axis",)),)),
     Computation("smith-4.3", smith_axis.section_4_3, SMITH),
     Computation("smith-5", smith_trials.chapter_5, SMITH),
     Computation("kalker-E3", table_e3, KALKER),

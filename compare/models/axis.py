@@ -14,13 +14,13 @@ from meshes.axis import Assembly, RollerRow
 
 #: Models that know several sets on one shaft.
 AXIS_MODELS = ("refined", "lin")
-#: The one that is used unless another is asked for, or rollers are there, which only lin has.
+#: The one that is used unless another is asked for, or rollers or inner rings on housings are there, which only lin has.
 AXIS_DEFAULT = "refined"
 
 
 def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto") -> AxisResult:
     """Run a model on an assembly. Raises InputError for a model that knows one set only."""
-    rollers = any(isinstance(s.parts, RollerRow) for s in assembly.sets)
+    rollers = any(isinstance(s.parts, RollerRow) or s.carrier is not None for s in assembly.sets)
     model = model or ("lin" if rollers else AXIS_DEFAULT)
     if model not in AXIS_MODELS:
         advice = "the other models describe one set on a shaft" if model in MODELS else "see: rollbench list"

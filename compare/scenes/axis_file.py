@@ -72,7 +72,7 @@ def _housing(h: HousingKeys) -> Housing:
 def _single(keys: AxisKeys) -> bool:
     """Whether the file describes what a file without ``[[sets]]`` can describe."""
     one = keys.sets[0]
-    bare = not (keys.housings or keys.screw.plain or keys.heat or one.offset or one.preload)
+    bare = not (keys.housings or one.carrier or keys.screw.plain or keys.heat or one.offset or one.preload)
     return len(keys.sets) == 1 and bare and one.balls is not None and one.thrust in (None, "both")
 
 
@@ -94,6 +94,7 @@ def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
                 yield Fault((f"{table}[{i}].name",), "a name of its own", "results are told apart by it: change one")
     known = ", ".join(names) or "none is described"
     asked: list[tuple[str, str | None]] = [(f"sets[{i}].housing", s.housing) for i, s in enumerate(keys.sets)]
+    asked += [(f"sets[{i}].carrier", s.carrier) for i, s in enumerate(keys.sets)]
     asked += [(f"joints[{i}].between", name) for i, j in enumerate(keys.joints) for name in j.between]
     asked.append(("stiffness.housing", keys.stiffness.housing))
     for where, name in asked:
@@ -121,6 +122,8 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
         given = [n for n, x in balls.items() if x is not None]
         if given:
             yield Fault((f"{at}.{given[0]}",), "rollers or balls", "a set has one kind of them: make two sets", "both")
+        if one.carrier is not None:
+            yield Fault((f"{at}.carrier",), "nothing for rollers", "their inner ring sits on the shaft: leave it out")
         if one.position is None:
             yield Fault((f"{at}.position",), "a station", 'write e.g. position = "30 mm"', "nothing")
         if one.thrust not in ONE_WAY:
@@ -142,6 +145,8 @@ def _set_faults(keys: AxisKeys, i: int, one: SetKeys) -> Iterator[Fault]:
         yield Fault((f"{at}.preload",), 'thrust "+z" or "-z"', advice)
     if one.preload > 0.0 and one.offset != 0.0:
         yield Fault((f"{at}.preload",), "either preload or offset", "the force sets the shift: leave offset out", "both")
+    if one.carrier is not None and one.carrier == one.housing:
+        yield Fault((f"{at}.carrier",), "another housing than its outer part's", "a rigid body cannot roll on itself")
     if keys.material.youngs_modulus is None or keys.material.poissons_ratio is None:
         yield Fault(("material",), "youngs_modulus and poissons_ratio", "give both under [material]")
 
@@ -201,8 +206,8 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
     refuse(origin, raw, [_blamed(f, i, raw) for f in choice_faults(own)])
     scene = scene_of(own, one.name)
     refuse(origin, raw, [_blamed(f, i, raw) for f in geometry_faults(scene)])
-    position = scene.nut.position
-    return RollingSet(*shared, scene, position, one.housing, one.offset, one.preload, thrust)  # type: ignore[arg-type]
+    own_place = (one.housing, one.offset, one.preload, thrust, one.carrier)
+    return RollingSet(*shared, scene, scene.nut.position, *own_place)  # type: ignore[arg-type]
 
 
 def _blamed(fault: Fault, i: int, raw: Mapping[str, Any]) -> Fault:
@@ -238,6 +243,10 @@ def _place_faults(keys: AxisKeys, sets: Sequence[RollingSet]) -> Iterator[Fault]
     for i, h in enumerate(keys.housings):
         if set(h.fix) == set(FREEDOMS) and (any(h.force) or any(h.moment)):
             yield Fault((f"housings[{i}].force",), "no load on a housing that is held", "free a freedom, or leave it out")
+    stands = {h.name for h in keys.housings if set(h.fix) == set(FREEDOMS)}
+    for i, one in enumerate(keys.sets):
+        if one.carrier in stands:
+            yield Fault((f"sets[{i}].carrier",), "a housing that can move", "free a freedom of it, or leave the set out")
     held = [(s, n) for s in keys.supports for n in (*s.fix, *s.displace.model_dump(exclude_none=True))]
     for i, s in enumerate(keys.supports):
         if not s.fix and not s.displace.model_dump(exclude_none=True):

@@ -92,6 +92,7 @@ class SetKeys(Table):
         "what it is; by its tables if left out", None, "ball nut"
     )
     housing: Name | None = key("name of the housing that its outer part belongs to; held if left out", None, "carriage")
+    carrier: Name | None = key("name of the housing that its inner ring sits on; the shaft if left out", None, "nut")
     thrust: Literal["both", "+z", "-z", "deep groove"] | None = key(
         'thrust on the shaft that it carries: "both" by a gothic arch, one way by an angular-contact row, or by one arc',
         None,

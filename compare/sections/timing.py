@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
+from compare.costs.axis_bench import jobs as axis_jobs
 from compare.costs.bench import Job, run_bench
 from compare.costs.chain_bench import jobs as chain_jobs
 from compare.costs.friction_bench import jobs
@@ -31,7 +32,7 @@ def friction_table(step: Callable[[str], None]) -> Table:
 
 def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG001 - every section takes the study
     """Section of the report, with its headlines."""
-    done = [*run_bench(step), *chain_jobs(5)]
+    done = [*run_bench(step), *chain_jobs(5), *axis_jobs(5)]
     rows: list[dict[str, Cell]] = [asdict(job) for job in done]
     printed: list[dict[str, Cell]] = [
         {"label": p.label, "printed": p.printed, "unit": p.unit, "class": p.cls, "remark": p.remark}

@@ -8,6 +8,7 @@ import numpy as np
 
 from compare.evidence.entries import Entries
 from compare.evidence.record import Evidence
+from compare.evidence.smith import axis_scene
 from compare.evidence.smith.case import (
     APPLIED,
     DEG_F,
@@ -106,7 +107,7 @@ def section_4_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     return e.evidence()
 
 
-def section_4_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+def section_4_2(study: Study) -> tuple[Evidence, ...]:
     """Loads and stiffness of the supports, stiffness of the axis."""
     e = Entries("smith-4.2")
     for kind in KINDS:
@@ -117,8 +118,8 @@ def section_4_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     e.numbers({"screw": least / POUND_PER_INCH / 1e6, "nut": NUT / POUND_PER_INCH / 1e6})
     e.number("package_ball", end_state("ball", "left", "stretch").stiffness / POUND_PER_INCH / 1e6)
     e.number("package_taper", 2.0 * e.printed("taper_left_stiffness_1"))
-    for kind in KINDS:
-        _total(e, kind)
+    _total(e, "ball", axis_scene.words(study))
+    _total(e, "taper")
     places = np.linspace(0.0, a.length, 53)[1:-1]
     both, one = shaft_stiffness(a, places), shaft_stiffness(axis(right=0.0), places)
     at = float(places[int(np.argmin(both))] / a.length)
@@ -154,7 +155,7 @@ def topology(supports: float, nut: float = NUT) -> float:
     return float(axis_stiffness(a, 0.5 * a.length, nut))
 
 
-def _total(e: Entries, kind: str) -> None:
+def _total(e: Entries, kind: str, more: str = "") -> None:
     """Stiffness of the axis as printed, and in the right topology with the printed and with our bearings."""
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
@@ -162,6 +163,7 @@ def _total(e: Entries, kind: str) -> None:
     own = topology(end_state(kind, "left", "stretch").stiffness) / POUND_PER_INCH / 1e6
     off = float(error_percent(printed, right))
     words = f"right topology, printed parts {right:.3f}, our bearings {own:.3f}; the sum in series {off:+.0f} %"
+    words = f"{words}; {more}" if more else words
     e.number(f"total_{kind}", right, words, as_printed=printed)
 
 

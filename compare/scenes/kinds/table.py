@@ -49,13 +49,13 @@ def _tag(value: Any) -> str:
 
 AnyKeys = Annotated[
     Annotated[SceneKeys, Tag("whole")]
-    | Annotated[AxisKeys, Tag("axis")]
     | Annotated[BearingBallKeys, Tag("bearing ball")]
     | Annotated[BearingPairKeys, Tag("bearing pair")]
     | Annotated[LinearPairKeys, Tag("linear pair")]
     | Annotated[LinearChainKeys, Tag("linear chain")]
     | Annotated[ScrewPairKeys, Tag("screw pair")]
-    | Annotated[ScrewRunKeys, Tag("screw run")],
+    | Annotated[ScrewRunKeys, Tag("screw run")]
+    | Annotated[AxisKeys, Tag("axis")],
     Discriminator(_tag),
 ]
 

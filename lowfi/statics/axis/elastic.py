@@ -155,6 +155,8 @@ def ready(system: System, backend: Backend, engine: ModuleType, scale: tuple[flo
     """
     if system.rollers:
         raise ValueError("tapered rollers have no elastic bodies yet: use the model lin")
+    if any(b.of.carrier is not None for b in system.balls):
+        raise ValueError("an inner ring on a housing has no elastic body yet: use the model lin")
     N = system.contacts.r_ball.size
     if N > LARGEST:
         raise ValueError(f"{N} balls: elastic bodies are limited to {LARGEST}; use the model lin")

@@ -38,7 +38,7 @@ def loose_motions(system: System) -> Loose:
         layout = b.problem.layout
         axes = np.stack([layout.radial, layout.binormal], axis=1)
         moved = np.zeros((2 * layout.z.size, motions.shape[1]))
-        for row, sign in ((0, 1.0), (b.outer, -1.0)):
+        for row, sign in ((0 if b.of.carrier is None else int(b.problem.node[0, 0]), 1.0), (b.outer, -1.0)):
             if row >= 0:
                 arm = layout.centre - np.array([0.0, 0.0, s.stations[row]])
                 lever = np.concatenate([axes, np.cross(arm[:, None, :], axes)], axis=2)

@@ -154,7 +154,7 @@ def own_stiffness(elastic: ElasticAxis, i: int, b: BallSet, S: list[Array]) -> A
     """Stiffness (6, 6) of a set alone with its own elastic bodies: its inner part moved rigidly, its outer one held."""
     own = spread(S[b.balls])
     rows = np.zeros((b.problem.layout.z.size, 8, 6))
-    rows[:, :4] = rigid_rows(b)
+    rows[:, :4] = rigid_rows(b, elastic.system.structure.stations)
     moved = own @ rows.reshape(-1, 6)
     return np.asarray(moved.T @ np.linalg.solve(np.eye(len(own)) + own @ both(*elastic.local[i]) @ own.T, moved))
 

@@ -149,7 +149,7 @@ def _ending(prepared: Prepared, status: str, report: SolverReport, loose: str) -
     out = AxisSlopes(np.zeros(state.q.shape), np.zeros((system.contacts.r_ball.size, 8, 8)))
     prepared.engine.evaluate_axis(system.axis, system.contacts, system.slices, state, out)
     held = np.where(system.structure.fixed, out.gradient, 0.0)
-    sets = [set_stiffness(b, out.hessians[b.balls, :4, :4]) for b in system.balls]
+    sets = [set_stiffness(b, system.structure.stations, out.hessians[b.balls, :4, :4]) for b in system.balls]
     whole = whole_stiffness(system, prepared.engine, state, out.hessians)
     return Ending(status, report, loose, held, sets, whole, "lin", AXIS_ASSUMPTIONS)
 

@@ -65,17 +65,20 @@ def inverse(compliance: Array, free: NDArray[np.bool_], arm: float) -> Array:
     return out
 
 
-def rigid_rows(b: BallSet) -> Array:
-    """Motion (N, 4, 6) of the screw's flanks of a set, two axes each, by its inner part as a rigid body at its position."""
-    nodes = b.problem.nodes[b.problem.node]
+def rigid_rows(b: BallSet, stations: Array) -> Array:
+    """Motion (N, 4, 6) of the inner flanks of a set, two axes each, by its inner part as a rigid body at its position.
+
+    stations: of all rows [m].
+    """
+    nodes = stations[b.problem.node]
     to = np.array([[rigid_transport(float(z - b.of.position)) for z in row] for row in nodes])
     return np.asarray(np.einsum("nsak,nskj->nsaj", b.B[:, :2], to).reshape(len(nodes), 4, 6))
 
 
-def set_stiffness(b: BallSet, hessians: Array) -> Array:
+def set_stiffness(b: BallSet, stations: Array, hessians: Array) -> Array:
     """Stiffness (6, 6) of a set of N balls against motions of its inner part at its position, the outer one held.
 
     hessians (N, 4, 4): of the balls' energy by the motion of their screw flanks [N/m].
     """
-    rows = rigid_rows(b)
+    rows = rigid_rows(b, stations)
     return np.asarray(np.einsum("nai,nab,nbj->ij", rows, hessians, rows))

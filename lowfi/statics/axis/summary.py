@@ -154,7 +154,7 @@ def _balance(assembly: Assembly, nodes: Array, held: Array, sets: tuple[SetResul
         applied += rigid_transport(load.at).T @ np.concatenate([load.force, load.moment])
     for j in np.flatnonzero(held.any(axis=1)):
         reaction += rigid_transport(float(nodes[j])).T @ held[j]
-    for s in sets:
+    for s in (x for x in sets if x.of.carrier is None):
         contact += rigid_transport(s.of.position).T @ np.concatenate([s.force, s.moment])
         contacts = 0.0 if s.balls is None else float(s.balls.load.max(initial=0.0))
         largest = max(largest, float(np.abs(s.force).max()), contacts)
@@ -188,11 +188,15 @@ def _housing(system: System, i: int, sets: tuple[SetResult, ...], q: Array, held
     name = next(name for name, own in structure.row.items() if own == row)
     carried = np.zeros(6)
     for s in sets:
+        reach = rigid_transport(s.of.position - at).T
         if s.of.housing == name:
-            carried += rigid_transport(s.of.position - at).T @ s.reaction
+            carried += reach @ s.reaction
+        if s.of.carrier == name:
+            carried += reach @ np.concatenate([s.force, s.moment])
     wrench = held[row] + springs
     rest = structure.load[row] + carried + wrench
-    size = max(float(np.abs(x[:3]).max()) for x in (structure.load[row], wrench, carried))
+    pushes = [s.force for s in sets if name in (s.of.housing, s.of.carrier)]
+    size = max(float(np.abs(x[:3]).max()) for x in (structure.load[row], wrench, *pushes))
     left = max(float(np.abs(rest[:3]).max()), float(np.abs(rest[3:]).max()) / system.arm)
     return HousingResult(name, q[row].copy(), wrench, left / size if size else 0.0)
 

@@ -78,7 +78,11 @@ def build(assembly: Assembly, member: int = 0, uses: Sequence[NDArray[np.bool_]]
     rows = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)]
     built = [USE[s.thrust] for s, _ in parts] if uses is None else list(uses)
     layouts = [ball_layout(scene) for _, scene in parts]
-    stations = [contact_stations(scene, x)[:, u[:2]] for (_, scene), x, u in zip(parts, layouts, built, strict=True)]
+    stations = [
+        contact_stations(scene, x)[:, u[:2]]
+        for (s, scene), x, u in zip(parts, layouts, built, strict=True)
+        if s.carrier is None
+    ]
     rings = np.array([s.position for s, _ in rows])
     structure = structure_of(assembly, np.concatenate([rings, *(x.ravel() for x in stations)]))
     balls: list[BallSet] = []
@@ -105,11 +109,15 @@ def _ball_set(
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size
     stations = contact_stations(scene, layout)
-    node = np.abs(nodes[None, None, :] - stations[:, :, None]).argmin(axis=2)
-    node[:, ~use[:2]] = node[:, [int(np.argmax(use[:2]))]]
+    if one.carrier is None:
+        node = np.abs(nodes[None, None, :] - stations[:, :, None]).argmin(axis=2)
+        node[:, ~use[:2]] = node[:, [int(np.argmax(use[:2]))]]
+    else:
+        node = np.full((N, 2), structure.row[one.carrier])
     outer = -1 if one.housing is None else structure.row[one.housing]
     at = float(structure.at[outer - n]) if outer >= 0 else scene.nut.position
-    B = np.stack([flank_rows(parts, s, nodes[node[:, s]] if s < 2 else np.full(N, at)) for s in range(4)], axis=1)
+    origins = [structure.stations[node[:, s]] if s < 2 else np.full(N, at) for s in range(4)]
+    B = np.stack([flank_rows(parts, s, origin) for s, origin in enumerate(origins)], axis=1)
     v0 = np.zeros((N, 4, 2))
     v0[:, 2:] = one.offset * B[:, 2:, :, 2]
     problem = Problem(

@@ -14,7 +14,7 @@ import pytest
 from compare.errors import InputError, SceneError
 from compare.scenes import catalogue, scene_file
 from compare.scenes.catalogue import scene_text
-from compare.scenes.keys import FRICTION_ONLY, WHOLE, tidy_schema
+from compare.scenes.keys import AXIS, FRICTION_ONLY, WHOLE, tidy_schema
 from compare.scenes.kinds.screw_balls import ScrewRunScene
 from compare.scenes.kinds.table import KINDS, json_schema
 from compare.scenes.schema import SceneKeys
@@ -169,7 +169,7 @@ def test_whole_scene_may_name_its_kind_and_must_name_the_right_one():
 
 
 def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
-    names = set(catalogue.scene_names()) - set(catalogue.whole_names())
+    names = set(catalogue.scene_names()) - set(catalogue.whole_names()) - set(catalogue.axis_names())
     assert {scene_file.kind_of(catalogue.shipped(name)) for name in names} == set(FRICTION_ONLY)
     assert catalogue.shipped("lin-pair-a") is catalogue.shipped("lin-pair-a"), "each is read once"
     with pytest.raises(
@@ -199,8 +199,8 @@ def test_one_schema_for_all_kinds():
     of_kind = [schema["$defs"][branch["$ref"].rsplit("/", 1)[1]] for branch in schema["oneOf"]]
     words = [table["properties"]["kind"] for table in of_kind]
     assert words[0]["enum"] == list(WHOLE)
-    assert [w["const"] for w in words[1:]] == list(FRICTION_ONLY)
-    assert ["kind" in table["required"] for table in of_kind] == [False] + [True] * len(FRICTION_ONLY)
+    assert [w["const"] for w in words[1:]] == [*FRICTION_ONLY, AXIS]
+    assert ["kind" in table["required"] for table in of_kind] == [False] + [True] * len(FRICTION_ONLY) + [False]
     shared = {"MaterialKeys", "GrooveKeys", "PathKeys", "HelixKeys", "BallSizeKeys", "MotionKeys", "TrackKeys"}
     assert shared <= schema["$defs"].keys()
 

@@ -1,0 +1,102 @@
+"""Section 4.2: lash tests of a ball screw, sizing of bearing and ball screw in a steering gear."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from compare.evidence.lash_4_2_1 import TURNS, lash
+from compare.evidence.record import Evidence, Sheet
+from compare.models.axis import run_axis
+from compare.models.study import Study
+from compare.scenes import catalogue
+from lowfi.statics.axis.result import AxisResult
+from meshes.axis import Assembly
+
+#: Shipped scenes, total rack force [N], distance of the lateral force of the conical lash test from the nut [m].
+SCREW, RACK = "lin-nominal-4p1", "lin-steering-rack"
+FORCE, REACH = 14500.0, 0.3
+#: Tie-rod angles [deg], and stations of the pinion [m], which the source does not print.
+ANGLES, PINIONS = (0.0, 6.0, 12.0, 18.0), (0.45, 0.6, 0.7)
+
+
+def rack() -> Assembly:
+    """The shipped steering gear."""
+    found = catalogue.shipped(RACK)
+    if not isinstance(found, Assembly):
+        raise AssertionError(f"{RACK} has several sets")
+    return found
+
+
+def at_angle(gear: Assembly, angle: float) -> AxisResult:
+    """The gear with half of the rack force at either end, at a tie-rod angle [deg]."""
+    t = np.radians(angle)
+    force = (0.5 * FORCE * float(np.sin(t)), 0.0, 0.5 * FORCE * float(np.cos(t)))
+    return run_axis(replace(gear, loads=tuple(replace(x, force=force) for x in gear.loads)), "lin")
+
+
+def largest(result: AxisResult) -> tuple[float, float]:
+    """Largest contact loads [N] of ball screw and bearing."""
+    screw, bearing = (0.0 if s.balls is None else float(s.balls.load.max()) for s in result.sets)
+    return screw, bearing
+
+
+def ratios(gear: Assembly) -> tuple[float, float]:
+    """Largest loads at 18 deg over those at 0 deg, ball screw and bearing."""
+    low, high = largest(at_angle(gear, 0.0)), largest(at_angle(gear, 18.0))
+    return high[0] / low[0], high[1] / low[1]
+
+
+def section_4_2(study: Study) -> tuple[Evidence, ...]:
+    """Table 4.1 and sections 4.2.1, 4.2.2."""
+    sheet, scene = Sheet("lin-4.2.1"), study.scene(SCREW)
+    material = scene.balls.material
+    given = {
+        "length": 1e3 * scene.screw.length,
+        "position": 1e3 * scene.nut.position,
+        "pitch_radius": 1e3 * scene.track.pitch_radius,
+        "lead": 1e3 * scene.track.lead,
+        "beta": float(np.degrees(scene.track.contact_angle)),
+        "ball": 1e3 * scene.balls.radius,
+        "groove": 1e3 * scene.screw.groove_radius,
+        "balls": float(scene.ball_count),
+        "turns": TURNS,
+        "E": material.youngs_modulus,
+        "nu": material.poissons_ratio,
+    }
+    for key, value in given.items():
+        sheet.number(key, value)
+    _lash(sheet, study)
+    _sizing(sheet)
+    return sheet.evidence()
+
+
+def _lash(sheet: Sheet, study: Study) -> None:
+    found = lash(study.scene(SCREW), REACH)
+    by_direction = ", ".join(f"{x:.1f}" for x in found.conical)
+    words = f"lateral force at {1e3 * REACH:.0f} mm; by direction {by_direction} %"
+    sheet.number("axial", found.axial, "screw kept from turning only")
+    sheet.number("conical", max(found.conical), words)
+    sheet.claim("robust", found.axial < min(found.conical), f"{found.axial:.1f} % against {by_direction} %")
+
+
+def _sizing(sheet: Sheet) -> None:
+    gear = rack()
+    results = [at_angle(gear, angle) for angle in ANGLES]
+    loads = np.array([largest(r) for r in results])
+    places = []
+    for z in PINIONS:
+        (pinion,) = gear.supports
+        screw, bearing = ratios(replace(gear, supports=(replace(pinion, at=z),)))
+        places.append(f"{1e3 * z:.0f} mm: {screw:.2f} and {bearing:.2f}")
+    words = f"by the pinion's station, ball screw and bearing: {'; '.join(places)}"
+    sheet.number("ratio_screw", float(loads[-1, 0] / loads[0, 0]), words)
+    sheet.number("ratio_bearing", float(loads[-1, 1] / loads[0, 1]), words)
+    over = ", ".join(f"{a:.0f} and {b:.0f} N at {t:.0f} deg" for (a, b), t in zip(loads, ANGLES, strict=True))
+    sheet.claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
+    balls = results[0].sets[1].balls
+    if balls is None:
+        raise AssertionError("the bearing has balls")
+    loaded = balls.load[balls.load > 0.0]
+    sheet.claim("even_bearing", bool(loaded.min() > 0.8 * loaded.max()), f"{loaded.min():.0f} to {loaded.max():.0f} N")

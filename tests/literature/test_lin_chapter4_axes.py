@@ -1,0 +1,55 @@
+"""Printed numbers and claims of Lin (2019), 4.2: lash tests and steering gear; Smith's axis as a scene."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.evidence.lash_4_2_1 import PATTERNS, places
+from compare.evidence.smith import axis_scene
+from compare.evidence.smith.case import APPLIED
+from compare.evidence.steering_4_2 import rack, ratios
+from compare.scenes import catalogue
+from tests.literature.entries import STUDY, check, keys
+
+
+@pytest.mark.parametrize("key", keys("lin-4.2.1"))
+def test_entry(key: str) -> None:
+    check(key)
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+def test_patterns_keep_the_balls_apart_and_on_the_track(pattern: str) -> None:
+    scene = catalogue.scene("lin-nominal-4p1")
+    at = np.array(places(scene, pattern))
+    assert at.size == scene.ball_count
+    path = np.hypot(scene.track.pitch_radius, scene.track.lead / (2.0 * np.pi)) * at
+    assert np.diff(path).min() >= 2.0 * scene.balls.radius
+    assert np.ptp(path) + 2.0 * scene.balls.radius <= 3.75 * 2.0 * np.pi * path[0] / at[0] + 1e-6
+
+
+def test_stacked_on_one_side_leaves_the_other_side_free_in_every_turn() -> None:
+    at = np.array(places(catalogue.scene("lin-nominal-4p1"), "stacked on one side"))
+    wide = np.diff(at) > 2.0 * np.diff(at).min()
+    assert wide.sum() == 4
+    middles = 0.5 * (at[1:] + at[:-1])[wide]
+    assert np.abs(np.cos(middles) + 1.0).max() < 0.2
+
+
+def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
+    """So that 1.47 and 3.32 identify nothing: the pinion's restraint alone changes them by a third."""
+    gear = rack()
+    (pinion,) = gear.supports
+    free = replace(pinion, fixed=(("ux", 0.0), ("uy", 0.0), ("rz", 0.0)))
+    clamped, pinned = ratios(gear), ratios(replace(gear, supports=(free,)))
+    assert pinned[0] / clamped[0] > 1.2
+    assert pinned[1] / clamped[1] > 1.2
+
+
+@pytest.mark.parametrize("applied", [0.0, APPLIED])
+def test_smiths_axis_as_a_scene_agrees_with_the_formulas(applied: float) -> None:
+    """Rows apart from one another on an elastic shaft share less evenly: a few per cent of the tension."""
+    scene, closed = axis_scene.by_scene(STUDY, applied), axis_scene.by_formulas(applied)
+    assert scene.right - scene.left == pytest.approx(applied, abs=1e-6)
+    assert scene.left == pytest.approx(closed.left, abs=0.03 * closed.right)
+    assert scene.stiffness == pytest.approx(closed.stiffness, rel=0.01)

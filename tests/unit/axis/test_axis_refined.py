@@ -1,0 +1,59 @@
+"""The refined model of several sets: against that of one set, and against lin where its bodies are rigid."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi.compliance.bodies import LADDER
+from lowfi.statics.axis.refined import solve_refined
+from lowfi.statics.elastic import solve_elastic
+from meshes.parts import SideErrors
+from tests.axes import double_nut, fixed_axis, one_set, solved
+from tests.helpers import relative, small_screw
+
+
+def refined(parts, **options):
+    result = solve_refined(parts, engine="interpreted", **options)
+    assert result.status == "converged"
+    return result
+
+
+@pytest.mark.parametrize("oversize", [0.0, 7e-6])
+def test_one_set_is_the_refined_model_of_one_set(oversize):
+    scene = small_screw(count=8, turns=1.5, lead=12e-3, force=(0.0, 0.0, 900.0), oversize=oversize)
+    alone, found = solve_elastic(scene, engine="interpreted"), refined(one_set(scene))
+    assert relative(found.sets[0].balls.load, alone.load) < 1e-10
+    assert found.equilibrium.force_residual < 1e-11
+
+
+@pytest.mark.parametrize("parts", [double_nut(), fixed_axis((0.0, 0.0, 500.0))], ids=["double nut", "axis"])
+def test_with_rigid_bodies_it_is_the_model_lin(parts):
+    one, other = solved(parts), refined(parts, backend=LADDER["lin"])
+    for a, b in zip(one.sets, other.sets, strict=True):
+        assert relative(b.balls.load, a.balls.load) < 1e-9
+        assert relative(b.stiffness, a.stiffness) < 1e-9
+        assert relative(b.outer, a.outer) < 1e-9
+    assert other.stiffness[2, 2] == pytest.approx(one.stiffness[2, 2], rel=1e-9)
+    assert all(h.residual < 1e-11 for h in other.housings)
+
+
+def test_elastic_nuts_carry_what_the_load_and_the_spacer_ask():
+    found = refined(double_nut(count=6))
+    assert sum(s.force[2] for s in found.sets) == pytest.approx(-800.0, rel=1e-9)
+    rigid = refined(double_nut(count=6), backend=LADDER["lin"])
+    assert abs(found.sets[0].force[2] / rigid.sets[0].force[2] - 1.0) > 1e-3
+    push = replace(double_nut(count=6), loads=(replace(double_nut().loads[0], force=(0.0, 0.0, 800.4)),))
+    slope = 0.4 / (refined(push).centreline[0, 2] - found.centreline[0, 2])
+    held_shaft = replace(double_nut(count=6), stiffness_at=0.0)
+    assert refined(held_shaft).stiffness[2, 2] == pytest.approx(slope, rel=1e-3)
+
+
+def test_what_it_does_not_know_is_refused():
+    parts = double_nut(count=6)
+    first = parts.sets[0].parts
+    errors = replace(first.errors, SL=SideErrors(profile=(0.0, 1e-6)))
+    uneven = replace(parts, sets=(replace(parts.sets[0], parts=replace(first, errors=errors)), parts.sets[1]))
+    with pytest.raises(ValueError, match="profiles of varying shape"):
+        solve_refined(uneven)
+    assert np.isfinite(solved(uneven).sets[0].force).all()
