@@ -119,7 +119,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     from compare.models.comparison import REFERENCED
     from compare.models.modelling import REFINED, VARIED
     from compare.reference.jobs import all_variants, ensure, plan, refinements
-    from compare.reference.levels import LEVELS
+    from compare.reference.levels import LEVELS, PRODUCTION
 
     if not source.compute or source.stores is None:
         return
@@ -136,7 +136,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
         for name in VARIED:
             tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
         tasks += plan([study.scene(name) for name in UNSEEN if name not in LARGE], tuple(LEVELS))
-        tasks += plan([study.scene(name) for name in LARGE], (1, 2))
+        tasks += plan([study.scene(name) for name in LARGE], tuple(k for k in LEVELS if k <= PRODUCTION))
         tasks += plan([study.scene(name) for name in STUDIES], tuple(LEVELS))
         tasks.sort(key=lambda task: -task.weight)
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)

@@ -56,11 +56,13 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     keys = read_vary(found["vary"])
     rows = effects(keys, found)
     load = found["outputs"][MAIN]
-    first, second = rows[0], rows[1]
+    luck = next(row for row in rows if row["range"] == "any")
+    first, second = [row for row in rows if row is not luck][:2]
     text = (
         f"{found['converged']} of {found['solved']} screws converged. Their largest contact load is {load['mean']:.0f} N "
         f"on average and {load['quantile_0.95']:.0f} N in one of twenty. What matters most for it is {first['key']} (total "
-        f"index {first['total']:.2f}), then {second['key']} ({second['total']:.2f}).",
+        f"index {first['total']:.2f}), then {second['key']} ({second['total']:.2f}); which screw of the same "
+        f"tolerances it is has {luck['total']:.2f}.",
         "The ranges are assumed, each from nothing to what is common: the source has no tolerances. The indices are shares "
         "of the variance over these ranges: the first alone, the total with all that it does together with others; their "
         f"{100 * found['indices']['confidence']:g} % intervals come from resampling the design.",

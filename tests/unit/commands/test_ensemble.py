@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.models.ensemble import GENERAL_PATH, RADII_PATH, _radii, only_radii_differ, run_ensemble
+from compare.models.ensemble import GENERAL_PATH, RADII_PATH, _radii, only_radii_differ, run_ensemble, work_of
 from compare.scenes.catalogue import scene as shipped
 from lowfi.statics.static import solve_static
 from meshes.errors import specimen
@@ -88,3 +88,11 @@ def test_number_of_members():
     assert len(run_ensemble(replace(BASE, members=4)).statuses) == 4
     with pytest.raises(ValueError, match="allowed: 1 or more"):
         run_ensemble(BASE, 0)
+
+
+def test_members_from_a_number_on_and_their_work():
+    result = run_ensemble(BASE, 2, first=4)
+    for k, member in enumerate((4, 5)):
+        single = solve_static(BASE, engine="compiled", member=member)
+        np.testing.assert_allclose(result.loads[k], single.load, rtol=0, atol=1e-9 * single.load.max())
+        assert result.works[k] == pytest.approx(work_of(BASE, single), rel=1e-9)

@@ -1,0 +1,41 @@
+"""Liu's screw as a scene: the numbers of Table 2, and the chain that is compared with it."""
+
+import numpy as np
+import pytest
+
+from compare.evidence.liu import bodies, case
+from compare.models.study import Study
+from compare.scenes import catalogue
+from lowfi.random_errors.chain import solve_chain
+from meshes.parts import Scene
+
+SCENE = catalogue.case(bodies.SCENE, Scene)
+
+
+def test_scene_has_the_numbers_of_table_2():
+    assert SCENE.ball_count == case.BALLS
+    assert SCENE.track.pitch_radius == case.PITCH_RADIUS
+    assert SCENE.track.lead == case.PITCH
+    assert 2.0 * SCENE.balls.radius == pytest.approx(case.BALL_DIAMETER)
+    assert SCENE.screw.groove_radius == SCENE.nut.groove_radius == case.GROOVE_RADIUS
+    assert SCENE.screw.material.youngs_modulus == case.YOUNG
+    assert SCENE.loads[0].force[2] == case.RATIO_LOAD
+
+
+def test_an_error_is_the_diameter_of_a_ball():
+    found = bodies.with_errors(SCENE, case.one_error(2e-6), 1000.0)
+    assert found.errors.balls.listed == ((33, 1e-6),)
+    assert found.loads[0].force == (0.0, 0.0, 1000.0)
+
+
+def test_chain_shares_the_load_as_the_beam_does_on_average():
+    errors = np.zeros(case.BALLS)
+    beam = Study().solve(bodies.with_errors(SCENE, errors, 5000.0)).load[:, 0]
+    axial = solve_chain(bodies.same_screw(SCENE), errors, 5000.0).load
+    assert beam.mean() == pytest.approx(axial.mean(), rel=2e-3)
+    turns = beam.reshape(3, 26).mean(axis=1)
+    assert turns == pytest.approx(axial.reshape(3, 26).mean(axis=1), rel=0.01)
+    one = bodies.Compared("none", 5000.0, axial, beam, beam)
+    rms, most, ball = one.off(beam)
+    assert 0.0 < rms < abs(most) < 5.0
+    assert 1 <= ball <= case.BALLS
