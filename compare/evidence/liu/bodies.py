@@ -1,8 +1,4 @@
-<<<<<<< HEAD
-"""Where the axial-only idealisation misleads: Liu's screw and errors by the chain, a beam model and the refined one.
-=======
 """Where the axial-only idealisation misleads: Liu's screw by the axial chain, the beam model and the refined one.
->>>>>>> s13
 
 The chain has the axial compliance of the same screw with a rigid nut, as the beam model has: what differs between the two
 is bending, twist and where on the circumference a ball sits. What differs between beam and refined model is the nut, and
