@@ -30,6 +30,8 @@ BACKENDS = ("joblib", "dask")
 PATIENCE = 5.0
 #: Seconds to wait for a new worker where the last one was lost, and between two looks at the cluster.
 LONELY, LOOK = 60.0, 1.0
+#: Seconds without an answer of a scheduler that still holds the connection, after which it counts as lost.
+SILENCE = 120.0
 #: What to do when a cluster was lost.
 AGAIN = "see what ended it, start it anew and the same command again: runs that are stored are not repeated"
 
@@ -277,11 +279,17 @@ def _dask_backend(client: Any, place: str) -> Any:
 
         async def _look(self) -> None:
             """Give all jobs up where nobody is left to do them."""
-            alone = 0.0
+            alone = silent = 0.0
             while self._continue:
                 try:
                     found = await asyncio.wait_for(self.client.scheduler.identity(), PATIENCE)
-                    workers = len(found["workers"])
+                    workers, silent = len(found["workers"]), 0.0
+                except TimeoutError:  # busy, it may be
+                    silent += PATIENCE
+                    if silent > SILENCE:
+                        self._give_up(f"{place}: the scheduler has not answered for {SILENCE:g} s")
+                        return
+                    continue
                 except Exception as error:  # whatever a connection that is gone raises
                     if self._continue:
                         self._give_up(f"{place}: the scheduler does not answer any more ({type(error).__name__})")

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 from compare.scenes.keys import MAX_BALLS, GrooveKeys
 from compare.scenes.schema import BallKeys, SceneKeys
-from lowfi.statics.conformity import curvature_changes
-from lowfi.statics.problem import nominal_curvatures, printed_constants
 from lowfi.statics.supports import Held, contradiction, show
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
@@ -229,6 +227,9 @@ def _path_error_faults(scene: Scene) -> Iterator[Fault]:
 def contact_faults(scene: Scene) -> Iterator[Fault]:
     """Contacts without Hertz constants, for bodies that can be built: ball and flank conform, or the printed formula has no
     solution."""
+    from lowfi.statics.conformity import curvature_changes
+    from lowfi.statics.problem import nominal_curvatures, printed_constants
+
     if scene.ingredients.hertz == "as printed":
         try:
             printed_constants(scene)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -17,7 +18,10 @@ distributed = pytest.importorskip("distributed")
 dask = pytest.importorskip("dask")
 
 
-def sleepy(seconds):
+def sleepy(seconds, begun=None):
+    """Sleep; ``begun``: a file that says so."""
+    if begun is not None:
+        begun.touch()
     time.sleep(seconds)
     return seconds
 
@@ -46,34 +50,39 @@ def cluster(tmp_path):
         process.wait()
 
 
-def lose(process, after):
-    import threading
+def lose(process, begun):
+    """Kill a process as soon as a job has begun."""
 
-    timer = threading.Timer(after, process.kill)
-    timer.start()
-    return timer
+    def watch():
+        while not begun.exists():
+            time.sleep(0.1)
+        process.kill()
+
+    killer = threading.Thread(target=watch, daemon=True)
+    killer.start()
+    return killer
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(cluster, monkeypatch, capfd):
+def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(cluster, monkeypatch, capfd, tmp_path):
     monkeypatch.setattr(parallel, "LONELY", 2.0)
     address, _, worker = cluster
-    timer = lose(worker, 3.0)
+    killer = lose(worker, begun := tmp_path / "begun")
     with pytest.raises(InputError, match="the last worker is lost, and none came in 2 s"):
-        run([(sleepy, (60.0,)), (sleepy, (60.0,))], "dask", address)
-    timer.join()
+        run([(sleepy, (60.0, begun)), (sleepy, (60.0, begun))], "dask", address)
+    killer.join()
     assert "waiting 2 s for another" in capfd.readouterr().err
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-def test_a_scheduler_that_is_lost_is_named(cluster):
+def test_a_scheduler_that_is_lost_is_named(cluster, tmp_path):
     address, scheduler, _ = cluster
-    timer = lose(scheduler, 3.0)
+    killer = lose(scheduler, begun := tmp_path / "begun")
     with pytest.raises(InputError, match="the scheduler does not answer any more"):
-        run([(sleepy, (60.0,)), (sleepy, (60.0,))], "dask", address)
-    timer.join()
+        run([(sleepy, (60.0, begun)), (sleepy, (60.0, begun))], "dask", address)
+    killer.join()
 
 
 @pytest.fixture
