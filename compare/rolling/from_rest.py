@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 from compare.rolling.cases import case_of
 from compare.scenes.catalogue import case as shipped_case
@@ -29,6 +30,7 @@ class Series:
     status: str
 
 
+@lru_cache(maxsize=1)
 def from_rest(steps: tuple[int, ...] = STEPS) -> tuple[Series, ...]:
     """Runs with the given numbers of steps."""
     choices = Choices(SHAPE)

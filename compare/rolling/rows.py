@@ -32,6 +32,8 @@ PAIRS = tuple(PRINTED)
 RINGS = ("lin-rotary-1", "lin-rotary-2", "lin-rotary-3")
 #: Limit [%] of the low-order model against 3D where the load state is the same.
 LIMIT = 2.0
+#: Value of either model, in the unit of its name, below which it is round-off.
+ROUND_OFF = 1e-6
 #: Quantities that are gated, and where the low-order model is beyond the limit, and why.
 GATED = ("force 1-2", "torque")
 KNOWN = {
@@ -97,6 +99,8 @@ def rows(scene: KindScene, runs: Sequence[RollingRun]) -> list[RollingRow]:
             printed, ansys = (entry(table[0], key).value for key in table[1:])
         error = float(error_percent(low[name], value)) if name in low else np.nan
         share = float(error_percent(value + own, value))
+        if max(abs(value), abs(low.get(name, value))) < ROUND_OFF:  # both are nothing
+            error, share = 0.0, np.nan
         flat = value + finest.flat[name] - finest.elastic[name]
         out.append(
             RollingRow(

@@ -74,11 +74,11 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report. Runs of scenes come from the stores; the report says which are missing."""
     stores = study.stores or (shipped_store(),)
     step("rolling contacts with known answers")
-    proof = study.once(proofs)
+    proof = proofs()
     found = {name: stored_rows(name, stores) for name in (*PAIRS, *RINGS)}
     study.uses([name for name, own in found.items() if own])
     step("linear bearing from rest")
-    series = study.once(from_rest)
+    series = from_rest()
     missing = [name for name, own in found.items() if not own]
     items: list[Text | Table | Figure] = [
         Text(_words(found, proof)),

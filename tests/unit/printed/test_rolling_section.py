@@ -1,0 +1,66 @@
+"""Section on rolling in 3D and its gate rows, from the stored runs; the solves behind the rest are replaced."""
+
+import pytest
+
+from compare.evidence.rolling_proof import Proof
+from compare.gate import gate
+from compare.models.study import Study
+from compare.rolling import rows as rolling_rows
+from compare.rolling.from_rest import Series
+from compare.rolling.rows import KNOWN
+from compare.sections import rolling
+
+#: Ball-to-ball forces and torques of the low-order models.
+LOW = {
+    "lin-pair-a": 4.0651,
+    "lin-pair-b": 0.0,
+    "lin-screw-pair-a": 0.98316,
+    "lin-screw-pair-a-inferred": 1.96154,
+    "lin-screw-pair-b": 1.29143,
+    "lin-screw-pair-b-inferred": 2.94679,
+    "lin-rotary-1": 2.31871,
+    "lin-rotary-2": 20.2245,
+    "lin-rotary-3": 35.5259,
+}
+
+
+@pytest.fixture
+def _low(monkeypatch):
+    def low_order(scene):
+        name = scene.name.removesuffix(".toml")
+        return {"torque N mm" if "rotary" in name else "force 1-2 N": LOW[name]}, 1e-3, "converged"
+
+    monkeypatch.setattr(rolling_rows, "low_order", low_order)
+
+
+@pytest.mark.usefixtures("_low")
+def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
+    proof = (Proof("Carter", "force", (0.51, 0.505, 0.501), 0.5, 0.5, 0.501),)
+    series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
+    monkeypatch.setattr(rolling, "proofs", lambda: proof)
+    monkeypatch.setattr(rolling, "from_rest", lambda: series)
+    made = rolling.section(Study(), lambda _: None)
+    tables = {item.name: item for item in made.items if hasattr(item, "rows")}
+    assert tables["rolling-verification"].rows[0]["verdict"] == "reached"
+    forces = {row["scene"]: row for row in tables["rolling-pairs"].rows if row["quantity"] == "force 1-2"}
+    assert forces["lin-pair-a"]["printed"] == 4.01
+    assert forces["lin-pair-a"]["ansys"] == 3.96
+    assert forces["lin-screw-pair-b"]["ansys"] == 2.71
+    assert abs(forces["lin-pair-a"]["error"]) < 2.0
+    assert {row["scene"] for row in tables["rolling-ring"].rows} == {"lin-rotary-1", "lin-rotary-2", "lin-rotary-3"}
+    assert made.headline
+
+
+@pytest.mark.usefixtures("_low")
+def test_gate_takes_the_rows_in_and_fails_where_the_low_order_model_is_off(monkeypatch):
+    rows = gate.rolling_rows(Study(), 7.0)
+    assert len(rows) == len(LOW)
+    assert [row.name for row in rows if not row.passed] == []
+    monkeypatch.setitem(LOW, "lin-screw-pair-a", 1.05)
+    assert sum(not row.passed for row in gate.rolling_rows(Study(), 7.0)) == 1
+
+
+@pytest.mark.usefixtures("_low")
+def test_a_known_exceedance_that_is_none_fails(monkeypatch):
+    monkeypatch.setitem(KNOWN, ("lin-rotary-2", "torque"), "made up")
+    assert any("made up" in row.name and not row.passed for row in gate.rolling_rows(Study(), 7.0))
