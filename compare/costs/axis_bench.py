@@ -13,7 +13,7 @@ from compare.costs.bench import Job, timed
 from compare.reference.memory import peak_MB
 from compare.scenes.catalogue import shipped
 from lowfi.statics.axis.solve import solve_assembly
-from lowfi.statics.problem import nominal_curvatures
+from lowfi.statics.problem import forget_nominal
 from lowfi.statics.static import solve_static
 from meshes.axis import Assembly, Housing, RollingSet, diagonal
 from meshes.parts import Scene
@@ -55,8 +55,8 @@ def jobs(repeats: int = 5) -> Iterator[Job]:
     whole = replace(nut, nut=replace(nut.nut, position=0.2, length=0.1), supports=pair.supports, loads=pair.loads)
     one = replace(whole, balls=replace(nut.balls, azimuths=tuple(float(x) for x in np.linspace(-27.0, 27.0, 136))))
     with threadpool_limits(1, "blas"):
-        single = timed(lambda: solve_static(one, engine="compiled"), repeats, nominal_curvatures.cache_clear)
-        double = timed(lambda: solve_assembly(pair, engine="compiled"), repeats, nominal_curvatures.cache_clear)
+        single = timed(lambda: solve_static(one, engine="compiled"), repeats, forget_nominal)
+        double = timed(lambda: solve_assembly(pair, engine="compiled"), repeats, forget_nominal)
         rows = [row_of_nuts(count) for count in SETS]
         times = [timed(partial(solve_assembly, row, engine="compiled"), repeats) for row in rows]
     note = f"136 balls, set-up and stiffness included (aim {1e3 * AIM:g} ms); one nut of 136 balls takes "

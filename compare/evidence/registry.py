@@ -134,8 +134,12 @@ COMPUTATIONS = (
         "lin-4.2.1",
         steering_4_2.section_4_2,
         AXES,
-        (("ratio_*", ("lin-steering-rack",)), ("grows", ("lin-steering-rack",)), ("even_*", ("lin-steering-rack",)))
-        + (("*", ("lin-nominal-4p1",)),),
+        (
+            ("ratio_*", ("lin-steering-rack",)),
+            ("grows", ("lin-steering-rack",)),
+            ("even_*", ("lin-steering-rack",)),
+            ("*", ("lin-nominal-4p1",)),
+        ),
     ),
     Computation("lin-4.2", screw.table_4_2, CHAPTER_4, (("*", ("lin-bearing-pairs",)),)),
     Computation(

@@ -30,9 +30,8 @@ EXTRAPOLATED = (
     "c over the short half axis are common to all contacts; B is from two runs on one mesh with two contact stiffnesses k. "
     "A mesh counts by its e: what the law leaves out and what meshes of one size differ by shrink with it. The uncertainty "
     "of a contact is the change of its limit over all orders and lengths that fit it nearly as well as the best (two "
-    "standard deviations), joined with two standard errors and a tenth of what is extrapolated. Runs named half mesh one "
-    "half of a ring pair that the plane through its balls parts into mirror images; equal balls have one mesh in those "
-    "named so."
+    "standard deviations), joined with two standard errors and a tenth of what is extrapolated. Of a ring pair that the "
+    "plane through its balls parts into mirror images some runs mesh one half; equal balls have one mesh in runs named so."
 )
 NUT = (
     "The nut alone, by the reference's elements and by CalculiX on the same cells: forces of 1 kN on one contact after the "

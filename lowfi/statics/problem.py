@@ -98,6 +98,12 @@ def nominal_curvatures(scene: Scene) -> Array:
     return _curvatures_of(geometry_only(scene))
 
 
+def forget_nominal() -> None:
+    """Clear what is kept of nominal contacts, so that the next solve is timed with its set-up."""
+    _curvatures_of.cache_clear()
+    nominal_hertz.cache_clear()
+
+
 @lru_cache(maxsize=64)
 def _curvatures_of(bare: Scene) -> Array:
     scene, layout = bare, ball_layout(bare)
