@@ -232,7 +232,8 @@ def contact_faults(scene: Scene) -> Iterator[Fault]:
 
     if scene.ingredients.hertz == "as printed":
         try:
-            printed_constants(scene)
+            with np.errstate(invalid="ignore"):
+                printed_constants(scene)
         except ValueError as error:
             advice = f"the printed formula (Lin Table B.1) has no solution for these radii ({error})"
             yield Fault(("ingredients.hertz",), '"nominal", "error-free" or "actual" for this geometry', advice)

@@ -177,11 +177,12 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
     stored = max(float((0.4 * result.load ** (5.0 / 3.0) * C).sum()), 1e-300)
     start = np.zeros(k + 2 * N)
     best, _ = energy(start)
-    for _ in range(3):
-        found = minimize(
-            lambda x: tuple(v / stored for v in energy(x)), start, jac=True, method="BFGS", options={"gtol": 1e-9}
-        )
-        start, best = found.x, min(best, float(found.fun) * stored)
+    with np.errstate(all="ignore"):  # trial steps of the minimisation may go anywhere
+        for _ in range(3):
+            found = minimize(
+                lambda x: tuple(v / stored for v in energy(x)), start, jac=True, method="BFGS", options={"gtol": 1e-9}
+            )
+            start, best = found.x, min(best, float(found.fun) * stored)
     own = float((0.4 * result.load ** (5.0 / 3.0) * C).sum()) - _work(scene, result, applied)
     return (own - best) / stored
 
