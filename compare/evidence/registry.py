@@ -61,6 +61,7 @@ CASE_1 = ("lin-case1",)
 CASE_3 = ("lin-case3", "lin-case3-clamped", "lin-case3-ux")
 OFFSET = tuple(name.replace("case3", "case3-offset") for name in CASE_3)
 PAIRS = ("lin-pair-a", "lin-pair-b")
+RACK = ("lin-steering-rack",)
 
 COMPUTATIONS = (
     Computation("lin-B1", table_b_1, CHAPTER_2, (("*", CASE_1),)),
@@ -132,8 +133,7 @@ COMPUTATIONS = (
         "lin-4.2.1",
         steering_4_2.section_4_2,
         AXES,
-        (("ratio_*", ("lin-steering-rack",)), ("grows", ("lin-steering-rack",)), ("even_*", ("lin-steering-rack",)))
-        + (("*", ("lin-nominal-4p1",)),),
+        (("ratio_*", RACK), ("grows", RACK), ("even_*", RACK), ("*", ("lin-nominal-4p1",))),
     ),
     Computation("lin-4.2", screw.table_4_2, CHAPTER_4, (("*", ("lin-bearing-pairs",)),)),
     Computation(
