@@ -1,7 +1,8 @@
 """Kernels of the static model in a subset of Python that numba compiles; see ``lowfi.jit`` for the two engines."""
 
-from .axis import evaluate_axis, solve_axis, solve_lines, start_axis, tangent
+from .axis import evaluate_axis, solve_axis, solve_lines, tangent
 from .axis_matrix import add_axis
+from .axis_start import start_axis
 from .ball import settle
 from .elastic import solve_forces, start_forces
 from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest

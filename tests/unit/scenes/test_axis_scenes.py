@@ -167,6 +167,7 @@ def test_schema_knows_axes():
 
 def test_solve_and_friction_begin_rows_with_their_set(capsys, tmp_path):
     small = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
+    small = small.replace("coefficient = 0.05", 'coefficient = 0.05\ncoupling = "none"')
     path = tmp_path / "two.toml"
     path.write_text(small, encoding="utf-8")
     for command in (["solve", str(path), "--model", "lin"], ["friction", str(path), "--model", "lin"]):
