@@ -70,11 +70,16 @@ def fixed(y: Array, h: Array, *, both: bool) -> list[Fit]:
     return out
 
 
-def allowed(y: Array, h: Array, best: Fit, confidence: float = CONFIDENCE) -> tuple[float, float]:
+def allowed(
+    y: Array, h: Array, best: Fit, confidence: float = CONFIDENCE, *, together: bool = False
+) -> tuple[float, float]:
     """Interval of orders about that of the ``searched`` fit whose squares exceed its own by no more than chance allows (F
-    test of that ``confidence``); all of ``SEARCH`` where the fit has no degree of freedom."""
+    test of that ``confidence``); all of ``SEARCH`` where the fit has no degree of freedom.
+
+    together: the quantities scatter together, so that all of them have the freedom of one.
+    """
     n, m = y.shape
-    freedom = (n - 2) * m - 1
+    freedom = n - 2 if together else (n - 2) * m - 1
     if freedom < 1 or best.order is None:
         return SEARCH
     w = weights(h, best.weighted)

@@ -161,11 +161,14 @@ def test_with_the_method_s_order_scatter_makes_no_errors_of_low_order(levels: in
 
 
 def test_values_that_contradict_the_method_s_order_keep_their_own() -> None:
+    """Contacts of a scene count as one quantity in that test: clean values contradict, scatter that they share does not."""
     rng = np.random.default_rng(27)
-    y, h = drawn(rng, 4, 1.0, 0.1, 64)
+    y, h = drawn(rng, 4, 1.0, 0.02, 64)
     given = pool(y, h, (2.0, 3.5))
     assert not given.by_method
     assert given == pool(y, h)
+    shared = y + 0.2 * np.ptp(y) * np.array([[0.0], [0.0], [1.0], [0.0]])
+    assert pool(shared, h, (2.0, 3.5)).by_method
 
 
 def test_common_order_of_many_scenes() -> None:
