@@ -77,7 +77,7 @@ def test_nuts_on_an_elastic_shaft_share_a_load_as_their_stiffness_says():
     moved = [np.interp(s.of.position, b.centreline_z, b.centreline[:, 2] - a.centreline[:, 2]) for s in a.sets]
     stiff = [s.stiffness[2, 2] for s in a.sets]
     assert sum(rise) == pytest.approx(-0.7, rel=1e-9)
-    assert moved[1] < 0.7 * moved[0]
+    assert moved[1] < 0.9 * moved[0]
     assert rise[1] / rise[0] == pytest.approx(stiff[1] * moved[1] / (stiff[0] * moved[0]), rel=1e-3)
 
 
