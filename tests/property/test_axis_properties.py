@@ -74,11 +74,14 @@ def test_nuts_on_an_elastic_shaft_share_a_load_as_their_stiffness_says():
     more = replace(base, loads=(Load(0.0, (0.0, 0.0, 700.7)),))
     a, b = solved(base), solved(more)
     rise = [y.force[2] - x.force[2] for x, y in zip(a.sets, b.sets, strict=True)]
-    moved = [np.interp(s.of.position, b.centreline_z, b.centreline[:, 2] - a.centreline[:, 2]) for s in a.sets]
-    stiff = [s.stiffness[2, 2] for s in a.sets]
+    moved = [
+        np.array([np.interp(s.of.position, b.centreline_z, (b.centreline - a.centreline)[:, k]) for k in range(6)])
+        for s in a.sets
+    ]
     assert sum(rise) == pytest.approx(-0.7, rel=1e-9)
-    assert moved[1] < 0.7 * moved[0]
-    assert rise[1] / rise[0] == pytest.approx(stiff[1] * moved[1] / (stiff[0] * moved[0]), rel=1e-3)
+    assert moved[1][2] < 0.9 * moved[0][2]
+    for s, own, force in zip(a.sets, moved, rise, strict=True):  # thin stretch: each nut tilts and turns in its own way
+        assert force == pytest.approx(-float(s.stiffness[2] @ own), rel=1e-3)
 
 
 def on_springs(parts, result, loads):

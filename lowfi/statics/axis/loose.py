@@ -51,7 +51,7 @@ def loose_motions(system: System) -> Loose:
             if a.row[0, end] >= 0:
                 moved += a.B[:, end] @ by_row[a.row[0, end]]
         rows.append(moved)
-    _, size, vt = np.linalg.svd(np.concatenate(rows))
+    _, size, vt = np.linalg.svd(np.linalg.qr(np.concatenate(rows), mode="r"))  # as small as the motions are few
     rank = int((size > 1e-9 * max(1.0, size.max(initial=0.0))).sum())
     null = vt[rank:]
     if not null.shape[0]:
