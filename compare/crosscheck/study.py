@@ -47,7 +47,7 @@ STUDIES: dict[str, list[DeckOptions]] = {
             (0.8, 0.6, 1e9),
         ),
         DeckOptions(0.6, 0.8, 2e17, nlgeom=True),
-        *_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), half=True),
+        *_choices((0.6, 0.8, 2e8), (0.8, 0.6, 2e8), (1.2, 0.4, 2e8), (1.6, 0.3, 2e8), (1.92, 0.25, 2e8), half=True),
     ],
     "lin-case1-cut": [
         *_choices((0.8, 0.8, 2e8), (1.1, 0.8, 2e8), (0.8, 0.6, 2e8), (1.1, 0.6, 2e8), (0.8, 0.8, 1e9)),
