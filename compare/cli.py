@@ -16,7 +16,7 @@ def main(tokens: list[str] | None = None) -> None:
     try:
         code = app(tokens, exit_on_error=False, print_error=False, result_action="return_value")
     except InputError as error:
-        sys.stderr.write(f"rollbench: {error}\n")
+        sys.stderr.writelines(f"rollbench: {line}\n" for line in error.lines())
         sys.exit(2)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import hashlib
-import math
 import re
 import tomllib
 from collections.abc import Sequence
@@ -14,10 +13,13 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from compare.errors import SceneError
+from compare.scenes.catalogue_input import azimuths
 from compare.scenes.checks import choice_faults, geometry_faults
 from compare.scenes.keys import FRICTION_ONLY, WHOLE, MaterialKeys
-from compare.scenes.refusal import refuse, refuse_keys
-from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys
+from compare.scenes.mending import validated
+from compare.scenes.preload import preloaded
+from compare.scenes.refusal import refusal, refuse, refuse_keys, spoken
+from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys, TrackKeys
 from compare.scenes.units import show
 from meshes.parts import (
     FREEDOMS,
@@ -27,6 +29,7 @@ from meshes.parts import (
     Errors,
     FourierTerm,
     Friction,
+    GateLimits,
     Ingredients,
     Load,
     Material,
@@ -105,13 +108,19 @@ def kind_of(scene: Scene | KindScene) -> str:
 
 
 def _read_whole(raw: dict[str, Any], origin: str) -> Scene:
-    try:
-        keys = SceneKeys.model_validate(raw)
-    except ValidationError as error:
-        refuse_keys(origin, SceneKeys, error)
-    refuse(origin, raw, list(choice_faults(keys)))
+    keys, broken = validated(raw, SceneKeys)
+    said = list(broken.said)
+    if keys is not None:
+        said += spoken(raw, [fault for fault in choice_faults(keys) if broken.leaves(fault.keys)])
+    if keys is None or not broken.bodies or len(said) > len(broken.said):
+        raise refusal(origin, said)
     scene = _scene(keys, Path(origin).stem)
-    refuse(origin, raw, list(geometry_faults(scene)))
+    said += spoken(raw, list(geometry_faults(scene)))
+    if said:
+        raise refusal(origin, said)
+    if keys.preload is not None:
+        scene = preloaded(scene, keys.preload)
+        refuse(origin, raw, list(geometry_faults(scene)))
     return scene
 
 
@@ -191,7 +200,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
             azimuth=nut.azimuth,
         ),
         balls=Balls(
-            keys.balls.radius, _material(keys.balls.material, default), _azimuths(keys.balls, track.starts, track.phase)
+            keys.balls.radius, _material(keys.balls.material, default), _azimuths(keys.balls, track)
         ),
         errors=Errors(
             balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution), seed=e.seed, **sides
@@ -208,6 +217,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
         role=keys.role,
         circulation=None if keys.circulation is None else Circulation(**keys.circulation.model_dump()),
         time=None if keys.time is None else Time(**keys.time.model_dump()),
+        gate=GateLimits(**keys.gate.model_dump()),
     )
 
 
@@ -225,13 +235,9 @@ def _material(own: MaterialKeys | None, default: MaterialKeys) -> Material:
     return Material(modulus, ratio)
 
 
-def _azimuths(balls: BallKeys, starts: int, phase: float) -> tuple[float, ...]:
-    """Azimuths of one start [rad]: as listed, or spread evenly about the nut's centre over the turns."""
-    if balls.azimuths is not None:
-        return tuple(balls.azimuths)
-    n = (balls.count or 0) // starts
-    spacing = 2.0 * math.pi * (balls.turns or 1.0) / n
-    return tuple(phase + (i - (n - 1) / 2.0) * spacing for i in range(n))
+def _azimuths(balls: BallKeys, track: TrackKeys) -> tuple[float, ...]:
+    """Azimuths of one start [rad]: as listed, or spread evenly over the turns of its circuits about the nut's centre."""
+    return azimuths(balls, track) if balls.azimuths is None else tuple(balls.azimuths)
 
 
 def _side(side: SideKeys) -> SideErrors:
