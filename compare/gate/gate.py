@@ -52,7 +52,7 @@ class GateRow:
 
     @property
     def verdict(self) -> str:
-        """"FAIL"; "reported" where the limit does not decide; "undecided" where the figure is over the line, but by no more
+        """ "FAIL"; "reported" where the limit does not decide; "undecided" where the figure is over the line, but by no more
         than the reference's uncertainty; "ok" for nothing that is over the line."""
         if not self.passed:
             return "FAIL"

@@ -32,8 +32,8 @@ def read_loads(path: Path, balls: int) -> GivenLoads:
     """Loads of a file for a scene of ``balls`` balls.
 
     Columns are separated by commas, semicolons or tabs (a decimal comma is read where they are not commas), in any order;
-    further columns are ignored. Every ball must be given on every flank that is named, 0 where it carries nothing, so that a
-    row that was lost is not taken for a contact without load. Raises InputError.
+    further columns are ignored. Every ball must be given on every flank that is named, 0 where it carries nothing: a row
+    that was lost is not taken for a contact without load. Raises InputError.
     """
     lines = _text(path).splitlines()
     if not lines or not lines[0].strip():
@@ -63,7 +63,8 @@ def _text(path: Path) -> str:
         if not path.is_file():
             raise InputError(str(path), "file", "no regular file" if path.exists() else "no such file", allowed, advice)
         if path.stat().st_size > MAX_BYTES:
-            raise InputError(str(path), "file", "a larger one", f"up to {MAX_BYTES // 1_000_000} MB", "is this a table of loads?")
+            most = f"up to {MAX_BYTES // 1_000_000} MB"
+            raise InputError(str(path), "file", "a larger one", most, "is this a table of loads?")
         return path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise InputError(str(path), "file", error.strerror or str(error), allowed, advice) from None
@@ -102,5 +103,5 @@ def _whole(path: Path, load: Array) -> GivenLoads:
         value = f"no load of ball {ball + 1} {SIDES[side]}" + (f" and {len(gaps) - 1} more" if len(gaps) > 1 else "")
         advice = "write 0 for a contact that carries nothing, or leave out the whole flank"
         raise InputError(str(path), "rows", value, "every ball on every flank that is named", advice)
-    flanks = tuple(side for side, own in zip(SIDES, named, strict=True) if own)
+    flanks = tuple(side for k, side in enumerate(SIDES) if named[k])
     return GivenLoads(np.where(given, load, 0.0), flanks)

@@ -17,7 +17,7 @@ from compare.writing import replace_file
 
 #: Variables of the environment in which services of continuous integration name the file of a job's summary.
 SUMMARIES = ("GITHUB_STEP_SUMMARY",)
-HEADS = ("verdict", "scene or check", "judged", "quantity", "error %", "uncertainty %", "limit %", "ball", "flank", "remark")
+HEADS = ("verdict", "scene or check", "judged", "quantity", "error %", "uncertainty %", "limit %", "ball", "flank", "note")
 
 
 @dataclass(frozen=True)
@@ -122,10 +122,8 @@ def publish(
         if file is not None:
             replace_file(file, made(outcomes))
             written.append(file)
-    for name in SUMMARIES if markdown_file is not None else ():
-        if named.get(name):
-            written.append(_added(Path(named[name]), markdown(outcomes)))
-    return written
+    summaries = [named[name] for name in SUMMARIES if named.get(name)] if markdown_file is not None else []
+    return written + [_added(Path(name), markdown(outcomes)) for name in summaries]
 
 
 def _added(path: Path, text: str) -> Path:
@@ -134,5 +132,6 @@ def _added(path: Path, text: str) -> Path:
             file.write(text)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise InputError(str(path), "summary", reason, "a file that can be written", "see the environment's name of it") from None
+        advice = f"the environment names it: {', '.join(SUMMARIES)}"
+        raise InputError(str(path), "summary", reason, "a file that can be written", advice) from None
     return path

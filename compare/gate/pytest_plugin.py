@@ -1,7 +1,7 @@
 """A plug-in of pytest: the fixture ``rollbench`` judges scenes against their 3D reference.
 
-    def test_my_screw(rollbench):
-        rollbench.check("my.toml", max_error=7)
+def test_my_screw(rollbench):
+    rollbench.check("my.toml", max_error=7)
 """
 
 from __future__ import annotations

@@ -22,9 +22,9 @@ ENOUGH = 2
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked: model, or file of loads; limit [%] in place of the scenes' own (None: theirs, or `LIMIT`); levels of the
-    reference to compute at least (None: the best stored, `ENOUGH` where there are fewer); compute: whether runs that are
-    missing may be computed; stores: folders of runs, the first takes those that are computed."""
+    """What is asked: model, or file of loads; limit [%] in place of the scenes' own (None: theirs, or `LIMIT`); levels of
+    the reference to compute at least (None: the best stored, `ENOUGH` where there are fewer); compute: whether runs that
+    are missing may be computed; stores: folders of runs, the first takes those that are computed."""
 
     stores: tuple[Path, ...]
     model: str = DEFAULT
@@ -53,7 +53,8 @@ def asked(
         advice = "leave one out: stored runs are taken with all levels that are there"
         raise InputError("command line", "--levels", str(levels), "without --stored and --no-compute", advice)
     if loads is not None and model:
-        raise InputError("command line", "--loads", str(loads), "without --model", "the file's loads are judged: leave one out")
+        advice = "the file's loads are judged: leave one out"
+        raise InputError("command line", "--loads", str(loads), "without --model", advice)
     if stored is not None and not stored.is_dir():
         raise InputError("command line", "--stored", str(stored), "a folder of stored runs", "check the path")
     compared_models((model,) if model else ())
@@ -126,12 +127,9 @@ def _missing(scenes: Sequence[Scene], what: Asked) -> dict[tuple[int, ...], list
     """Scenes by the levels that they lack."""
     out: dict[tuple[int, ...], list[Scene]] = {}
     for scene in scenes:
-        try:
-            here = [k for k in LEVELS if load(scene, k, stores=what.stores) is not None]
-        except Refusal:
-            here = []
-        wanted = range(1, what.levels + 1) if what.levels is not None else range(1, ENOUGH + 1) if len(here) < ENOUGH else ()
-        lacking = tuple(k for k in wanted if k not in here)
+        here = [k for k in LEVELS if load(scene, k, stores=what.stores) is not None]
+        least = what.levels or (ENOUGH if len(here) < ENOUGH else 0)
+        lacking = tuple(k for k in range(1, least + 1) if k not in here)
         if lacking:
             out.setdefault(lacking, []).append(scene)
     return out

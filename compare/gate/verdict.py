@@ -96,7 +96,7 @@ def word(error: float, uncertainty: float | None, limit: float) -> Word:
 def judge(
     judged: str, load: Array, found: Reference, limits: Limits, flanks: Sequence[str] = SIDES, detail: str = ""
 ) -> list[Verdict]:
-    """Verdicts on loads ``(n, 4)`` [N] against a reference: on the largest error, and on the RMS error where it has a limit.
+    """Verdicts on loads ``(n, 4)`` [N] against a reference: on the largest error, and on the RMS error if it has a limit.
 
     flanks: the sides that are judged; what the others carry is no part of any error. The contact named is the one that
     decides: the first to fail, or the one nearest to it.
@@ -116,7 +116,16 @@ def judge(
         bar = None if found.uncertainty is None or not np.isfinite(p.uncertainty_percent) else abs(p.uncertainty_percent)
         own = word(p.error_percent, bar, limits.largest)
         return Verdict(
-            found.scene, judged, LARGEST, own, p.error_percent, bar, limits.largest, p.ball, p.side, **shared  # type: ignore[arg-type]
+            found.scene,
+            judged,
+            LARGEST,
+            own,
+            p.error_percent,
+            bar,
+            limits.largest,
+            p.ball,
+            p.side,
+            **shared,  # type: ignore[arg-type]
         )
 
     each = [verdict_of(k) for k in range(len(points))]
@@ -140,4 +149,3 @@ def judge(
 def worst_of(words: Sequence[Word]) -> Word:
     """The verdict on several: fail before undecided before not covered before pass."""
     return next((w for w in CODES if w in words), "pass")
-

@@ -59,7 +59,7 @@ def _preload(keys: SceneKeys) -> Iterator[Fault]:
     if found is None:
         return
     if found.lead_offset is not None:
-        advice = "one nut has nothing to be shifted against: give force or oversize; two nuts are two [[sets]] with an offset"
+        advice = "one nut has nothing to be shifted against: give force or oversize; two nuts are [[sets]] with an offset"
         yield Fault(("preload.lead_offset",), "two nuts, or two halves of a nut", advice)
     elif (found.force is None) == (found.oversize is None):
         value = "neither" if found.force is None else "both"
@@ -67,4 +67,3 @@ def _preload(keys: SceneKeys) -> Iterator[Fault]:
     if keys.errors.balls.oversize != 0.0:
         advice = "[preload] sets it: leave one of the two out"
         yield Fault(("errors.balls.oversize",), "0 um beside [preload]", advice)
-

@@ -6,9 +6,14 @@ Rewritten before the keys are read (``with_material``, ``with_radius``), so that
 from __future__ import annotations
 
 from math import floor, hypot, pi
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ConfigDict
 
 from compare.scenes import units
+
+if TYPE_CHECKING:
+    from compare.scenes.schema import BallKeys, TrackKeys
 
 #: Materials by name: Young's modulus and Poisson's ratio, rounded values within the ranges of makers' data sheets
 #: (bearing steel 100Cr6: 205 to 212 GPa; silicon nitride balls: 300 to 315 GPa; zirconia balls: 205 to 210 GPa).
@@ -20,8 +25,6 @@ MATERIALS: dict[str, tuple[str, float]] = {
 MATERIAL_NAMES = "a standard material, typical values in place of the two keys below, which go before it: " + ", ".join(
     f"{name} {modulus}, {ratio:g}" for name, (modulus, ratio) in MATERIALS.items()
 )
-#: Keys that stand for another one: a radius given as its diameter.
-DIAMETER_OF = {"track.pitch_radius": "track.pitch_diameter", "balls.radius": "balls.diameter"}
 
 
 def with_material(table: Any) -> Any:
@@ -47,75 +50,17 @@ def with_radius(table: Any, radius: str, diameter: str) -> Any:
     return table | {radius: f"{min(max(half, 1e-5), 1.0)!r} m"}
 
 
-def either(radius: str, diameter: str) -> dict[str, Any]:
+def either(radius: str, diameter: str) -> ConfigDict:
     """Configuration of a table that needs a radius or a diameter, for its JSON Schema."""
 
     def change(schema: dict[str, Any]) -> None:
         schema["required"] = [name for name in schema["required"] if name != radius]
         schema["oneOf"] = [{"required": [radius]}, {"required": [diameter]}]
 
-    return {"json_schema_extra": change}
+    return ConfigDict(json_schema_extra=change)
 
 
-class HasTrack(Protocol):
-    """Path of the ball centres: pitch radius and lead [m]."""
-
-    @property
-    def pitch_radius(self) -> float:
-        """Pitch radius [m]."""
-        ...
-
-    @property
-    def lead(self) -> float:
-        """Lead [m]."""
-        ...
-
-    @property
-    def starts(self) -> int:
-        """Number of starts."""
-        ...
-
-    @property
-    def phase(self) -> float:
-        """Azimuth at the nut's centre [rad]."""
-        ...
-
-
-class HasBalls(Protocol):
-    """Balls as a scene gives them."""
-
-    @property
-    def radius(self) -> float:
-        """Radius [m]."""
-        ...
-
-    @property
-    def count(self) -> int | None:
-        """Number over all starts."""
-        ...
-
-    @property
-    def filling(self) -> float | None:
-        """Or the part of the loaded turns that the balls would fill if they touched."""
-        ...
-
-    @property
-    def turns(self) -> float | None:
-        """Loaded turns of each circuit."""
-        ...
-
-    @property
-    def circuits(self) -> int:
-        """Circuits of each start."""
-        ...
-
-    @property
-    def circuit_gap(self) -> float | None:
-        """Turns without balls between neighbouring circuits."""
-        ...
-
-
-def balls_of_circuit(balls: HasBalls, track: HasTrack) -> int:
+def balls_of_circuit(balls: BallKeys, track: TrackKeys) -> int:
     """Balls of one circuit: the count shared, or as many as fill the part of its turns that is asked for, at least one.
 
     The length of a turn is that of the helix, sqrt((2 pi R)^2 + lead^2) [m].
@@ -126,13 +71,13 @@ def balls_of_circuit(balls: HasBalls, track: HasTrack) -> int:
     return max(1, floor((balls.filling or 0.0) * length / (2.0 * balls.radius) + 1e-9))
 
 
-def ball_total(balls: HasBalls, track: HasTrack) -> int:
+def ball_total(balls: BallKeys, track: TrackKeys) -> int:
     """Number of balls over all starts and circuits."""
     return balls.count or balls_of_circuit(balls, track) * balls.circuits * track.starts
 
 
-def azimuths(balls: HasBalls, track: HasTrack) -> tuple[float, ...]:
-    """Azimuths of one start [rad]: every circuit's balls evenly over its turns, the circuits centred on the nut with gaps."""
+def azimuths(balls: BallKeys, track: TrackKeys) -> tuple[float, ...]:
+    """Azimuths of one start [rad]: the balls of a circuit evenly over its turns, circuits centred on the nut with gaps."""
     n = balls_of_circuit(balls, track)
     turns = balls.turns or 1.0
     spacing, pitch = 2.0 * pi * turns / n, 2.0 * pi * (turns + (balls.circuit_gap or 0.0))

@@ -65,12 +65,12 @@ def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, An
         if not known:
             return False
         raw = raw[part]
-    last, examples = where[-1], node.get("examples", [])
-    if not isinstance(raw, list if isinstance(last, int) else dict):
-        return False
-    if kind != "extra_forbidden" and examples and "properties" not in node:
+    last: Any = where[-1]
+    examples = node.get("examples", [])
+    if kind != "extra_forbidden" and examples and "properties" not in node and isinstance(raw, list | dict):
         raw[last] = examples[0]
-    elif isinstance(last, str):
+        return True
+    if isinstance(raw, dict):
         raw.pop(last, None)
         return kind != "missing"
-    return True
+    return False

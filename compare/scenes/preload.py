@@ -23,7 +23,8 @@ def oversize_for(scene: Scene, force: float) -> float:
     beta, alpha = scene.track.contact_angle, lead_angle(scene.track)
     each = force / (scene.ball_count * sin(beta) * cos(alpha))
     constants = nominal_hertz(scene).C
-    return 0.5 * float(constants[0] + constants[3]) * each ** (2.0 / 3.0)
+    pair = float(constants[0] + constants[3])
+    return float(0.5 * pair * each ** (2.0 / 3.0))
 
 
 def preloaded(scene: Scene, keys: PreloadKeys | None) -> Scene:

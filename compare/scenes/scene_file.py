@@ -199,9 +199,7 @@ def _scene(keys: SceneKeys, name: str) -> Scene:
             material=_material(nut.material, default),
             azimuth=nut.azimuth,
         ),
-        balls=Balls(
-            keys.balls.radius, _material(keys.balls.material, default), _azimuths(keys.balls, track)
-        ),
+        balls=Balls(keys.balls.radius, _material(keys.balls.material, default), _azimuths(keys.balls, track)),
         errors=Errors(
             balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution), seed=e.seed, **sides
         ),

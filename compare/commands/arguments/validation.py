@@ -75,9 +75,9 @@ def check(
     """Judge scenes against their 3D reference; without scenes: the gate of what is shipped (printed values, closed forms,
     balance, 3D references).
 
-    A scene passes where error + u is within the limit, u the reference's own uncertainty; it fails where error - u is beyond
-    the limit, and is undecided between. It is not covered where no reference is stored and none may be computed. The error
-    of a contact load is in per cent of its reference load (of the mean load below a tenth of it).
+    A scene passes where error + u is within the limit, u the reference's own uncertainty; it fails where error - u is
+    beyond the limit, and is undecided between. It is not covered where no reference is stored and none may be computed. The
+    error of a contact load is in per cent of its reference load (of the mean load below a tenth of it).
 
     Exit codes: 0 all pass (without scenes: no row fails); 1 one fails; 2 bad input; 3 none fails, but one is undecided; 4
     none of these, but one is not covered.
@@ -114,13 +114,7 @@ def check(
 
     out = Output(as_json, show, print_json, junit, markdown, csv)
     what = asked(
-        model=model,
-        loads=loads,
-        max_error=max_error,
-        levels=levels,
-        store=store,
-        stored=stored,
-        compute=not no_compute,
+        model=model, loads=loads, max_error=max_error, levels=levels, store=store, stored=stored, compute=not no_compute
     )
     if scenes:
         return run_check(scenes, what, Engine(cache=cache_folder()), out)
