@@ -100,8 +100,8 @@ def table(outcomes: Sequence[Outcome]) -> str:
 
 def _harmless(cell: str) -> str:
     """A cell that no spreadsheet takes for a formula."""
-    formula = cell[:1] in ("=", "+", "-", "@") and not cell[1:2].isdigit()
-    return f"'{cell}" if formula else cell
+    number = cell[1:2].isdigit() and cell[:1] in ("+", "-")
+    return f"'{cell}" if cell[:1] in ("=", "+", "-", "@") and not number else cell
 
 
 def publish(
