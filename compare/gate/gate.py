@@ -52,8 +52,8 @@ class GateRow:
 
     @property
     def verdict(self) -> str:
-        """FAIL; reported, where the limit does not decide; undecided, where the figure is over the line, but by no more than
-        the reference's uncertainty; ok for nothing that is over the line."""
+        """FAIL; reported, where the limit does not decide; undecided, where the figure is over the line by no more than the
+        reference's uncertainty; ok for nothing that is over the line."""
         if not self.passed:
             return "FAIL"
         over = None not in (self.error_percent, self.limit_percent) and abs(self.error_percent or 0.0) > (

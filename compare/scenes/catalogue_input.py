@@ -5,10 +5,11 @@ Rewritten before the keys are read (``with_material``, ``with_radius``), so that
 
 from __future__ import annotations
 
-from math import floor, hypot, pi
+from math import floor, hypot, pi, sin
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ConfigDict
+from scipy.optimize import brentq
 
 from compare.scenes import units
 
@@ -61,14 +62,23 @@ def either(radius: str, diameter: str) -> ConfigDict:
 
 
 def balls_of_circuit(balls: BallKeys, track: TrackKeys) -> int:
-    """Balls of one circuit: the count shared, or as many as fill the part of its turns that is asked for, at least one.
-
-    The length of a turn is that of the helix, sqrt((2 pi R)^2 + lead^2) [m].
-    """
+    """Balls of one circuit: the count shared, or as many as fill the part of its turns that is asked for, at least one."""
     if balls.count is not None:
         return balls.count // (track.starts * balls.circuits)
-    length = (balls.turns or 1.0) * hypot(2.0 * pi * track.pitch_radius, track.lead)
-    return max(1, floor((balls.filling or 0.0) * length / (2.0 * balls.radius) + 1e-9))
+    touching = touching_angle(track.pitch_radius, track.lead, 2.0 * balls.radius)
+    return max(1, floor((balls.filling or 0.0) * 2.0 * pi * (balls.turns or 1.0) / touching + 1e-9))
+
+
+def touching_angle(radius: float, lead: float, ball: float) -> float:
+    """Angle [rad] between neighbours on a helix of a radius and lead [m] that touch: their chord is the ball's diameter [m].
+
+    chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; half a turn where even that is shorter than a ball.
+    """
+
+    def gap(angle: float) -> float:
+        return hypot(2.0 * radius * sin(angle / 2.0), lead * angle / (2.0 * pi)) - ball
+
+    return float(brentq(gap, 0.0, pi, xtol=1e-14)) if gap(pi) > 0.0 else pi
 
 
 def ball_total(balls: BallKeys, track: TrackKeys) -> int:

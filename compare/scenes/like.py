@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from math import ceil, floor, pi, sin, sqrt
+from math import ceil, floor, pi, sin
 
 from compare.errors import InputError
+from compare.scenes.catalogue_input import touching_angle
 
 #: Ball diameters that are kept in stock [mm].
 STOCK = (0.8, 1.0, 1.2, 1.588, 2.0, 2.381, 2.778, 3.175, 3.5, 3.969, 4.763, 5.556, 6.35, 7.144, 7.938, 9.525, 12.7)
@@ -92,7 +93,7 @@ def scene_like(size: str) -> str:
     circuits = 2 if lead <= 0.5 * outer else 1
     each, gap = (1.5, 0.5) if circuits == 2 else (2.0 if lead <= outer else 1.0, 0.0)
     reach = circuits * each + (circuits - 1) * gap
-    count = circuits * max(1, floor(FILLING * each * sqrt((pi * pitch) ** 2 + lead**2) / ball))
+    count = circuits * max(1, floor(FILLING * each * 2.0 * pi / touching_angle(pitch / 2.0, lead, ball)))
     length = 50.0 * ceil(20.0 * outer / 50.0)
     text = TEXT.format(
         size=f"{outer:g}x{lead:g}",

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from compare.scenes.keys import tidy_schema
-from compare.scenes.refusal import Said, key_faults, node_at
+from compare.scenes.refusal import Said, key_faults, node_at, unknown
 
 Keys = TypeVar("Keys", bound=BaseModel)
 
@@ -48,8 +48,8 @@ def validated(raw: Mapping[str, Any], keys: type[Keys]) -> tuple[Keys | None, Br
     schema, sound, names = tidy_schema(keys), deepcopy(dict(raw)), set()
     for fault in faults:
         where = fault["loc"]
-        if where:
-            names.add(str(where[0]))
+        whole = len(where) == 1 and fault["type"] == "extra_forbidden"  # what it stands for is missing, if anything
+        names |= {unknown(schema, fault)[1]} - {""} if whole else {str(part) for part in where[:1]}
         if not where or not _mend(sound, where, fault["type"], node_at(schema, where)):
             return None, Broken(said, frozenset(names))
     try:

@@ -90,7 +90,7 @@ def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
     for fault in faults:
         where = fault["loc"]
         if fault["type"] == "extra_forbidden":
-            said, name = _unknown(schema, fault)
+            said, name = unknown(schema, fault)
             meant.add((*where[:-1], name))
             out.append(said)
         elif not (fault["type"] == "missing" and where in meant):
@@ -102,7 +102,7 @@ def _path(where: Sequence[int | str]) -> str:
     return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".") or "file"
 
 
-def _unknown(schema: dict[str, Any], fault: Any) -> tuple[Said, str]:
+def unknown(schema: dict[str, Any], fault: Any) -> tuple[Said, str]:
     """An unknown key in words, and the known key of its table that it is taken for (may be empty)."""
     where = fault["loc"]
     known, word = list(node_at(schema, where[:-1]).get("properties", {})), hint(str(where[-1]))
