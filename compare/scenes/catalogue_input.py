@@ -70,7 +70,7 @@ def balls_of_circuit(balls: BallKeys, track: TrackKeys) -> int:
 
 
 def touching_angle(radius: float, lead: float, ball: float) -> float:
-    """Angle [rad] between neighbours on a helix of a radius and lead [m] that touch: their chord is the ball's diameter [m].
+    """Angle [rad] between neighbours on a helix (radius, lead [m]) that touch: their chord is the ball's diameter [m].
 
     chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; half a turn where even that is shorter than a ball.
     """
