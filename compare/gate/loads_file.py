@@ -103,5 +103,5 @@ def _whole(path: Path, load: Array) -> GivenLoads:
         value = f"no load of ball {ball + 1} {SIDES[side]}" + (f" and {len(gaps) - 1} more" if len(gaps) > 1 else "")
         advice = "write 0 for a contact that carries nothing, or leave out the whole flank"
         raise InputError(str(path), "rows", value, "every ball on every flank that is named", advice)
-    flanks = tuple(side for k, side in enumerate(SIDES) if named[k])
+    flanks = tuple(SIDES[k] for k in np.flatnonzero(named))
     return GivenLoads(np.where(given, load, 0.0), flanks)

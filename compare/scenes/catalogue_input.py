@@ -9,7 +9,6 @@ from math import floor, hypot, pi, sin
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ConfigDict
-from scipy.optimize import brentq
 
 from compare.scenes import units
 
@@ -74,6 +73,7 @@ def touching_angle(radius: float, lead: float, ball: float) -> float:
 
     chord^2 = (2 R sin(phi/2))^2 + (lead phi / 2 pi)^2; half a turn where even that is shorter than a ball.
     """
+    from scipy.optimize import brentq
 
     def gap(angle: float) -> float:
         return hypot(2.0 * radius * sin(angle / 2.0), lead * angle / (2.0 * pi)) - ball

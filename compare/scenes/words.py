@@ -40,8 +40,6 @@ WORDS = {
     "axial_load": 'force = ["0 N", "0 N", "5 kN"] under [[loads]]',
     "axial_force": 'force = ["0 N", "0 N", "5 kN"] under [[loads]]',
     "force": 'force = ["0 N", "0 N", "5 kN"] under [[loads]]',
-    "load": "loads: [[loads]] with at and force",
-    "support": "supports: [[supports]] with at and fix",
     "bearing": "supports: [[supports]] with at and fix",
     "bearings": "supports: [[supports]] with at and fix",
     "shaft": "screw: a table [screw]",
