@@ -6,7 +6,6 @@ from dataclasses import replace
 from math import cos, sin
 
 from compare.scenes.schema import PreloadKeys
-from lowfi.statics.problem import nominal_hertz
 from meshes.helix import lead_angle
 from meshes.parts import Scene
 
@@ -20,6 +19,8 @@ def oversize_for(scene: Scene, force: float) -> float:
     angle. Valid where e is small against the distance of ball and groove centre, so that the angle hardly changes (a
     per cent of the force at 7 um and 0.5 mm).
     """
+    from lowfi.statics.problem import nominal_hertz
+
     beta, alpha = scene.track.contact_angle, lead_angle(scene.track)
     each = force / (scene.ball_count * sin(beta) * cos(alpha))
     constants = nominal_hertz(scene).C

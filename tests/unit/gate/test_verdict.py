@@ -52,9 +52,10 @@ def test_the_contact_that_decides_is_named() -> None:
 
 def test_one_clear_failure_outweighs_a_larger_doubtful_error() -> None:
     found = reference(1.0)
-    found.uncertainty[0, 0] = 20.0  # type: ignore[index]
+    assert found.uncertainty is not None
+    found.uncertainty[0, 0], found.uncertainty[0, 3] = 20.0, 4.5
     load = LOAD.copy()
-    load[0, 0], load[1, 0] = 125.0, 109.0
+    load[0, 0], load[0, 3], load[1, 0] = 125.0, 112.0, 109.0
     (verdict,) = judge("x", load, found, Limits(7.0))
     assert (verdict.word, verdict.ball, verdict.flank) == ("fail", 2, "SL")
 
