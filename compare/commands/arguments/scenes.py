@@ -39,7 +39,7 @@ def schema() -> None:
 
 
 @app.command
-def new(file: Path, *, kind: str = "ball-screw") -> None:
+def new(file: Path, *, kind: str = "", like: str = "") -> None:
     """Write a commented scene to edit.
 
     Parameters
@@ -47,14 +47,20 @@ def new(file: Path, *, kind: str = "ball-screw") -> None:
     file
         Where to write it; an existing file is never overwritten.
     kind
-        ball-screw, bearing, several sets on one shaft: axis, double-nut; or what only friction solves: bearing-ball,
-        bearing-pair, linear-pair, linear-chain, screw-pair, screw-run.
+        ball-screw unless given, bearing, several sets on one shaft: axis, double-nut; or what only friction solves:
+        bearing-ball, bearing-pair, linear-pair, linear-chain, screw-pair, screw-run.
+    like
+        Nominal diameter and lead of a ball screw in mm, such as 40x10: the rest as is usual for such a size.
     """
     from compare.scenes.keys import WHOLE
+    from compare.scenes.like import scene_like
     from compare.scenes.template import AXES, template
     from compare.writing import write_new
 
-    write_new(file, template(kind))
+    if like and kind not in ("", "ball-screw"):
+        raise InputError("command line", "--like", like, "without --kind", "a nominal size is that of a ball screw")
+    kind = kind or "ball-screw"
+    write_new(file, scene_like(like) if like else template(kind))
     command = "solve" if kind.replace("-", " ") in (*WHOLE, *AXES) else "friction"
     show(f"wrote {file}; solve it with: rollbench {command} {file}")
 

@@ -23,7 +23,8 @@ from meshes.parts import FREEDOMS, SIDES, FourierTerm, Scene
 
 NAMES = catalogue.whole_names()
 #: Keys that exclude another key, or that another choice needs.
-EITHER_OR = ("groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts")
+EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}
+EITHER_OR |= {"diameter", "filling", "circuit_gap"}
 EXPECTED = {
     "bearing-9",
     "bearing-9-preload",
@@ -209,7 +210,7 @@ def test_template_alternatives_load():
     text = template()
     lines = text.splitlines()
     shown = [i for i, line in enumerate(lines) if line.startswith("# or: ")]
-    assert len(shown) == 7
+    assert len(shown) == 10
     for i in shown:
         j = i - 1
         changed = [*lines[:j], lines[i].removeprefix("# or: "), *lines[i + 1 :]]
