@@ -121,5 +121,3 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     except ValueError as error:
         return None, str(error)
     return state, ""
-
-

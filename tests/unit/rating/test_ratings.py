@@ -12,7 +12,7 @@ from lowfi.rating.life import contact_capacity, life, rating, turns_of
 from lowfi.rating.rigidity import body_compliance, contacts_displacement, rigidities, slope_of
 from lowfi.statics.problem import nominal_hertz
 from lowfi.statics.validity import YIELD_PRESSURE
-from meshes.parts import Balls, BallErrors, Errors, Material, Nut, Scene, Screw, Track
+from meshes.parts import BallErrors, Balls, Errors, Material, Nut, Scene, Screw, Track
 from tests.helpers import small_screw
 
 STEEL = Material(206e9, 0.3)

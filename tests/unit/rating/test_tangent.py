@@ -59,7 +59,9 @@ def test_a_rigid_screw_carries_the_motion_of_its_clamp():
 
 def test_equal_balls_on_rigid_bodies_have_the_closed_form_along_the_axis():
     scene = small_screw(4, oversize=4e-6, fixed=ALL)
-    scene = replace(scene, loads=(), ingredients=replace(scene.ingredients, screw="rigid"), track=replace(scene.track, lead=0.0))
+    scene = replace(
+        scene, loads=(), ingredients=replace(scene.ingredients, screw="rigid"), track=replace(scene.track, lead=0.0)
+    )
     result = solve_elastic(scene, backend=LADDER["lin"])
     stiff = 1.5 * np.cbrt(result.load) / result.hertz_C
     normal = 1.0 / (1.0 / stiff[:, 0] + 1.0 / stiff[:, 3]) + 1.0 / (1.0 / stiff[:, 1] + 1.0 / stiff[:, 2])
