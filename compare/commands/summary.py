@@ -198,8 +198,8 @@ def _contact(data: dict[str, Any]) -> str:
     if d is None:
         return "none"
     return (
-        f"worst on ball {d['ball']} {d['side']}: {d['pressure_MPa']:.0f} MPa, approach {d['approach_um']:.3g} um, semi-axes "
-        f"{d['semi_axis_a_mm']:.3g} x {d['semi_axis_b_mm']:.3g} mm, contact angle {d['contact_angle_deg']:.1f} deg"
+        f"worst on ball {d['ball']} {d['side']}: {d['pressure_MPa']:.0f} MPa, approach {d['approach_um']:.3g} um, "
+        f"semi-axes {d['semi_axis_a_mm']:.3g} x {d['semi_axis_b_mm']:.3g} mm, contact angle {d['contact_angle_deg']:.1f} deg"
     )
 
 
@@ -222,8 +222,8 @@ def _static(data: dict[str, Any]) -> str:
     if d is None:
         return "none"
     return (
-        f"safety {d['factor']:.3g} on the worst contact's load against {d['allowed_pressure_MPa']:.0f} MPa (ISO 76); lasting "
-        f"dent {d['permanent_over_diameter']:.1e} of the ball's diameter, 1e-4 allowed (Palmgren)"
+        f"safety {d['factor']:.3g} on the worst contact's load against {d['allowed_pressure_MPa']:.0f} MPa (ISO 76); "
+        f"lasting dent {d['permanent_over_diameter']:.1e} of the ball's diameter, 1e-4 allowed (Palmgren)"
     )
 
 
@@ -239,7 +239,8 @@ def _preload(data: dict[str, Any]) -> str:
     if lost["load_factor"] is None:
         return f"{text}; first contact lost: {lost['words']}"
     axial = f" ({lost['axial_force_N']:.0f} N axial)" if lost["axial_force_N"] else ""
-    return f"{text}; first contact lost at {lost['load_factor']:.3g} times the loads{axial}, ball {lost['ball']} {lost['side']}"
+    where = f"ball {lost['ball']} {lost['side']}"
+    return f"{text}; first contact lost at {lost['load_factor']:.3g} times the loads{axial}, {where}"
 
 
 def _friction(data: dict[str, Any]) -> str:
@@ -261,5 +262,6 @@ def _life(data: dict[str, Any], speed: float | None) -> str:
     hours = f" ({d['L10_hours']:.3g} h)" if speed and "L10_hours" in d else ""
     return (
         f"L10 {d['L10_million_revolutions']:.4g} million revolutions{hours} of this load distribution, equivalent load "
-        f"{d['equivalent_load_N']:.0f} N, rating {d['rating_as_computed_N']:.0f} N as computed by {d['standard']}, not a maker's"
+        f"{d['equivalent_load_N']:.0f} N, rating {d['rating_as_computed_N']:.0f} N as computed by "
+        f"{d['standard']}, not a maker's"
     )

@@ -1,4 +1,4 @@
-"""What an engineer asks of a solved scene: contacts, rigidity, safety, preload, friction, life, gathered from one result."""
+"""What an engineer asks of a solved scene: contacts, rigidity, safety, preload, friction, life, of one result."""
 
 from __future__ import annotations
 

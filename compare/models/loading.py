@@ -39,8 +39,8 @@ class Preload:
 class LiftOff:
     """Where the first contact that is preloaded opens as the loads grow in proportion.
 
-    factor: on the scene's loads, None where none was found, words say why; ball (from 1) and side of that contact; axial [N]:
-    axial force on the nut there, in proportion; solves: how often the scene was solved for it.
+    factor: on the scene's loads, None where none was found, words say why; ball (from 1) and side of that contact;
+    axial [N]: axial force on the nut there, in proportion; solves: how often the scene was solved for it.
     """
 
     factor: float | None
@@ -53,8 +53,8 @@ class LiftOff:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """The scene at a factor on its loads: axial force on the nut [N], axial displacement [m] of the screw at the nut's centre
-    from that without loads, largest contact load [N], and its result."""
+    """The scene at a factor on its loads: axial force on the nut [N], axial displacement [m] of the screw at the nut's
+    centre from that without loads, largest contact load [N], and its result."""
 
     factor: float
     force: float

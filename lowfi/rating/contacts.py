@@ -39,8 +39,8 @@ class Contact:
 
 @dataclass(frozen=True)
 class StaticSafety:
-    """Of the contact of highest pressure. factor: force at 4200 MPa over its force, (4200 MPa / p)^3; permanent: its lasting
-    indentation over the ball's diameter, of which ISO 76 allows 1e-4."""
+    """Of the contact of highest pressure. factor: force at 4200 MPa over its force, (4200 MPa / p)^3; permanent: its
+    lasting indentation over the ball's diameter, of which ISO 76 allows 1e-4."""
 
     factor: float
     permanent: float

@@ -49,8 +49,8 @@ RADIAL = (0.407, 0.389)
 @dataclass(frozen=True)
 class Life:
     """Life that 90 % reach. revolutions: in 10^6 (L10); raceways: of each loaded one in 10^6 revolutions, by side; rating:
-    basic dynamic load rating as computed [N], axial for a screw, radial for a ring; equivalent: the load [N] under which the
-    rating would give the same life; standard: whose formulas."""
+    basic dynamic load rating as computed [N], axial for a screw, radial for a ring; equivalent: the load [N] under which
+    the rating would give the same life; standard: whose formulas."""
 
     revolutions: float
     raceways: dict[str, float]

@@ -10,7 +10,8 @@ closed by c_1, c_2 at zero load (preload by large balls or errors); without prel
 With the bodies (R_nu): the radial part F/tan(alpha) of the contact forces widens the nut and squeezes the screw, as thick
 tubes under even pressure over the loaded length i P_h (Lame), which ISO 3408-4 takes too:
 
-    u = F/(2 pi i P_h tan^2(alpha)) (((D_1^2 + D_c^2)/(D_1^2 - D_c^2) + nu_n)/E_n + ((d_c^2 + d_b^2)/(d_c^2 - d_b^2) - nu_s)/E_s).
+    u = F/(2 pi i P_h tan^2(alpha)) (((D_1^2 + D_c^2)/(D_1^2 - D_c^2) + nu_n)/E_n
+                                      + ((d_c^2 + d_b^2)/(d_c^2 - d_b^2) - nu_s)/E_s).
                                                                                                                        (2)
 
 With unequal loads (R_nu,ar): the displacement of a model that solves for them, here that of the screw's section at the
@@ -38,8 +39,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rigidities:
-    """Axial load over axial displacement [N/m]: of the contacts alone, with the bodies (None for rings, which have no loaded
-    length), and of the model that solves for unequal loads (None where it is not known)."""
+    """Axial load over axial displacement [N/m]: of the contacts alone, with the bodies (None for rings, which have no
+    loaded length), and of the model that solves for unequal loads (None where it is not known)."""
 
     contacts: float
     bodies: float | None

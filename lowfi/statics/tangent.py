@@ -1,12 +1,13 @@
 """Tangent stiffness of a solved scene at one section of the screw, against the held nut.
 
-The supports of the screw are taken away and its section at the station is clamped. Small motions d (6) of the clamp move the
-flanks by Rz d; with the stiffness S^T S of all balls and G the compliance of the bodies, the screw clamped there,
+The supports of the screw are taken away and its section at the station is clamped. Small motions d (6) of the clamp move
+the flanks by Rz d; with the stiffness S^T S of all balls and G the compliance of the bodies, the screw clamped there,
 
     K = (S Rz)^T (I + S G S^T)^-1 (S Rz),
 
 the forces and moments (6) at the clamp per motion: symmetric, not negative, and next to zero along the helix, which no
-frictionless contact resists (planar sections of the balls leave a trace: see `lowfi.statics.mechanism`). A machine model takes it between the screw's node and the nut's, and adds its own shaft and bearings.
+frictionless contact resists (planar sections of the balls leave a trace: see `lowfi.statics.mechanism`). A machine model
+takes it between the screw's node and the nut's, and adds its own shaft and bearings.
 """
 
 from __future__ import annotations
