@@ -76,8 +76,8 @@ def verdict(models: Sequence[Beside], found: Reference) -> str:
         return levels_text(found)
     where = f" (ball {e.ball} {e.side})" if e.ball else ""
     return (
-        f"{own.label} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, {e.rms_percent:.2f} % RMS; "
-        f"{levels_text(found)}"
+        f"{own.label} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
+        f"{e.rms_percent:.2f} % RMS; {levels_text(found)}"
     )
 
 

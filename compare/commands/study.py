@@ -9,7 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from compare.commands.compare_output import Beside, beside, contact_rows, is_itself, table, verdict, write_files
+from compare.commands.compare_output import Beside, beside, contact_rows, is_itself, verdict, write_files
+from compare.commands.compare_output import table as compared_table
 from compare.errors import InputError, Refusal
 from compare.models.comparison import compared_models, from_model, from_run, reference_answers, rows, suited
 from compare.models.mesh_study import study_table
@@ -126,7 +127,8 @@ def run_compare(
 ) -> int:
     """Verdict, table and files of every scene, models beside the reference; what is not stored is computed first.
 
-    JSON: rows of every quantity and model, the reference's coarser runs among them. balls: also print every contact; levels: None for the best stored reference (all levels are computed where there is none); else just those. fresh:
+    JSON: rows of every quantity and model, the reference's coarser runs among them. balls: also print every contact.
+    levels: None for the best stored reference (all levels are computed where there is none); else just those. fresh:
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
     own = compared_models(tuple(models))
@@ -152,7 +154,7 @@ def run_compare(
             continue
         models = [beside(scene, answer, found) for answer in answers]
         itself = beside(scene, from_run(found.best, "3D reference"), None)
-        show(f"{scene.name}: {verdict(models, found)}", "", table(models, itself), "")
+        show(f"{scene.name}: {verdict(models, found)}", "", compared_table(models, itself), "")
         if balls:
             show(_contacts(scene, models, found), "")
         show(write_files(scene, models, found, store))

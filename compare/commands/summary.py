@@ -199,7 +199,7 @@ def _contact(data: dict[str, Any]) -> str:
         return "none"
     return (
         f"worst on ball {d['ball']} {d['side']}: {d['pressure_MPa']:.0f} MPa, approach {d['approach_um']:.3g} um, "
-        f"semi-axes {d['semi_axis_a_mm']:.3g} x {d['semi_axis_b_mm']:.3g} mm, contact angle {d['contact_angle_deg']:.1f} deg"
+        f"semi-axes {d['semi_axis_a_mm']:.3g} x {d['semi_axis_b_mm']:.3g} mm, angle {d['contact_angle_deg']:.1f} deg"
     )
 
 

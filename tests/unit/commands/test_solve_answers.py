@@ -50,7 +50,9 @@ def test_the_json_holds_the_numbers_of_the_result(solved: tuple[Scene, StaticRes
     assert data["loads"]["mean_N"] == pytest.approx(result.load[result.load > 0].mean())
     assert data["axial"]["force_N"] == pytest.approx(5000.0)
     assert data["axial"]["rigidity_N_per_um"] == data["rigidities_N_per_um"]["with_unequal_loads"]
-    assert data["worst_contact"]["force_N"] == data["loads"]["max_N"]
+    # by pressure, which the screw's flank has more of at the same force
+    assert data["worst_contact"]["side"].startswith("S")
+    assert data["worst_contact"]["force_N"] == pytest.approx(data["loads"]["max_N"], rel=1e-3)
     assert data["friction"] is None
     assert "--mu" in data["friction_words"]
     alone, tangent = data["rigidities_N_per_um"]["contacts_alone"], data["axial"]["tangent_N_per_um"]
