@@ -152,12 +152,12 @@ def run_compare(
             for answer in answers:
                 out += rows(scene, answer, found)
             continue
-        models = [beside(scene, answer, found) for answer in answers]
+        set_beside = [beside(scene, answer, found) for answer in answers]
         itself = beside(scene, from_run(found.best, "3D reference"), None)
-        show(f"{scene.name}: {verdict(models, found)}", "", compared_table(models, itself), "")
+        show(f"{scene.name}: {verdict(set_beside, found)}", "", compared_table(set_beside, itself), "")
         if balls:
-            show(_contacts(scene, models, found), "")
-        show(write_files(scene, models, found, store))
+            show(_contacts(scene, set_beside, found), "")
+        show(write_files(scene, set_beside, found, store))
     if json_out:
         print_json([row.as_json() for row in out])
     return 0

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import textwrap
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compare.commands.friction_output import sums
 from compare.commands.solve_output import model_form_text, number
 from compare.models.answers import Answers, LoadAnswers
 from compare.models.model_form import ModelForm
@@ -16,6 +15,9 @@ from lowfi.rating.contacts import ALLOWED
 from lowfi.statics.result import StaticResult
 from lowfi.statics.validity import YIELD_PRESSURE
 from meshes.parts import SIDES, Scene
+
+if TYPE_CHECKING:
+    from lowfi.friction.whole.state import FrictionState
 
 #: Width of the labels of the block.
 LABEL = 10
@@ -128,9 +130,15 @@ def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str
             "side": lift.side or None,
             "words": lift.words or None,
         },
-        "friction": None if state is None else sums(state, None),
+        "friction": None if state is None else _friction_json(state),
         "friction_words": found.friction_words or None,
     }
+
+
+def _friction_json(state: FrictionState) -> dict[str, Any]:
+    from compare.commands.friction_output import sums
+
+    return sums(state, None)
 
 
 def block(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,6 @@ from compare.errors import InputError
 from compare.models.loading import LiftOff, Preload, lift_off, preload, solve_scaled
 from compare.models.registry import MODELS, Options, read_condensed
 from lowfi.compliance.bodies import LADDER, REFINED
-from lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from lowfi.jit import cached
 from lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
 from lowfi.rating.life import Life, life
@@ -19,6 +19,9 @@ from lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, r
 from lowfi.statics.result import StaticResult
 from lowfi.statics.tangent import Tangent, tangent_stiffness
 from meshes.parts import Motion, Scene
+
+if TYPE_CHECKING:
+    from lowfi.friction.whole.state import FrictionState
 
 Array = NDArray[np.float64]
 
@@ -114,6 +117,8 @@ def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tupl
     """Friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to do."""
     if scene.friction is None:
         return None, "no coefficient in the scene; for one of 0.1: rollbench friction SCENE --mu 0.1"
+    from lowfi.friction.whole.state import friction_state, will_compile
+
     if will_compile(scene, scene.friction) and not cached():
         return None, "kernels are not compiled yet; rollbench friction SCENE does it, once"
     try:
