@@ -6,8 +6,10 @@ The file is an ordinary .npz without pickles; it is read whole and checked befor
 from __future__ import annotations
 
 import hashlib
+import io
 import math
 import os
+import struct
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -27,6 +29,14 @@ Array = NDArray[np.float64]
 FORMAT = 2
 #: Largest size of all arrays of a file together [bytes]: a screw of 1000 contacts has a tenth of it.
 LARGEST_FILE = 200_000_000
+#: What reading a damaged archive of arrays raises, besides ValueError.
+DAMAGE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    *(EOFError, OSError, KeyError, IndexError, TypeError, RuntimeError, NotImplementedError, MemoryError, OverflowError),
+    *(SyntaxError, AttributeError),
+)
 #: Difference of a compliance from its transpose, and negative eigenvalue, over its largest entry, that a mesh may leave.
 ASYMMETRY, NEGATIVE = 1e-6, 1e-3
 
@@ -116,8 +126,11 @@ def load_condensed(path: Path) -> CondensedBodies:
 def _members(path: Path) -> dict[str, Array]:
     """All arrays of a file, whose sizes are looked at before any is read. Raises ValueError, OSError."""
     names = [f.name for f in fields(CondensedBodies)]
+    if path.stat().st_size > LARGEST_FILE:
+        raise ValueError(f"more than {LARGEST_FILE:.3g} bytes")
+    content = path.read_bytes()
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
             declared = {info.filename: info.file_size for info in archive.infolist()}
             too_large = [name for name in declared if name.endswith(".npy") and _held(archive, name) > declared[name]]
         if too_large:
@@ -125,25 +138,16 @@ def _members(path: Path) -> dict[str, Array]:
         if sum(declared.values()) > LARGEST_FILE:
             raise ValueError(f"it declares {sum(declared.values()):.3g} bytes, at most {LARGEST_FILE:.3g} are read")
         if "format.npy" in declared:
-            with np.load(path, allow_pickle=False) as data:
+            with np.load(io.BytesIO(content), allow_pickle=False) as data:
                 if data["format"].shape != () or int(data["format"]) != FORMAT:
                     raise ValueError(f"format {str(data['format'])[:40]}, this version reads {FORMAT}")
         missing = [name for name in names if f"{name}.npy" not in declared]
         if missing:
             raise ValueError(f"it has no {', '.join(missing)}")
-        with np.load(path, allow_pickle=False) as data:
+        with np.load(io.BytesIO(content), allow_pickle=False) as data:
             sealed = str(data["checksum"]) if "checksum" in data else ""
             values = {name: data[name] for name in names}
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        EOFError,
-        KeyError,
-        TypeError,
-        RuntimeError,
-        NotImplementedError,
-        MemoryError,
-    ) as e:
+    except DAMAGE as e:
         raise ValueError("no file of condensed bodies, or a damaged one") from e
     kinds = {"geometry": "U", "level": "iu"}
     for name, value in values.items():

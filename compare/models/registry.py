@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -255,6 +256,19 @@ MODELS = {m.name: m for m in _ALL}
 DEFAULT = "refined"
 
 
+def blamed(reason: str) -> str:
+    """The key of a scene that a solver's refusal names, or ``scene``.
+
+    >>> blamed("solid.nut_inner_diameter of 9 mm leaves no groove"), blamed("ball 3 and flank SL conform"), blamed("no")
+    ('solid.nut_inner_diameter', 'errors.SL', 'scene')
+    """
+    key = re.search(r"\b((?:track|screw|nut|balls|errors|solid|ingredients|material)\.[A-Za-z_.]*[A-Za-z_])", reason)
+    if key is not None:
+        return key[1]
+    flank = re.search(r"\bflank (SL|SR|NL|NR)\b", reason)
+    return f"errors.{flank[1]}" if flank is not None else "scene"
+
+
 def run_model(scene: Scene, name: str = DEFAULT, options: Options | None = None) -> StaticResult:
     """Run one model on a scene. Raises InputError for an unknown name or a scene that the model cannot describe."""
     if name not in MODELS:
@@ -266,5 +280,5 @@ def run_model(scene: Scene, name: str = DEFAULT, options: Options | None = None)
         with np.errstate(all="ignore"):
             result = MODELS[name].run(MODELS[name].scene(scene), options)
     except ValueError as error:
-        raise Refusal(scene.name, "scene", str(error), "check the geometry and the ingredients") from error
+        raise Refusal(scene.name, blamed(str(error)), str(error), "check the geometry and the ingredients") from error
     return replace(result, model=name, member=options.member)

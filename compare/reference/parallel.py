@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import pickle
+import sys
 import threading
 import traceback
 import warnings
@@ -27,6 +28,12 @@ Answer = tuple[int, bool, bytes]
 BACKENDS = ("joblib", "dask")
 #: Seconds to wait for a scheduler, and again for its first worker.
 PATIENCE = 5.0
+#: Seconds to wait for a new worker where the last one was lost, and between two looks at the cluster.
+LONELY, LOOK = 60.0, 1.0
+#: Seconds without an answer of a scheduler that still holds the connection, after which it counts as lost.
+SILENCE = 120.0
+#: What to do when a cluster was lost.
+AGAIN = "see what ended it, start it anew and the same command again: runs that are stored are not repeated"
 
 _ALONE = threading.Lock()
 
@@ -122,9 +129,9 @@ def _answers(tasks: list[Any], backend: str, scheduler: str | None, workers: int
             client, count = stack.enter_context(_cluster(scheduler, workers))
             from distributed import KilledWorker
 
-            lost = (KilledWorker, CancelledError)
+            lost = (KilledWorker, CancelledError, ClusterLost)
             options |= {"pre_dispatch": count}
-            stack.enter_context(parallel_config(backend=_dask_backend(client)))
+            stack.enter_context(parallel_config(backend=_dask_backend(client, scheduler or "a cluster on this machine")))
         else:
             options |= {"n_jobs": workers, "pre_dispatch": workers, "max_nbytes": None}  # no read-only arguments
             threads = max(1, cpu_count() // workers)
@@ -132,7 +139,12 @@ def _answers(tasks: list[Any], backend: str, scheduler: str | None, workers: int
         answers = Parallel(**options)(tasks)
         try:
             yield answers
+        except ClusterLost as error:
+            raise InputError("command line", "--scheduler", str(error), "a scheduler with workers", AGAIN) from error
         except lost as error:
+            if isinstance(error, CancelledError) and scheduler is not None and not _alive(scheduler):
+                reason = f"{scheduler}: the scheduler does not answer any more"
+                raise InputError("command line", "--scheduler", reason, "a scheduler with workers", AGAIN) from error
             raise InputError(
                 "command line",
                 "--workers",
@@ -144,6 +156,37 @@ def _answers(tasks: list[Any], backend: str, scheduler: str | None, workers: int
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # joblib tells how many jobs it drops
                 answers.close()
+
+
+class ClusterLost(Exception):
+    """The scheduler does not answer any more, or its last worker is gone and none comes."""
+
+
+def use_tls(ca: str | None, cert: str | None, key: str | None) -> None:
+    """Certificates for a scheduler at tls://HOST:PORT: of the authority, and this client's with its key; None: none.
+
+    Raises InputError for files that cannot be read, only some of the three, or without Dask.
+    """
+    given = {"--tls-ca": ca, "--tls-cert": cert, "--tls-key": key}
+    if not any(given.values()):
+        return
+    for name, value in given.items():
+        if value is None:
+            raise InputError("command line", name, "nothing", "all of --tls-ca, --tls-cert, --tls-key", "give all three")
+        try:
+            with open(value, "rb"):
+                pass
+        except OSError as error:
+            raise InputError("command line", name, f"{value}: {error.strerror}", "a PEM file", "check the path") from None
+    try:
+        import dask
+        import distributed  # noqa: F401 - its defaults would overwrite these
+    except ImportError:
+        advice = "pip install 'rollbench[cluster]'"
+        raise InputError("command line", "--tls-ca", "dask is not installed", "dask and distributed", advice) from None
+    tls = "distributed.comm.tls"
+    dask.config.set({f"{tls}.ca-file": ca, f"{tls}.client.cert": cert, f"{tls}.client.key": key})
+    dask.config.set({"distributed.comm.require-encryption": True})
 
 
 @contextmanager
@@ -192,6 +235,15 @@ def _cluster(scheduler: str | None, workers: int) -> Iterator[tuple[Any, int]]:
         yield client, min(workers or count, count)
 
 
+def _alive(scheduler: str) -> bool:
+    """Whether a scheduler answers."""
+    try:
+        asyncio.run(asyncio.wait_for(_greet(scheduler), PATIENCE))
+    except Exception:  # whatever a connection that is gone raises
+        return False
+    return True
+
+
 async def _greet(scheduler: str) -> None:
     """Return when the scheduler answers, else raise; a Client that found none would hold up the end of the process."""
     from distributed.core import connect
@@ -205,8 +257,9 @@ def _version() -> str:
     return __version__
 
 
-def _dask_backend(client: Any) -> Any:
-    """joblib's backend for Dask that also hears of jobs whose worker died; joblib 1.6's own waits for them forever."""
+def _dask_backend(client: Any, place: str) -> Any:
+    """joblib's backend for Dask that also hears of jobs whose worker died, of a last worker that is lost and of a scheduler
+    that is gone; joblib 1.6's own waits for them forever."""
     from joblib._dask import DaskDistributedBackend
 
     class Backend(DaskDistributedBackend):  # type: ignore[misc]
@@ -219,5 +272,39 @@ def _dask_backend(client: Any) -> Any:
                     del self._results[future]
                     self._callbacks.pop(future)(result[1] if future.status == "error" else result)
                 await asyncio.sleep(0.01)
+
+        def start_call(self) -> None:
+            super().start_call()
+            self.client.loop.add_callback(self._look)
+
+        async def _look(self) -> None:
+            """Give all jobs up where nobody is left to do them."""
+            alone = silent = 0.0
+            while self._continue:
+                try:
+                    found = await asyncio.wait_for(self.client.scheduler.identity(), PATIENCE)
+                    workers, silent = len(found["workers"]), 0.0
+                except TimeoutError:  # busy, it may be
+                    silent += PATIENCE
+                    if silent > SILENCE:
+                        self._give_up(f"{place}: the scheduler has not answered for {SILENCE:g} s")
+                        return
+                    continue
+                except Exception as error:  # whatever a connection that is gone raises
+                    if self._continue:
+                        self._give_up(f"{place}: the scheduler does not answer any more ({type(error).__name__})")
+                    return
+                if workers == 0 and alone == 0.0:
+                    sys.stderr.write(f"rollbench: {place}: the last worker is lost; waiting {LONELY:g} s for another\n")
+                alone = 0.0 if workers else alone + LOOK
+                if alone > LONELY:
+                    self._give_up(f"{place}: the last worker is lost, and none came in {LONELY:g} s")
+                    return
+                await asyncio.sleep(LOOK)
+
+        def _give_up(self, reason: str) -> None:
+            for future in list(self._callbacks):
+                self._results.pop(future, None)
+                self._callbacks.pop(future)(ClusterLost(reason))
 
     return Backend(client=client)

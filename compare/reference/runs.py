@@ -354,7 +354,8 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
 
 def _stations(scenes: Sequence[Scene]) -> tuple[float, ...]:
     """Stations of supports and loads [m] of all scenes that share a set-up: its shaft has freedoms there."""
-    return tuple(sorted({x.at for scene in scenes for x in (*scene.supports, *scene.loads)}))
+    places = [s.at for scene in scenes for s in scene.supports] + [p.at for scene in scenes for p in scene.loads]
+    return tuple(sorted(set(places)))
 
 
 def path_in(store: Path, scene: Scene, run: Run) -> Path:

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from compare.scenes.keys import MAX_BALLS, GrooveKeys
 from compare.scenes.schema import SceneKeys
-from lowfi.statics.conformity import curvature_changes
-from lowfi.statics.problem import nominal_curvatures, printed_constants
 from lowfi.statics.supports import Held, contradiction, show
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
@@ -216,9 +214,13 @@ def _path_error_faults(scene: Scene) -> Iterator[Fault]:
 def contact_faults(scene: Scene) -> Iterator[Fault]:
     """Contacts without Hertz constants, for bodies that can be built: ball and flank conform, or the printed formula has no
     solution."""
+    from lowfi.statics.conformity import curvature_changes
+    from lowfi.statics.problem import nominal_curvatures, printed_constants
+
     if scene.ingredients.hertz == "as printed":
         try:
-            printed_constants(scene)
+            with np.errstate(invalid="ignore"):
+                printed_constants(scene)
         except ValueError as error:
             advice = f"the printed formula (Lin Table B.1) has no solution for these radii ({error})"
             yield Fault(("ingredients.hertz",), '"nominal", "error-free" or "actual" for this geometry', advice)

@@ -313,7 +313,7 @@ def solve_source_result(scene: Scene, *, everything: bool = False, member: int =
         "equilibrium equations of the source",
     )
     left_out = ("nothing: all four sides are built",)
-    return assemble_result(solved, "source", solution.status, report, left_out, model_assumptions(scene))
+    return assemble_result(solved, "source", solution.status, report, left_out, model_assumptions(scene), own_arms=True)
 
 
 def _measure(system: System, phi: Array, forces: Array, load: Array) -> float:

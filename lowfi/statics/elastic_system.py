@@ -204,7 +204,7 @@ def ready(
     """Arrays for the kernels. Raises ValueError for more than ``LARGEST`` balls or impossible dimensions of the bodies."""
     N = layout.z.size
     if N > LARGEST:
-        raise ValueError(f"{N} balls: elastic bodies are limited to {LARGEST}; use the model lin")
+        raise ValueError(f"balls.count of {N} balls: elastic bodies are limited to {LARGEST}; use the model lin")
     if problem.drawn.profile.shape[1] and not np.all(problem.use):
         raise AssertionError("uneven flanks are solved with all four sides")
     shaft = shaft_of(problem)

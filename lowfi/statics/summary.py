@@ -155,8 +155,11 @@ def assemble_result(
     report: SolverReport,
     left_out: tuple[str, ...],
     idealised: tuple[str, ...],
+    *,
+    own_arms: bool = False,
 ) -> StaticResult:
-    """Result record of a finished solve; idealised: statements that hold for every run of the model on such a scene."""
+    """Result record of a finished solve; idealised: statements that hold for every run of the model on such a scene;
+    own_arms: its lever arms and directions are not those of the contacts, so that sums over these do not balance."""
     problem = solved.problem
     p, force, normal = solved.centre, solved.force, solved.normal
     raw = np.arctan2(SIGNS[:, 1] * normal[..., 1], SIGNS[:, 0] * normal[..., 0])
@@ -165,7 +168,8 @@ def assemble_result(
     z, motion = centreline(problem, solved.motion)
     notes = warnings_of(solved, raw, z, motion)
     balance = equilibrium(solved, points, on_ball)
-    status = judged(status, balance, problem.scene.ingredients.arm == "nominal")
+    if not own_arms:
+        status = judged(status, balance, problem.scene.ingredients.arm == "nominal")
     if status.startswith("not converged"):
         status = "; ".join((status, *profile_warning(solved, raw)))
     return StaticResult(

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, app, cache_folder, print_json, show
+from compare.commands.arguments.terminal import Json, Tls, app, cache_folder, engine, print_json, show
 from compare.errors import InputError
 
 
@@ -24,6 +24,7 @@ def mesh_study(
     backend: str = "joblib",
     scheduler: str | None = None,
     workers: int | None = None,
+    tls: Tls | None = None,
 ) -> int:
     """Run the 3D reference on several mesh levels: observed orders, uncertainty, modelling spread.
 
@@ -49,13 +50,12 @@ def mesh_study(
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
     from compare.commands.study import run_mesh_study
-    from compare.reference.jobs import Engine
 
     return run_mesh_study(
         scenes,
         levels,
         store,
-        Engine(backend, scheduler, workers, cache_folder()),
+        engine(backend, scheduler, workers, tls),
         spread=spread,
         source=source_mesh,
         json_out=as_json,
@@ -78,6 +78,7 @@ def compare(
     backend: str = "joblib",
     scheduler: str | None = None,
     workers: int | None = None,
+    tls: Tls | None = None,
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
 
@@ -106,14 +107,13 @@ def compare(
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
     from compare.commands.study import parse_levels, run_compare
-    from compare.reference.jobs import Engine
 
     return run_compare(
         scenes,
         model or (),
         None if levels is None else parse_levels(levels),
         store,
-        Engine(backend, scheduler, workers, cache_folder()),
+        engine(backend, scheduler, workers, tls),
         json_out=as_json,
         show=show,
         print_json=print_json,

@@ -7,12 +7,16 @@ import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
 from compare import __version__
+
+if TYPE_CHECKING:
+    from compare.reference.jobs import Engine
 
 app = App(
     name="rollbench",
@@ -22,6 +26,26 @@ app = App(
 )
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print exactly one JSON value.")]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Tls:
+    """Certificates for a Dask scheduler at tls://HOST:PORT."""
+
+    tls_ca: Annotated[Path | None, Parameter(help="Certificate of the authority of a scheduler at tls://HOST:PORT.")] = None
+    tls_cert: Annotated[Path | None, Parameter(help="This machine's certificate for such a scheduler.")] = None
+    tls_key: Annotated[Path | None, Parameter(help="The key of that certificate.")] = None
+
+
+def engine(backend: str, scheduler: str | None, workers: int | None, tls: Tls | None) -> Engine:
+    """Where jobs run. Raises InputError for certificates that cannot be used."""
+    from compare.reference.jobs import Engine
+    from compare.reference.parallel import use_tls
+
+    if tls is not None:
+        use_tls(*(None if file is None else str(file) for file in (tls.tls_ca, tls.tls_cert, tls.tls_key)))
+    return Engine(backend, scheduler, workers, cache_folder())
 
 
 class OutputLost(Exception):

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, app, cache_folder, print_json, show
+from compare.commands.arguments.terminal import Json, Tls, app, engine, print_json, show
 from compare.errors import InputError
 
 
@@ -23,6 +23,7 @@ def report(
     backend: str = "joblib",
     scheduler: str | None = None,
     workers: int | None = None,
+    tls: Tls | None = None,
 ) -> int:
     """Regenerate the validation report: one HTML file, its tables as CSV, its figures as SVG.
 
@@ -49,10 +50,9 @@ def report(
         Runs of the 3D reference at the same time, each of up to 4 GB; 2 here, or what the cluster has, unless given.
     """
     from compare.commands.report import make_report
-    from compare.reference.jobs import Engine
 
-    engine = Engine(backend, scheduler, workers or (2 if scheduler is None else None), cache_folder())
-    return make_report(only or (), out, quick=quick, stored=stored, store=store, engine=engine, fresh=fresh)
+    where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
+    return make_report(only or (), out, quick=quick, stored=stored, store=store, engine=where, fresh=fresh)
 
 
 @app.command

@@ -138,7 +138,8 @@ def proven(scene: Scene) -> bool:
 
 def brute_force(scene: Scene, result: StaticResult) -> float | None:
     """How much less energy plain minimisation finds than the result has, over its stored energy; None where it does not
-    apply: a rigid screw, all supports at zero, no uneven flanks, up to 40 balls."""
+    apply: a rigid screw without a free motion (which the model pins), all supports at zero, no uneven flanks, up to 40
+    balls."""
     moved = any(value != 0.0 for s in scene.supports for _, value in s.fixed)
     drawn = specimen(scene, ball_layout(scene))
     few = len(drawn.ball_radius) <= 40
@@ -151,6 +152,8 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
     ):
         return None
     free, applied = free_of(scene), wrench_of_loads(scene)
+    if neutral(scene, free).size:
+        return None
     _, axes = frames(scene)
     centre, arm = ball_layout(scene).centre - np.array([0.0, 0.0, scene.nut.position]), scene.track.pitch_radius
     N, k, unit = len(centre), free.shape[1], 1e-6
@@ -174,11 +177,12 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
     stored = max(float((0.4 * result.load ** (5.0 / 3.0) * C).sum()), 1e-300)
     start = np.zeros(k + 2 * N)
     best, _ = energy(start)
-    for _ in range(3):
-        found = minimize(
-            lambda x: tuple(v / stored for v in energy(x)), start, jac=True, method="BFGS", options={"gtol": 1e-9}
-        )
-        start, best = found.x, min(best, float(found.fun) * stored)
+    with np.errstate(all="ignore"):  # trial steps of the minimisation may go anywhere
+        for _ in range(3):
+            found = minimize(
+                lambda x: tuple(v / stored for v in energy(x)), start, jac=True, method="BFGS", options={"gtol": 1e-9}
+            )
+            start, best = found.x, min(best, float(found.fun) * stored)
     own = float((0.4 * result.load ** (5.0 / 3.0) * C).sum()) - _work(scene, result, applied)
     return (own - best) / stored
 

@@ -1,0 +1,99 @@
+"""The quick campaign; the long one is ``rollbench stability --random 10000 --files 500 --kills 50 --keep FILE``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.extremes.campaign import check, files, record, scenes
+from compare.extremes.campaign.draw import scene_text
+from compare.scenes import scene_file
+from lowfi.statics.static import solve_static
+from meshes.parts import Load, Support
+from tests.helpers import small_screw
+
+
+def test_random_extreme_scenes_are_right_or_refused_with_proof():
+    found = scenes.run(7, 40, "lin")
+    bad = [o for o in found if o.verdict in scenes.BAD]
+    assert not bad, bad
+    assert sum(o.verdict == scenes.RIGHT for o in found) >= 8
+
+
+def test_most_drawn_scenes_are_read_and_both_kinds_are_drawn():
+    """A campaign of refused files would judge nothing."""
+    kinds = []
+    for number in range(40):
+        try:
+            kinds.append(scene_file.loads(scene_text(11, number), "x.toml").track.lead > 0.0)
+        except scene_file.SceneError:
+            continue
+    assert len(kinds) >= 20
+    assert any(kinds)
+    assert not all(kinds)
+
+
+def test_mutated_files_are_refused_in_words():
+    found = [*files.scenes(7, 60), *files.stored(7, 60)]
+    assert not [o for o in found if not o.good]
+    assert sum(o.verdict == files.REFUSED for o in found) > 60
+
+
+def test_kills_leave_whole_files():
+    assert not [o for o in files.kills(7, 2) if not o.good]
+
+
+def loaded():
+    scene = small_screw(9, 1.5, oversize=2e-6, force=(30.0, 10.0, 200.0), screw="rigid")
+    return scene, solve_static(scene)
+
+
+def test_the_judge_accepts_a_right_answer_and_finds_a_wrong_one():
+    scene, result = loaded()
+    assert check.unbalanced(scene, result) == ""
+    single = result.load.copy()
+    single[4, 0] *= 1.01
+    assert check.unbalanced(scene, replace(result, load=single)) == "ball 5 is not in balance"
+    assert "screw is out of balance" in check.unbalanced(scene, replace(result, load=1.01 * result.load))
+    assert "finite" in check.unbalanced(scene, replace(result, load=-result.load))
+
+
+def test_plain_minimisation_finds_the_same_energy_and_less_than_a_wrong_one():
+    scene, result = loaded()
+    assert abs(check.brute_force(scene, result)) < 1e-6
+    assert check.brute_force(scene, replace(result, load=1.05 * result.load)) > 1e-3
+
+
+@pytest.mark.parametrize(("force", "proof"), [((-5.0, 0.0, 0.0), True), ((5.0, 0.0, 0.0), False), ((0.0, 0.0, 0.0), False)])
+def test_a_refusal_is_proven_where_the_load_opens_all_contacts(force, proof):
+    held = tuple((name, 0.0) for name in ("uy", "uz", "rx", "ry", "rz"))
+    scene = small_screw(8)
+    alone = replace(scene, balls=replace(scene.balls, azimuths=(0.0,)), supports=(Support(0.1, held),))
+    assert check.proven(replace(alone, loads=(Load(scene.nut.position, force, (0.0, 0.0, 0.0)),))) is proof
+
+
+def test_a_driven_helix_is_proven_by_rank():
+    scene = small_screw(9, 1.5, fixed=(("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0)), force=(0.0, 0.0, 10.0))
+    assert check.proven(scene)
+    free = check.free_of(scene)
+    assert check.neutral(scene, free).shape[1] == 1
+
+
+def test_a_record_is_kept_and_replaced_by_its_command(tmp_path):
+    path = tmp_path / "campaign.json"
+    found = {"command": "a", "scenes": {"right": 3}, "files": {"kill": {"whole": 2}}, "bad": []}
+    path.write_text(record.text(found, path))
+    path.write_text(record.text(found | {"command": "b"}, path))
+    path.write_text(record.text(found | {"scenes": {"right": 4}}, path))
+    assert [(r["command"], r["scenes"]["right"]) for r in record.read(path)] == [("b", 3), ("a", 4)]
+    assert [row["count"] for row in record.rows(record.read(path))] == [3, 2, 4, 2]
+    path.write_text("[[1]]")
+    assert record.read(path) == []
+
+
+def test_scenes_do_not_depend_on_what_was_drawn_before():
+    first = scene_text(3, 5)
+    np.random.default_rng(0).random(10)
+    assert scene_text(3, 5) == first != scene_text(3, 6) != scene_text(4, 6)

@@ -1,0 +1,75 @@
+"""Try one-line mutants: ``python tests/mutants/run.py [NAME ...]``; each must make one of its tests fail.
+
+Every mutant is written into a copy of the sources; the tree itself is never touched. Exit code 1 where one survives that is
+not marked as equivalent.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[2]
+PARTS = ("lowfi", "hifi", "meshes", "compare", "reports", "tests", "pyproject.toml", "README.md", "CONTRIBUTING.md")
+
+
+def copied(folder: Path) -> Path:
+    """A copy of what tests need, in a folder."""
+    for name in PARTS:
+        source = ROOT / name
+        if source.is_dir():
+            leave = shutil.ignore_patterns("__pycache__", "validation")
+            shutil.copytree(source, folder / name, ignore=leave, dirs_exist_ok=True)
+        elif source.exists():
+            shutil.copy(source, folder / name)
+    return folder
+
+
+def survives(mutant: dict[str, Any], folder: Path) -> bool:
+    """Whether all tests of a mutant pass in the copy that holds it."""
+    path = folder / mutant["file"]
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace(mutant["old"], mutant["new"]), encoding="utf-8")
+    try:
+        done = subprocess.run(
+            [sys.executable, "-P", "-m", "pytest", "-n", "0", "-x", "-q", *mutant["tests"]],
+            cwd=folder,
+            env={**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"},
+            capture_output=True,
+            check=False,
+        )
+    finally:
+        path.write_text(text, encoding="utf-8")
+    return done.returncode == 0
+
+
+def main(names: list[str]) -> int:
+    """Try the mutants of these names, or all."""
+    listed = tomllib.loads((Path(__file__).parent / "mutants.toml").read_text(encoding="utf-8"))["mutant"]
+    unknown = sorted(set(names) - {m["name"] for m in listed})
+    if unknown:
+        print(f"no such mutant: {', '.join(unknown)}", file=sys.stderr)
+        return 2
+    picked = [m for m in listed if not names or m["name"] in names]
+    alive = []
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = copied(Path(temporary))
+        for number, mutant in enumerate(picked, start=1):
+            if mutant.get("equivalent"):
+                print(f"[{number}/{len(picked)}] {mutant['name']}: equivalent: {mutant['equivalent']}", flush=True)
+                continue
+            lives = survives(mutant, folder)
+            alive += [mutant["name"]] if lives else []
+            print(f"[{number}/{len(picked)}] {mutant['name']}: {'SURVIVES' if lives else 'killed'}", flush=True)
+    print(f"{len(picked)} mutants, {len(alive)} survive")
+    return 1 if alive else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

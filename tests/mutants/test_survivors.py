@@ -1,0 +1,78 @@
+"""Tests that kill one-line mutants which once survived all others; tests/mutants/run.py tries the whole list."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare.gate import closed_forms
+from compare.models.model_form import SCALES, distance
+from compare.scenes.catalogue import scene as shipped
+from lowfi.statics.static import solve_static
+from meshes.groove_map import GrooveMap
+from meshes.helix import ball_layout
+from meshes.parts import Load, Support
+from meshes.sockets import groove_lines, track_gaps
+from tests.helpers import small_screw
+
+ROOT = Path(__file__).parents[2]
+MUTANTS = tomllib.loads((Path(__file__).parent / "mutants.toml").read_text(encoding="utf-8"))["mutant"]
+
+
+def test_reactions_turn_the_screw_about_the_origin():
+    """Two supports beside each other, none at the origin: their forces have moments."""
+    scene = small_screw(9, 1.5, oversize=3e-6)
+    held = tuple((name, 0.0) for name in ("ux", "uy", "rz"))
+    loads = (Load(0.12, (200.0, 50.0, 500.0), (0.0, 0.0, 0.0)),)
+    result = solve_static(replace(scene, supports=(Support(0.05, held), Support(0.19, held[:2])), loads=loads))
+    balance = result.equilibrium
+    assert np.abs(balance.reaction_moment).max() > 0.5
+    total = balance.applied_moment + balance.reaction_moment + balance.contact_moment + balance.pin_moment
+    assert np.abs(total).max() < 1e-8 * np.abs(balance.reaction_moment).max()
+
+
+def test_textbook_formulas_agree_to_round_off():
+    for name, _, computed, closed in closed_forms.sphere_on_flat(shipped("lin-case1"), 200.0):
+        assert computed == pytest.approx(closed, rel=1e-9), name
+    assert np.divide(*closed_forms.preload(shipped("lin-case1"), 5e-6)) == pytest.approx(1.0, rel=1e-6)
+
+
+def test_nuts_held_elsewhere_are_a_unit_apart():
+    here = dict.fromkeys(SCALES, 0.0)
+    assert distance(here, here)[0] == 0.0
+    assert distance(here, here | {"held": 2.0}) == (1.0, "held")
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+@pytest.mark.parametrize("starts", [1, 2, 3])
+def test_balls_of_every_start_lie_on_its_groove_line(hand, starts):
+    scene = small_screw(8, 1.6, hand=hand)
+    scene = replace(scene, track=replace(scene.track, starts=starts, lead=starts * 20e-3))
+    m, layout = GrooveMap.of(scene), ball_layout(scene)
+    lines, pitch = np.array(groove_lines(m)), 2.0 * np.pi * abs(m.rg)
+    off = ((layout.z - m.rg * layout.azimuth)[:, None] - lines[None, :]) / pitch
+    near = np.abs(off - np.round(off))
+    assert near.min(axis=1).max() < 1e-9
+    assert set(near.argmin(axis=1).tolist()) == set(range(starts))
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_gaps_do_not_depend_on_whole_turns_of_azimuths(hand):
+    scene = small_screw(12, 2.3, hand=hand)
+    m, layout = GrooveMap.of(scene), ball_layout(scene)
+    straight = track_gaps(m, layout.azimuth, layout.z)
+    wrapped = track_gaps(m, np.mod(layout.azimuth, 2.0 * np.pi), layout.z)
+    assert np.sort(wrapped[0]) == pytest.approx(np.sort(straight[0]))
+    assert sorted(map(sorted, wrapped[1].tolist())) == sorted(map(sorted, straight[1].tolist()))
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda m: m["name"])
+def test_mutants_are_of_the_present_sources(mutant):
+    """A list that no longer fits the sources would try nothing."""
+    assert (ROOT / mutant["file"]).read_text(encoding="utf-8").count(mutant["old"]) == 1
+    assert mutant["old"] != mutant["new"]
+    assert mutant.get("equivalent") or all((ROOT / test.split("::")[0]).exists() for test in mutant["tests"])

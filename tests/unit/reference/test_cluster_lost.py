@@ -1,0 +1,136 @@
+"""A Dask cluster that is lost while jobs run: the last worker, the scheduler; and one that speaks TLS only."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from compare.errors import InputError
+from compare.reference import parallel
+from compare.reference.parallel import run, use_tls
+
+distributed = pytest.importorskip("distributed")
+dask = pytest.importorskip("dask")
+
+
+def sleepy(seconds, begun=None):
+    """Sleep; ``begun``: a file that says so."""
+    if begun is not None:
+        begun.touch()
+    time.sleep(seconds)
+    return seconds
+
+
+def start(*words):
+    return subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_" + words[0], *words[1:]])
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A scheduler and a worker of their own processes: (address, scheduler, worker)."""
+    address_file = tmp_path / "scheduler.json"
+    scheduler = start(
+        "scheduler", "--port", "0", "--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(address_file)
+    )
+    end = time.monotonic() + 120.0
+    while not address_file.exists() and time.monotonic() < end:
+        time.sleep(0.1)
+    with distributed.Client(scheduler_file=str(address_file), set_as_default=False, timeout=120) as client:
+        address = client.scheduler.address
+        worker = start("worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
+        client.wait_for_workers(1, timeout=120)
+    yield address, scheduler, worker
+    for process in (worker, scheduler):
+        process.kill()
+        process.wait()
+
+
+def lose(process, begun):
+    """Kill a process as soon as a job has begun."""
+
+    def watch():
+        while not begun.exists():
+            time.sleep(0.1)
+        process.kill()
+
+    killer = threading.Thread(target=watch, daemon=True)
+    killer.start()
+    return killer
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(cluster, monkeypatch, capfd, tmp_path):
+    monkeypatch.setattr(parallel, "LONELY", 2.0)
+    address, _, worker = cluster
+    killer = lose(worker, begun := tmp_path / "begun")
+    with pytest.raises(InputError, match="the last worker is lost, and none came in 2 s"):
+        run([(sleepy, (60.0, begun)), (sleepy, (60.0, begun))], "dask", address)
+    killer.join()
+    assert "waiting 2 s for another" in capfd.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+def test_a_scheduler_that_is_lost_is_named(cluster, tmp_path):
+    address, scheduler, _ = cluster
+    killer = lose(scheduler, begun := tmp_path / "begun")
+    with pytest.raises(InputError, match="the scheduler does not answer any more"):
+        run([(sleepy, (60.0, begun)), (sleepy, (60.0, begun))], "dask", address)
+    killer.join()
+
+
+@pytest.fixture
+def certificates(tmp_path):
+    """A certificate of its own authority, with key, for the loopback."""
+    if shutil.which("openssl") is None:
+        pytest.skip("needs openssl to make a certificate")
+    cert, key = str(tmp_path / "cert.pem"), str(tmp_path / "key.pem")
+    words = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1", "-subj", "/CN=127.0.0.1"]
+    subprocess.run([*words, "-keyout", key, "-out", cert], check=True, capture_output=True)
+    return cert, key
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+def test_jobs_run_over_tls(certificates):
+    cert, key = certificates
+    security = distributed.Security(
+        tls_ca_file=cert,
+        tls_scheduler_cert=cert,
+        tls_scheduler_key=key,
+        tls_worker_cert=cert,
+        tls_worker_key=key,
+        tls_client_cert=cert,
+        tls_client_key=key,
+        require_encryption=True,
+    )
+    options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    with (
+        distributed.LocalCluster(**options, protocol="tls://", host="127.0.0.1", security=security) as local,
+        dask.config.set({}),
+    ):
+        assert local.scheduler_address.startswith("tls://")
+        with pytest.raises(InputError, match="no answer of a scheduler"):
+            run([(sleepy, (0.0,))], "dask", local.scheduler_address)
+        before = dask.config.get("distributed.comm")
+        try:
+            use_tls(cert, cert, key)
+            assert run([(sleepy, (0.01,)), (sleepy, (0.02,))], "dask", local.scheduler_address) == [0.01, 0.02]
+        finally:
+            dask.config.set({"distributed.comm": before})
+
+
+def test_certificates_come_together_and_can_be_read(tmp_path):
+    (tmp_path / "a.pem").write_text("x")
+    name = str(tmp_path / "a.pem")
+    with pytest.raises(InputError, match="--tls-key"):
+        use_tls(name, name, None)
+    with pytest.raises(InputError, match="No such file"):
+        use_tls(name, str(tmp_path / "b.pem"), name)
+    use_tls(None, None, None)

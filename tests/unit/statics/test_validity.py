@@ -1,0 +1,81 @@
+"""Warnings where a solution leaves the range in which the models hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi.hertz import hertz_constants
+from lowfi.statics.problem import nominal_curvatures, nominal_hertz
+from lowfi.statics.static import solve_static
+from lowfi.statics.validity import YIELD_PRESSURE
+from meshes.parts import BallErrors, Balls, Errors, SideErrors, Support
+from tests.helpers import small_screw
+
+
+def words(scene):
+    return " | ".join(solve_static(scene, engine="interpreted").warnings)
+
+
+def pressed(force):
+    return small_screw(8, force=(0.0, 0.0, force))
+
+
+def test_a_lightly_loaded_screw_has_no_warning():
+    assert words(pressed(500.0)) == ""
+
+
+def test_pressure_beyond_yield_is_told_from_there_on():
+    """p = 1.5 F^(1/3)/(pi C_a C_b): the force at which the source's screw reaches 4.2 GPa."""
+    result = solve_static(pressed(4000.0), engine="interpreted")
+    constants = nominal_hertz(pressed(4000.0))
+    most = float(constants.pressure(result.load).max())
+    factor = (YIELD_PRESSURE / most) ** 3
+    assert "GPa" not in words(pressed(4000.0 * factor * 0.9))
+    assert "contact(s) above 4.2 GPa" in words(pressed(4000.0 * factor * 1.1))
+
+
+def test_the_long_axis_of_the_ellipse_lies_across_the_groove():
+    curvature = nominal_curvatures(pressed(1.0))
+    assert (curvature[:, 0] < curvature[:, 1]).all()
+    found = hertz_constants(curvature[:, 0], curvature[:, 1], 1e11)
+    assert (found.C_a > found.C_b).all()
+
+
+def test_an_ellipse_beyond_the_land_is_told():
+    """The land's edge lies at 48 deg, the contacts at 45 deg, and half an ellipse takes more than 3 deg."""
+    low = replace(pressed(3000.0), screw=replace(pressed(1.0).screw, outer_diameter=29.32e-3))
+    assert "beyond the groove's arc" in words(low)
+
+
+def test_large_rotations_are_told():
+    scene = pressed(100.0)
+    turned = tuple((name, 0.06 if name == "rz" else 0.0) for name in ("ux", "uy", "rx", "ry", "rz"))
+    assert "turns by 60 mrad" in words(replace(scene, supports=(Support(0.0, turned),)))
+    small = tuple((name, 0.04 if name == "rz" else 0.0) for name in ("ux", "uy", "rx", "ry", "rz"))
+    assert "turns by" not in words(replace(scene, supports=(Support(0.0, small),)))
+
+
+@pytest.mark.parametrize(("extra", "wedged"), [(5e-6, True), (-5e-6, False)])
+def test_balls_wedged_against_one_another_are_told(extra, wedged):
+    """Neighbours that would just touch, one of them 5 um larger or smaller."""
+    scene = small_screw(8, lead=0.0, force=(0.0, 0.0, 100.0))
+    step = 2.0 * np.arcsin(scene.balls.radius / scene.track.pitch_radius)
+    places = (0.0, step, np.pi, np.pi + 0.9)
+    scene = replace(
+        scene,
+        balls=Balls(scene.balls.radius, scene.balls.material, places),
+        errors=Errors(balls=BallErrors(listed=((2, extra),))),
+    )
+    assert ("balls 1 and 2 overlap" in words(scene)) is wedged
+
+
+@pytest.mark.parametrize(("slope", "unique"), [(2e-6, True), (3e-4, False)])
+def test_a_profile_that_bends_as_far_as_the_ball_is_away_is_told(slope, unique):
+    """The ball's centre is 0.476 mm from that of the groove; a slope rho' shifts the centre of curvature by as much.
+    At 45 deg the profile is where it would be without."""
+    scene = pressed(300.0)
+    errors = Errors(SL=SideErrors(profile=(0.25 * np.pi * slope, -slope)))
+    assert ("not unique" in words(replace(scene, errors=errors))) is not unique
