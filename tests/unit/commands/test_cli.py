@@ -154,7 +154,7 @@ def test_list_and_schema(capsys: pytest.CaptureFixture[str]) -> None:
     assert "track" in schema["$defs"]["SceneKeys"]["properties"]
 
 
-@pytest.mark.parametrize("tokens", [["--help"], ["solve", "lin-case1", "--json"], ["list"]])
+@pytest.mark.parametrize("tokens", [["--help"], ["solve", "two-balls", "--json"], ["list"]])
 def test_start_up_imports_nothing_heavy(tokens: list[str]) -> None:
     code = (
         "import sys\nfrom compare.cli import main\n"
