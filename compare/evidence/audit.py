@@ -32,7 +32,7 @@ VERDICTS: dict[Verdict, str] = {
 #: Verdicts that are counted apart: they say nothing of a model.
 APART: tuple[Verdict, ...] = ("input", "identity")
 #: The sources, by the beginning of their tables' names.
-SOURCES = {"lin": "Lin (2019)", "smith": "Smith (1994)", "liu": "Liu et al. (2025)"}
+SOURCES = {"lin": "Lin (2019)", "smith": "Smith (1994)", "liu": "Liu et al. (2025)", "kalker": "Kalker (1990)"}
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from compare.evidence import rotary_linear, screw, steering_4_2
 from compare.evidence.errors_2_4_2 import section_2_4_2
 from compare.evidence.errors_4_3_2 import section_4_3_2
 from compare.evidence.hertz_b1 import table_b_1
+from compare.evidence.kalker import table_e3
 from compare.evidence.liu import drawn as liu_drawn
 from compare.evidence.liu import given as liu_given
 from compare.evidence.liu import single_error as liu_single
@@ -30,6 +31,7 @@ CHAPTER_4 = "tests/literature/test_lin_chapter4_friction.py"
 AXES = "tests/literature/test_lin_chapter4_axes.py"
 SMITH = "tests/literature/test_smith.py"
 LIU = "tests/literature/test_liu.py"
+KALKER = "tests/literature/test_kalker.py"
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,6 @@ CASE_1 = ("lin-case1",)
 CASE_3 = ("lin-case3", "lin-case3-clamped", "lin-case3-ux")
 OFFSET = tuple(name.replace("case3", "case3-offset") for name in CASE_3)
 PAIRS = ("lin-pair-a", "lin-pair-b")
-RACK = ("lin-steering-rack",)
 
 COMPUTATIONS = (
     Computation("lin-B1", table_b_1, CHAPTER_2, (("*", CASE_1),)),
@@ -133,7 +134,12 @@ COMPUTATIONS = (
         "lin-4.2.1",
         steering_4_2.section_4_2,
         AXES,
-        (("ratio_*", RACK), ("grows", RACK), ("even_*", RACK), ("*", ("lin-nominal-4p1",))),
+        (
+            ("ratio_*", ("lin-steering-rack",)),
+            ("grows", ("lin-steering-rack",)),
+            ("even_*", ("lin-steering-rack",)),
+            ("*", ("lin-nominal-4p1",)),
+        ),
     ),
     Computation("lin-4.2", screw.table_4_2, CHAPTER_4, (("*", ("lin-bearing-pairs",)),)),
     Computation(
@@ -151,6 +157,7 @@ COMPUTATIONS = (
     Computation("smith-4.2", smith_axis.section_4_2, SMITH, (("total_ball", ("smith-axis",)),)),
     Computation("smith-4.3", smith_axis.section_4_3, SMITH),
     Computation("smith-5", smith_trials.chapter_5, SMITH),
+    Computation("kalker-E3", table_e3, KALKER),
     Computation("liu-2", liu_given.section_2, LIU),
     Computation("liu-3", liu_given.section_3, LIU),
     Computation("liu-4.1", liu_given.section_4_1, LIU),

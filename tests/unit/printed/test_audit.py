@@ -100,5 +100,6 @@ def test_every_misprint_has_a_command_and_a_test(row):
 
 
 def test_what_is_left_out_has_a_reason():
-    assert {row["source"] for row in left_out()} == {*audit.SOURCES.values(), "all"}
+    whole = {"Kalker (1990)"}  # whose one table is entered whole
+    assert {row["source"] for row in left_out()} == {*audit.SOURCES.values(), "all"} - whole
     assert all(len(row["reason"]) > 10 for row in left_out())
