@@ -150,7 +150,7 @@ def test_list_and_schema(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "schema")
     assert code == 0
     schema = json.loads(out)
-    assert len(schema["oneOf"]) == 7
+    assert len(schema["oneOf"]) == 8
     assert "track" in schema["$defs"]["SceneKeys"]["properties"]
 
 
