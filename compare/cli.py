@@ -27,7 +27,7 @@ def main(tokens: list[str] | None = None) -> None:
         with writing():
             sys.stdout.flush()
     except InputError as error:
-        sys.stderr.write(f"rollbench: {error}\n")
+        sys.stderr.writelines(f"rollbench: {line}\n" for line in error.lines())
         sys.exit(2)
     except CycloptsError as error:
         text = one_line(" ".join(str(error).split()), 400)

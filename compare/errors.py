@@ -39,6 +39,10 @@ class InputError(Exception):
         self.advice = advice
         self.more = more
 
+    def lines(self) -> list[str]:
+        """What is printed: one line for every fault."""
+        return [str(self)]
+
     def __str__(self) -> str:
         """One line: ``file: key: got value; allowed: ...; advice: ...``, and the number of further faults."""
         rest = "" if self.more == 0 else f" (and {self.more} more fault{'s' if self.more > 1 else ''})"
@@ -73,5 +77,24 @@ def named(name: str, origin: str) -> Iterator[None]:
         raise Refusal(origin, error.key, error.value, error.advice) from error
 
 
+#: How many faults of a file are listed.
+_MANY = 30
+
+
 class SceneError(InputError):
-    """A scene file cannot be read, or describes something that cannot be built."""
+    """A scene file cannot be read, or describes something that cannot be built; ``others``: its further faults."""
+
+    def __init__(
+        self, file: str, key: str, value: str, allowed: str, advice: str, more: int = 0, others: tuple[SceneError, ...] = ()
+    ) -> None:
+        """Keep the parts; the text is put together by ``str()`` and ``lines()``."""
+        super().__init__(file, key, value, allowed, advice, more)
+        self.args = (file, key, value, allowed, advice, more, others)
+        self.others = others
+
+    def lines(self) -> list[str]:
+        """Every fault as a line of its own; how many more there are beyond the first 30."""
+        each = [self, *self.others][:_MANY]
+        own = [InputError.__str__(InputError(e.file, e.key, e.value, e.allowed, e.advice)) for e in each]
+        left = len(self.others) + 1 - len(own)
+        return [*own, f"{one_line(self.file)}: and {left} more faults"] if left else own

@@ -10,6 +10,7 @@ import io
 import math
 import os
 import struct
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -35,7 +36,7 @@ DAMAGE = (
     zlib.error,
     struct.error,
     *(EOFError, OSError, KeyError, IndexError, TypeError, RuntimeError, NotImplementedError, MemoryError, OverflowError),
-    *(SyntaxError, AttributeError),
+    *(SyntaxError, tokenize.TokenError, AttributeError),
 )
 #: Difference of a compliance from its transpose, and negative eigenvalue, over its largest entry, that a mesh may leave.
 ASYMMETRY, NEGATIVE = 1e-6, 1e-3

@@ -287,6 +287,15 @@ class Time:
 
 
 @dataclass(frozen=True)
+class GateLimits:
+    """Limits [%] that a scene sets on errors against its 3D reference, ``None`` for the gate's own: ``max_error`` of any
+    contact load, ``rms_error`` of all of them over the mean load."""
+
+    max_error: float | None = None
+    rms_error: float | None = None
+
+
+@dataclass(frozen=True)
 class Scene:
     """One load case of one ball screw or bearing. ``assumed``: statements about what the source leaves open.
 
@@ -313,6 +322,7 @@ class Scene:
     role: str = field(default="", repr=False, compare=False)
     circulation: Circulation | None = field(default=None, repr=False)
     time: Time | None = field(default=None, repr=False)
+    gate: GateLimits = field(default_factory=GateLimits, repr=False, compare=False)
 
     @property
     def stations(self) -> list[float]:

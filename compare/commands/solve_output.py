@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,10 +11,12 @@ import numpy as np
 from compare.measure import error_percent
 from compare.models.model_form import ModelForm
 from lowfi.statics.result import Array, Equilibrium, SolverReport, StaticResult
-from meshes.parts import SIDES, Scene
+from lowfi.statics.tangent import Tangent
+from meshes.parts import FREEDOMS, SIDES, Scene
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
+    from rich.table import Table
 
 
 def number(value: float) -> float | None:
@@ -117,9 +120,11 @@ def solver_json(s: SolverReport) -> dict[str, Any]:
     }
 
 
-def as_json(scene: Scene, result: StaticResult, worth: ModelForm | None = None) -> dict[str, Any]:
+def as_json(
+    scene: Scene, result: StaticResult, worth: ModelForm | None = None, answers: dict[str, Any] | None = None
+) -> dict[str, Any]:
     """The result as a JSON-ready object: angles in deg, stations in mm, displacements in um, forces in N; worth: the
-    model-form error to expect, where it was estimated."""
+    model-form error to expect, where it was estimated; answers: what else stands in the summary."""
     s = result.solver
     finite = np.isfinite(result.load).all()
     return {
@@ -137,7 +142,7 @@ def as_json(scene: Scene, result: StaticResult, worth: ModelForm | None = None) 
             }
             for i in range(result.z.size)
         ],
-        "summary": summary(result.load) if finite else {},
+        "summary": {"sides": summary(result.load), **(answers or {})} if finite else {},
         "centreline": [
             {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
             for z, u in zip(result.centreline_z, result.centreline, strict=True)
@@ -155,38 +160,20 @@ def _cell(value: float, form: str) -> str:
     return format(value, form) if math.isfinite(value) else "–"
 
 
-def as_table(scene: Scene, result: StaticResult, worth: ModelForm | None = None) -> list[RenderableType]:
-    """The result for the terminal: ball table, summary, solver, model-form error, assumptions, what was left out."""
-    from rich.table import Table
-
+def as_table(
+    scene: Scene, result: StaticResult, worth: ModelForm | None = None, *, block: str = "", balls: bool = True
+) -> list[RenderableType]:
+    """The result for the terminal: block of answers (before all tables), ball table, balance, solver, model-form error (in
+    the block where there is one), warnings, assumptions, what was left out."""
     drawn = f", member {result.member} of its random errors" if scene.errors.random else ""
     title = f"{scene.name}{drawn}, model {result.model}: {result.status}"
-    table = Table(title=title, title_justify="left")
-    shown = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
-    for heading in ("ball", "azimuth deg", "z mm"):
-        table.add_column(heading, justify="right")
-    for k in shown:
-        table.add_column(f"{SIDES[k]} N", justify="right")
-        table.add_column("angle deg", justify="right")
-    for i in range(result.z.size):
-        cells = [str(i + 1), f"{math.degrees(result.azimuth[i]):.2f}", f"{1e3 * result.z[i]:.3f}"]
-        for k in shown:
-            cells += [f"{result.load[i, k]:.3f}", _cell(math.degrees(result.contact_angle[i, k]), ".3f")]
-        table.add_row(*cells)
-    parts: list[Any] = [table] if shown else [title]
-    if shown:
-        parts.append(_summary_table(result))
+    parts: list[Any] = [title]
+    if block:
+        parts += ["", block, ""]
+    if balls and (result.load > 0.0).any():
+        parts += [_ball_table(result), "", _summary_table(result), ""]
     if result.equilibrium is not None:
-        e = result.equilibrium
-        parts.append(
-            f"balance of the screw: force {e.force_residual:.1e}, moment {e.moment_residual:.1e} (relative, sums over "
-            f"loads, reactions and contact points); of the balls: {e.ball_residual:.1e}"
-        )
-        if e.pin_share > 0.0:
-            parts.append(
-                f"no support of the scene holds a free motion: its pin takes {100.0 * e.pin_share:.2g} % of the largest "
-                "force or moment, by which the balance of what the supports can carry is open"
-            )
+        parts += _balance(result.equilibrium)
     s = result.solver
     error = discretisation_percent(result)
     parts.append(
@@ -195,7 +182,7 @@ def as_table(scene: Scene, result: StaticResult, worth: ModelForm | None = None)
         + (f" (discretisation error {error:.1e} % of the mean load)" if error is not None else "")
         + f", {s.seconds:.3g} s"
     )
-    if worth is not None:
+    if worth is not None and not block:
         parts.append(model_form_text(worth))
     headed = ("warning", result.warnings), ("note", s.notes), ("assumed", result.assumed), ("left out", result.left_out)
     for heading, lines in headed:
@@ -203,12 +190,56 @@ def as_table(scene: Scene, result: StaticResult, worth: ModelForm | None = None)
     return parts
 
 
-def _summary_table(result: StaticResult) -> RenderableType:
+def _balance(e: Equilibrium) -> list[str]:
+    lines = [
+        f"balance of the screw: force {e.force_residual:.1e}, moment {e.moment_residual:.1e} (relative, sums over "
+        f"loads, reactions and contact points); of the balls: {e.ball_residual:.1e}"
+    ]
+    if e.pin_share > 0.0:
+        lines.append(
+            f"no support of the scene holds a free motion: its pin takes {100.0 * e.pin_share:.2g} % of the largest "
+            "force or moment, by which the balance of what the supports can carry is open"
+        )
+    return lines
+
+
+def _plain(headings: Sequence[str]) -> Table:
+    """An empty table of right-aligned columns without rules."""
     from rich.table import Table
 
-    table = Table(title="per loaded side", title_justify="left")
-    for heading in ("side", "max N", "min N", "max/min", "loaded", "lost"):
-        table.add_column(heading, justify="right")
+    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    for heading in headings:
+        table.add_column(heading, justify="right", no_wrap=True)
+    return table
+
+
+def _ball_table(result: StaticResult) -> RenderableType:
+    shown = [k for k in range(4) if (result.load[:, k] > 0.0).any()]
+    table = _plain(["ball", "deg", "z mm", *(x for k in shown for x in (f"{SIDES[k]} N", "angle"))])
+    for i in range(result.z.size):
+        cells = [str(i + 1), f"{math.degrees(result.azimuth[i]):.1f}", f"{1e3 * result.z[i]:.2f}"]
+        for k in shown:
+            cells += [f"{result.load[i, k]:.2f}", _cell(math.degrees(result.contact_angle[i, k]), ".2f")]
+        table.add_row(*cells)
+    return table
+
+
+def stiffness_lines(tangent: Tangent) -> list[RenderableType]:
+    """The stiffness at a section as a table to read, N/um and kN m/rad in their places."""
+    if tangent.status != "converged":
+        return [f"stiffness at {1e3 * tangent.station:.6g} mm: {tangent.status}"]
+    table = _plain(["", *FREEDOMS])
+    for name, row in zip(FREEDOMS, tangent.matrix, strict=True):
+        table.add_row(name, *(f"{x:.4g}" for x in row))
+    head = (
+        f"tangent stiffness of the screw's section at {1e3 * tangent.station:.6g} mm against the held nut, without the "
+        "screw's supports; forces and moments over displacements and rotations, N, m, rad"
+    )
+    return ["", head, table]
+
+
+def _summary_table(result: StaticResult) -> RenderableType:
+    table = _plain(["side", "max N", "min N", "max/min", "loaded", "lost"])
     for side, row in summary(result.load).items():
         table.add_row(
             side, f"{row['max_N']:.3f}", f"{row['min_N']:.3f}", f"{row['ratio']:.4f}", str(row["loaded"]), str(row["lost"])

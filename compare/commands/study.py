@@ -9,18 +9,17 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from compare.commands.compare_output import Beside, beside, contact_rows, is_itself, verdict, write_files
+from compare.commands.compare_output import table as compared_table
 from compare.errors import InputError, Refusal
-from compare.models.comparison import compared_models, from_model, reference_answers, rows, suited
+from compare.models.comparison import compared_models, from_model, from_run, reference_answers, rows, suited
 from compare.models.mesh_study import study_table
-from compare.models.registry import MODELS
 from compare.reference.jobs import Engine, all_variants, ensure, plan
 from compare.reference.levels import LEVELS, SOURCE_LEVEL
-from compare.reference.runs import Run, load, reference, shipped_store
+from compare.reference.runs import Reference, Run, load, reference, shipped_store
 from compare.scenes import catalogue
 from compare.writing import replace_file
-from meshes.parts import SIDES, Scene
+from meshes.parts import Scene
 from reports.html import harmless
 
 Show = Callable[..., None]
@@ -124,9 +123,11 @@ def run_compare(
     show: Show,
     print_json: Callable[[Any], None],
     fresh: bool = False,
+    balls: bool = False,
 ) -> int:
-    """Rows of every scene and model against the reference; what is not stored is computed first.
+    """Verdict, table and files of every scene, models beside the reference; what is not stored is computed first.
 
+    JSON: rows of every quantity and model, the reference's coarser runs among them. balls: also print every contact.
     levels: None for the best stored reference (all levels are computed where there is none); else just those. fresh:
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
@@ -145,59 +146,31 @@ def run_compare(
         if found is None:
             raise unconverged(scene.name, failed)
         answers = [from_model(m, scene) for m in (own or suited(scene))]
-        answers += reference_answers(found, load(scene, SOURCE_LEVEL, stores=stores))
-        for answer in answers:
-            out += rows(scene, answer, found)
+        others = reference_answers(found, load(scene, SOURCE_LEVEL, stores=stores))
+        answers += [answer for answer in others if not is_itself(answer, found)]
+        if json_out:
+            for answer in answers:
+                out += rows(scene, answer, found)
+            continue
+        set_beside = [beside(scene, answer, found) for answer in answers]
+        itself = beside(scene, from_run(found.best, "3D reference"), None)
+        show(f"{scene.name}: {verdict(set_beside, found)}", "", compared_table(set_beside, itself), "")
+        if balls:
+            show(_contacts(scene, set_beside, found), "")
+        show(write_files(scene, set_beside, found, store))
     if json_out:
         print_json([row.as_json() for row in out])
-        return 0
-    for scene in scenes:
-        show(_summary(scene, [row for row in out if row.scene == scene.name]))
-        show(_contacts(scene, [row for row in out if row.scene == scene.name]))
     return 0
 
 
-def _cell(value: float | int | str | None, form: str = "") -> str:
-    return "–" if value is None or (isinstance(value, float) and not np.isfinite(value)) else format(value, form)
-
-
-def _summary(scene: Scene, own: Sequence[Any]) -> Any:
+def _contacts(scene: Scene, models: Sequence[Beside], found: Reference) -> Any:
     from rich.table import Table
 
-    table = Table(title=f"{scene.name}: models against the finest 3D reference", title_justify="left")
-    for column in ("model", "quantity", "value", "reference", "printed", "reference's uncertainty", "seconds"):
-        table.add_column(column)
+    own = contact_rows(scene, models, found)
+    out = Table(title=f"{scene.name}: contact loads / N", title_justify="left", box=None, pad_edge=False)
+    for column in list(own[0])[1:]:
+        out.add_column(column.removesuffix("_N"), justify="right")
     for row in own:
-        if row.ball is None and not row.quantity.startswith("centreline"):
-            table.add_row(
-                _label(row.model),
-                row.quantity,
-                _cell(row.value, ".3f") + f" {row.unit}",
-                _cell(row.reference, ".3f"),
-                _cell(row.printed),
-                _cell(row.reference_error, ".2f"),
-                _cell(row.seconds, ".3g"),
-            )
-    return table
-
-
-def _label(name: str) -> str:
-    return MODELS[name].label if name in MODELS else name
-
-
-def _contacts(scene: Scene, own: Sequence[Any]) -> Any:
-    from rich.table import Table
-
-    models = list(dict.fromkeys(row.model for row in own))
-    table = Table(title=f"{scene.name}: contact loads / N", title_justify="left")
-    for column in ("ball", "side", *(_label(m) for m in models), "reference", "+-"):
-        table.add_column(column)
-    cells: dict[tuple[int, str], dict[str, Any]] = {}
-    for row in own:
-        if row.quantity == "load":
-            cells.setdefault((row.ball, row.side), {})[row.model] = row
-    for (ball, side), found in sorted(cells.items(), key=lambda x: (x[0][0], SIDES.index(x[0][1]))):
-        first = next(iter(found.values()))
-        values = [_cell(found[m].value if m in found else 0.0, ".1f") for m in models]
-        table.add_row(str(ball), side, *values, _cell(first.reference, ".1f"), _cell(first.reference_error, ".2f"))
-    return table
+        cells = list(row.values())[1:]
+        out.add_row(*("–" if v is None else f"{v:.2f}" if isinstance(v, float) else str(v) for v in cells))
+    return out

@@ -42,8 +42,8 @@ def suited(scene: Scene) -> list[Model]:
 
 
 def compared_models(names: tuple[str, ...]) -> list[Model]:
-    """Compared models by name. Raises InputError for another name."""
-    allowed = [m.name for m in MODELS.values() if m.compared]
+    """Models by name. Raises InputError for another name, and for the one that needs a file of bodies."""
+    allowed = [name for name in MODELS if name != "condensed"]
     for name in names:
         if name not in allowed:
             raise InputError("command line", "--model", f'"{name}"', ", ".join(allowed), "name a low-order model")

@@ -7,13 +7,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from compare.errors import InputError, Refusal
 from lowfi.statics.result import StaticResult
 from meshes.parts import Scene
+
+if TYPE_CHECKING:
+    from lowfi.compliance.imported import Condensed
 
 
 @dataclass(frozen=True)
@@ -40,36 +43,40 @@ def _lin(scene: Scene, options: Options) -> StaticResult:
     )
 
 
+def read_condensed(scene: Scene, options: Options) -> Condensed:
+    """Bodies of the file that the options name. Raises InputError where there is none that fits the scene."""
+    from lowfi.compliance.imported import Condensed
+
+    if options.condensed is None:
+        raise InputError(
+            scene.name,
+            "model",
+            '"condensed"',
+            "a file of condensed bodies",
+            "rollbench condense makes one: --condensed FILE",
+        )
+    try:
+        return Condensed.read(options.condensed, scene)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        name_ = str(options.condensed)
+        raise InputError(name_, "file", reason, "a file of condensed bodies", "check the path") from None
+    except ValueError as error:
+        raise InputError(
+            str(options.condensed),
+            "file",
+            str(error),
+            "a file that rollbench condense made of this scene's parts",
+            "make it anew: rollbench condense",
+        ) from None
+
+
 def _elastic(scene: Scene, options: Options, *, name: str) -> StaticResult:
     """A model with elastic bodies, by the name of its backend; "condensed" takes them from a file."""
     from lowfi.compliance.bodies import LADDER, REFINED
-    from lowfi.compliance.imported import Condensed
     from lowfi.statics.elastic import solve_elastic, with_discretisation
 
-    condensed = None
-    if name == "condensed":
-        if options.condensed is None:
-            raise InputError(
-                scene.name,
-                "model",
-                '"condensed"',
-                "a file of condensed bodies",
-                "rollbench condense makes one: --condensed FILE",
-            )
-        try:
-            condensed = Condensed.read(options.condensed, scene)
-        except OSError as error:
-            reason = error.strerror or str(error)
-            name_ = str(options.condensed)
-            raise InputError(name_, "file", reason, "a file of condensed bodies", "check the path") from None
-        except ValueError as error:
-            raise InputError(
-                str(options.condensed),
-                "file",
-                str(error),
-                "a file that rollbench condense made of this scene's parts",
-                "make it anew: rollbench condense",
-            ) from None
+    condensed = read_condensed(scene, options) if name == "condensed" else None
     own: dict[str, Any] = {
         "backend": LADDER.get(name, REFINED),
         "condensed": condensed,

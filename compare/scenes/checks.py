@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.scenes.catalogue_input import ball_total
 from compare.scenes.keys import MAX_BALLS, GrooveKeys
 from compare.scenes.schema import BallKeys, SceneKeys
 from lowfi.statics.supports import Held, contradiction, show
@@ -49,6 +50,8 @@ def mm(length: float) -> str:
 
 def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     """Faults that show before geometry is built: keys that exclude or need each other, counts, supports."""
+    from compare.scenes.catalogue_faults import catalogue_faults
+
     for part in ("screw", "nut", "balls"):
         yield from _material_faults(keys, part)
     yield from _kind_faults(keys)
@@ -60,6 +63,7 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
         advice = "friction at rest may have any value up to its limit: give the speed at which the part turns"
         yield Fault(("motion.speed",), "any angular speed but zero", advice)
     yield from _circuit_choice_faults(keys)
+    yield from catalogue_faults(keys)
 
 
 def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
@@ -113,7 +117,7 @@ def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
         advice = "leave out azimuths, or count with turns or arcs"
         yield Fault(("balls.azimuths",), "either azimuths, or count with turns", advice, "both")
         return
-    if balls.azimuths is None and balls.count is None:
+    if balls.azimuths is None and balls.count is None and balls.filling is None:
         advice = "write count and turns for balls spread evenly, or azimuths to list them"
         yield Fault(("balls.count",), "either azimuths, or count with turns", advice, "nothing")
         return
@@ -125,13 +129,14 @@ def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     if ring and balls.turns is not None and balls.turns > 1.0:
         advice = "a bearing has one turn: leave turns out"
         yield Fault(("balls.turns",), "above 0, up to 1 for zero lead", advice)
-    if balls.count is not None and balls.count % starts:
-        near = max(starts, round(balls.count / starts) * starts)
-        advice = f"every start has as many balls: write e.g. count = {near}"
-        yield Fault(("balls.count",), f"a multiple of the {starts} starts", advice)
-    total = balls.count if balls.azimuths is None else len(balls.azimuths) * starts
-    if total is not None:
-        yield from _listed_faults(keys, total)
+    shares = starts * balls.circuits
+    if balls.count is not None and balls.count % shares:
+        near = max(shares, round(balls.count / shares) * shares)
+        what = f"the {starts} starts" if balls.circuits == 1 else f"the {shares} circuits"
+        advice = f"every {'start' if balls.circuits == 1 else 'circuit'} has as many balls: write e.g. count = {near}"
+        yield Fault(("balls.count",), f"a multiple of {what}", advice)
+    total = ball_total(balls, keys.track) if balls.azimuths is None else len(balls.azimuths) * starts
+    yield from _listed_faults(keys, total)
 
 
 def _arc_faults(balls: BallKeys) -> Iterator[Fault]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from compare.scenes.catalogue_input import MATERIAL_NAMES, with_material
 from compare.scenes.quantity import Quantity, Rate, key
 
 MAX_BALLS = 100_000
@@ -56,8 +57,14 @@ class Table(BaseModel):
 class MaterialKeys(Table):
     """Isotropic elastic material. A part that gives only one of the two takes the other from [material]."""
 
+    name: Literal["bearing steel", "silicon nitride", "zirconia"] | None = key(MATERIAL_NAMES, None, "bearing steel")
     youngs_modulus: Modulus | None = key("Young's modulus", None)
     poissons_ratio: Poisson | None = key("Poisson's ratio", None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_name(cls, value: Any) -> Any:
+        return with_material(value)
 
 
 MATERIAL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.28}

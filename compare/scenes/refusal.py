@@ -1,11 +1,11 @@
-"""From faults of a scene file to one SceneError: which key is named, what is allowed there, what to do."""
+"""From faults of a scene file to one SceneError with all of them: which key is named, what is allowed there, what to do."""
 
 from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Mapping, Sequence
-from typing import Any, NoReturn
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, NoReturn
 
 from pydantic import BaseModel, ValidationError
 
@@ -13,17 +13,56 @@ from compare.errors import SceneError
 from compare.scenes.checks import Fault
 from compare.scenes.keys import tidy_schema
 from compare.scenes.units import show
+from compare.scenes.words import hint
+
+#: Keys that a file may have in place of another one.
+ALIASES = {
+    "track.pitch_radius": ("track.pitch_diameter",),
+    "balls.radius": ("balls.diameter",),
+    "balls.count": ("balls.filling",),
+    "errors.balls.oversize": ("preload.oversize", "preload.force"),
+}
+
+
+class Said(NamedTuple):
+    """One fault in words: key, value found, what is allowed, what to do."""
+
+    key: str
+    value: str
+    allowed: str
+    advice: str
+
+
+def refusal(origin: str, said: Sequence[Said]) -> SceneError:
+    """All faults of a file as one error: the first, with the others."""
+    errors = [SceneError(origin, *one) for one in said]
+    return SceneError(origin, *said[0], len(said) - 1, tuple(errors[1:]))
 
 
 def refuse(origin: str, raw: Mapping[str, Any], faults: Sequence[Fault]) -> None:
-    """Raise the first fault, if any, blaming the first of its keys that the file has."""
-    if not faults:
-        return
-    first = faults[0]
-    present = ((key, value) for key in first.keys if (value := _find(raw, key)) is not None)
-    key, found = next(present, (first.keys[-1], None))
-    value = first.value or ("nothing" if found is None else show(found))
-    raise SceneError(origin, key, value, first.allowed, first.advice, len(faults) - 1)
+    """Raise all faults, if any."""
+    if faults:
+        raise refusal(origin, spoken(raw, faults))
+
+
+def spoken(raw: Mapping[str, Any], faults: Sequence[Fault]) -> list[Said]:
+    """Faults in words, each blaming the first of its keys that the file has, under the name that it has there."""
+    out = []
+    for fault in faults:
+        names = [name for key in fault.keys for name in (key, *_aliases(key))]
+        present = ((name, value) for name in names if (value := _find(raw, name)) is not None)
+        key, found = next(present, (fault.keys[-1], None))
+        value = fault.value or ("nothing" if found is None else show(found))
+        half = key not in fault.keys and key.endswith("diameter")
+        out.append(Said(key, value, fault.allowed, f"as a radius; {fault.advice}" if half else fault.advice))
+    return out
+
+
+def _aliases(key: str) -> Iterator[str]:
+    """Keys that a file may have in place of a key."""
+    for own, others in ALIASES.items():
+        if key.endswith(own):
+            yield from (key.removesuffix(own) + other for other in others)
 
 
 def _find(raw: Any, path: str) -> Any:
@@ -38,27 +77,58 @@ def _find(raw: Any, path: str) -> Any:
 
 
 def refuse_keys(origin: str, keys: type[BaseModel], error: ValidationError) -> NoReturn:
-    """Raise the first fault that pydantic found in ``keys`` (unknown keys first, as they explain missing ones)."""
-    faults = error.errors(include_url=False)
-    first = min(faults, key=lambda f: f["type"] != "extra_forbidden")
-    where = first["loc"]
-    path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".") or "file"
-    context, kind = first.get("ctx", {}), first["type"]
-    schema = tidy_schema(keys)
-    if kind == "extra_forbidden":
-        known = list(_node(schema, where[:-1]).get("properties", {}))
-        near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
-        advice = f"unknown key; did you mean {near[0]}?" if near else "unknown key: remove it or move it"
-        raise SceneError(origin, path, show(first["input"]), ", ".join(known), advice, len(faults) - 1)
-    node = _node(schema, where)
+    """Raise all faults that pydantic found in ``keys``."""
+    raise refusal(origin, key_faults(keys, error))
+
+
+def key_faults(keys: type[BaseModel], error: ValidationError) -> list[Said]:
+    """Faults that pydantic found in ``keys``: unknown keys first, as they explain missing ones; a missing key that an
+    unknown one stands for is told with that."""
+    faults = sorted(error.errors(include_url=False), key=lambda f: f["type"] != "extra_forbidden")
+    schema, meant = tidy_schema(keys), set()
+    out = []
+    for fault in faults:
+        where = fault["loc"]
+        if fault["type"] == "extra_forbidden":
+            said, name = unknown(schema, fault)
+            meant.add((*where[:-1], name))
+            out.append(said)
+        elif not (fault["type"] == "missing" and where in meant):
+            out.append(_wrong(schema, fault))
+    return out
+
+
+def _path(where: Sequence[int | str]) -> str:
+    return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".") or "file"
+
+
+def unknown(schema: dict[str, Any], fault: Any) -> tuple[Said, str]:
+    """An unknown key in words, and the known key of its table that it is taken for (may be empty)."""
+    where = fault["loc"]
+    known, word = list(node_at(schema, where[:-1]).get("properties", {})), hint(str(where[-1]))
+    near = difflib.get_close_matches(str(where[-1]), known, n=1, cutoff=0.5)
+    meant = next((name for name in known if word.startswith((f"{name} ", f"{name}:"))), "")
+    if word:
+        advice = f"unknown key here; a scene says {word}"
+    else:
+        meant = near[0] if near else ""
+        advice = f"unknown key; did you mean {meant}?" if near else "unknown key: remove it or move it"
+    return Said(_path(where), show(fault["input"]), ", ".join(known), advice), meant
+
+
+def _wrong(schema: dict[str, Any], fault: Any) -> Said:
+    """A missing key, or a value that is not allowed, in words."""
+    where, context, kind = fault["loc"], fault.get("ctx", {}), fault["type"]
+    node = node_at(schema, where)
     allowed = str(context.get("allowed") or _allowed(node))
-    name = str(where[-1]) if where else ""
-    advice = str(context.get("advice") or _advice(node, name, kind, first["input"]))
-    value = "nothing" if kind == "missing" else show(first["input"])
-    raise SceneError(origin, path, value, allowed, advice, len(faults) - 1)
+    advice = str(context.get("advice") or _advice(node, str(where[-1]) if where else "", kind, fault["input"]))
+    other = next((o for own, (o, *_) in ALIASES.items() if _path(where) == own and o.endswith("diameter")), "")
+    if kind == "missing" and other:
+        advice += f", or {other.split('.')[-1]}"
+    return Said(_path(where), "nothing" if kind == "missing" else show(fault["input"]), allowed, advice)
 
 
-def _node(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
+def node_at(schema: dict[str, Any], where: Sequence[int | str]) -> dict[str, Any]:
     """The part of the JSON Schema that describes the key at ``where`` (empty if there is none)."""
     node: dict[str, Any] = schema
     for part in (*where, None):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import hashlib
-import math
 import re
 import tomllib
 from collections.abc import Sequence
@@ -15,10 +14,13 @@ import numpy as np
 from pydantic import ValidationError
 
 from compare.errors import SceneError, escaped
-from compare.scenes.checks import choice_faults, contact_faults, geometry_faults
+from compare.scenes.catalogue_input import azimuths
+from compare.scenes.checks import Fault, choice_faults, contact_faults, geometry_faults
 from compare.scenes.keys import AXIS, FRICTION_ONLY, WHOLE, MaterialKeys
-from compare.scenes.refusal import refuse, refuse_keys
-from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys
+from compare.scenes.mending import validated
+from compare.scenes.preload import preloaded
+from compare.scenes.refusal import refusal, refuse, refuse_keys, spoken
+from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys, TrackKeys
 from compare.scenes.units import show
 from meshes.axis import Assembly
 from meshes.parts import (
@@ -29,6 +31,7 @@ from meshes.parts import (
     Errors,
     FourierTerm,
     Friction,
+    GateLimits,
     Ingredients,
     Load,
     Material,
@@ -133,13 +136,29 @@ def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys:
 
 
 def of_tables(raw: dict[str, Any], origin: str) -> Scene:
-    """The whole screw or bearing of the tables ``raw``; ``origin`` is the file named in errors. Raises SceneError."""
-    keys = keys_of(raw, origin)
-    refuse(origin, raw, list(choice_faults(keys)))
+    """The whole screw or bearing of the tables ``raw``; ``origin`` is the file named in errors.
+
+    Raises SceneError with all that is wrong, as far as it can be told before the first faults are mended.
+    """
+    keys, broken = validated(raw, SceneKeys)
+    said = list(broken.said)
+    if keys is not None:
+        said += spoken(raw, [fault for fault in choice_faults(keys) if broken.leaves(fault.keys)])
+    if keys is None or not broken.bodies or len(said) > len(broken.said):
+        raise refusal(origin, said)
     scene = scene_of(keys, escaped(Path(origin).stem))
-    refuse(origin, raw, list(geometry_faults(scene)))
-    refuse(origin, raw, list(contact_faults(scene)))
+    said += spoken(raw, _body_faults(scene))
+    if said:
+        raise refusal(origin, said)
+    if keys.preload is not None:
+        scene = preloaded(scene, keys.preload)
+        refuse(origin, raw, _body_faults(scene))
     return scene
+
+
+def _body_faults(scene: Scene) -> list[Fault]:
+    """Bodies that cannot be built; where all can, contacts that cannot be solved."""
+    return list(geometry_faults(scene)) or list(contact_faults(scene))
 
 
 def read_text(path: str | Path) -> str:
@@ -223,9 +242,7 @@ def scene_of(keys: SceneKeys, name: str) -> Scene:
             material=material_of(nut.material, default),
             azimuth=nut.azimuth,
         ),
-        balls=Balls(
-            keys.balls.radius, material_of(keys.balls.material, default), _azimuths(keys.balls, track.starts, track.phase)
-        ),
+        balls=Balls(keys.balls.radius, material_of(keys.balls.material, default), _azimuths(keys.balls, track)),
         errors=Errors(
             balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution), seed=e.seed, **sides
         ),
@@ -241,6 +258,7 @@ def scene_of(keys: SceneKeys, name: str) -> Scene:
         role=keys.role,
         circulation=None if keys.circulation is None else Circulation(**keys.circulation.model_dump()),
         time=None if keys.time is None else Time(**keys.time.model_dump()),
+        gate=GateLimits(**keys.gate.model_dump()),
     )
 
 
@@ -260,19 +278,19 @@ def material_of(own: MaterialKeys | None, default: MaterialKeys) -> Material:
     return Material(modulus, ratio)
 
 
-def _azimuths(balls: BallKeys, starts: int, phase: float) -> tuple[float, ...]:
-    """Azimuths of one start [rad]: as listed, or spread evenly over the arcs, or about the nut's centre over the turns."""
+def _azimuths(balls: BallKeys, track: TrackKeys) -> tuple[float, ...]:
+    """Azimuths of one start [rad]: as listed, or spread evenly over the arcs, or over the turns of its circuits about the
+    nut's centre."""
     if balls.azimuths is not None:
         return tuple(balls.azimuths)
-    n = (balls.count or 0) // starts
-    if balls.arcs is not None:
-        ends = np.array(balls.arcs)
-        fill = np.concatenate([[0.0], np.cumsum(ends[:, 1] - ends[:, 0])])
-        at = (np.arange(n) + 0.5) / n * fill[-1]
-        arc = np.searchsorted(fill, at, side="right") - 1
-        return tuple(float(x) for x in phase + ends[arc, 0] + at - fill[arc])
-    spacing = 2.0 * math.pi * (balls.turns or 1.0) / n
-    return tuple(phase + (i - (n - 1) / 2.0) * spacing for i in range(n))
+    if balls.arcs is None:
+        return azimuths(balls, track)
+    n = (balls.count or 0) // track.starts
+    ends = np.array(balls.arcs)
+    fill = np.concatenate([[0.0], np.cumsum(ends[:, 1] - ends[:, 0])])
+    at = (np.arange(n) + 0.5) / n * fill[-1]
+    arc = np.searchsorted(fill, at, side="right") - 1
+    return tuple(float(x) for x in track.phase + ends[arc, 0] + at - fill[arc])
 
 
 def _side(side: SideKeys) -> SideErrors:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from compare.scenes.catalogue_input import either, with_radius
 from compare.scenes.keys import (
     MATERIAL,
     MAX_BALLS,
@@ -41,17 +42,32 @@ from compare.scenes.keys import (
     Turn,
     Turns,
 )
-from compare.scenes.quantity import key
+from compare.scenes.quantity import Quantity, key
 from meshes.parts import NutHeld
+
+BallDiameter = Annotated[float, Quantity("length", "0.02 mm", "2 m", "5.556 mm")]
+Gap = Annotated[float, Quantity("number", 0, 1000, 0.5)]
+Preload = Annotated[float, Quantity("force", "0 N", "10 MN", "500 N", above=True)]
+Percent = Annotated[float, Quantity("number", 0, 100, 7, above=True)]
 
 
 class TrackKeys(HelixKeys):
     """Nominal path of the ball centres."""
 
+    model_config = either("pitch_radius", "pitch_diameter")
+
+    pitch_diameter: Annotated[Size | None, Field(exclude=True)] = key(
+        "diameter of the helix of the ball centres (or pitch_radius)", None, "33 mm"
+    )
     starts: Annotated[int, Field(ge=1, le=100)] = key(
         "number of starts; start k is start 1 turned by k/starts of a revolution", 1, 1
     )
     phase: Azimuth = key("azimuth of the helix at the nut's centre", "0 deg", "0 deg")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_diameter(cls, value: Any) -> Any:
+        return with_radius(value, "pitch_radius", "pitch_diameter")
 
 
 class ScrewKeys(GrooveKeys):
@@ -77,10 +93,16 @@ Arc = Annotated[list[Azimuth], Field(min_length=2, max_length=2)]
 
 
 class BallKeys(BallSizeKeys):
-    """Balls: count with turns or arcs, or the azimuths one by one."""
+    """Balls: count or filling with turns, count with arcs, or the azimuths one by one."""
 
-    count: Count | None = key("number of balls over all starts, spread evenly (with turns)", None, 32)
-    turns: Turns | None = key("turns filled by the balls of each start, centred on the nut (zero lead: 1)", None)
+    model_config = either("radius", "diameter")
+
+    diameter: Annotated[BallDiameter | None, Field(exclude=True)] = key("nominal diameter (or radius)", None, "5.556 mm")
+    count: Count | None = key("number of balls over all starts and circuits, spread evenly (with turns)", None, 32)
+    filling: Filling | None = key("part of the turns that the balls would fill if they touched (or count)", None, 0.9)
+    turns: Turns | None = key("turns filled by the balls of each circuit, centred on the nut (zero lead: 1)", None)
+    circuits: Annotated[int, Field(ge=1, le=1000)] = key("circuits of each start, one after the other", 1, 3)
+    circuit_gap: Gap | None = key("turns without balls from each circuit to the next", None, 0.5)
     azimuths: Annotated[list[Azimuth], Field(min_length=1, max_length=MAX_BALLS)] | None = key(
         "unwrapped azimuths of the balls of one start, instead of count and turns", None, ["-90 deg", "90 deg"]
     )
@@ -90,6 +112,11 @@ class BallKeys(BallSizeKeys):
         [["-900 deg", "-180 deg"], ["180 deg", "900 deg"]],
     )
     material: MaterialKeys | None = key("material of this part where it is not [material]", None, MATERIAL)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_diameter(cls, value: Any) -> Any:
+        return with_radius(value, "radius", "diameter")
 
 
 class BallErrorKeys(OversizeKeys):
@@ -263,6 +290,23 @@ class TimeKeys(Table):
     )
 
 
+class PreloadKeys(Table):
+    """Preload of one nut in four-point contact, instead of errors.balls.oversize. Give force or oversize."""
+
+    force: Preload | None = key(
+        "axial force between the two pairs of flanks of nut and screw without load, both taken as rigid", None, "500 N"
+    )
+    oversize: Deviation | None = key("added to every ball's radius", None, "3 um")
+    lead_offset: Deviation | None = key("shift of two nuts, or of two halves of a nut, against each other", None)
+
+
+class GateKeys(Table):
+    """Limits of this scene for: rollbench check."""
+
+    max_error: Percent | None = key("limit of the error of any contact load against the 3D reference, in per cent", None, 7)
+    rms_error: Percent | None = key("limit of the RMS error of the contact loads, in per cent of the mean load", None, 3)
+
+
 class SceneKeys(HeadKeys):
     """One load case of one whole ball screw or ball bearing. Lengths, forces and angles are texts with a unit."""
 
@@ -291,3 +335,5 @@ class SceneKeys(HeadKeys):
     motion: MotionKeys | None = key("motion of screw and nut", None, {"speed": "600 rpm"})
     circulation: CirculationKeys | None = key("circuits of the balls", None, {"returning": 4, "filling": 0.8})
     time: TimeKeys | None = key("run in time", None, {"angle": "360 deg"})
+    preload: PreloadKeys | None = key("preload of one nut", None, {"force": "500 N"})
+    gate: GateKeys = key("limits for: rollbench check", GateKeys(), {"max_error": 7})

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from lowfi.compliance.bodies import REFINED, Backend
+from lowfi.compliance.imported import Condensed
 from lowfi.statics import elastic as elastic_solver
-from lowfi.statics.elastic_system import Rebuild, one_thread
+from lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from lowfi.statics.mechanism import free_motions
-from lowfi.statics.problem import Array, build
+from lowfi.statics.problem import Array, Problem, build
 from lowfi.statics.records import Outcome
 from lowfi.statics.static import (
     ACCEPTED,
@@ -65,20 +66,30 @@ def elastic_loads(
     scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine = "auto", backend: Backend = REFINED
 ) -> ContactLoads:
     """The same with elastic bodies, ``solve_elastic`` with all four flanks."""
-    kernels, use = pick_engine(engine, layout.z.size), np.ones(4, dtype=bool)
     with one_thread():
-        rebuild = Rebuild(scene, drawn, layout, use, None, backend, None, kernels, False, 1)
-        problem = rebuild.problem()
-        mechanism = free_motions(problem)
-        if mechanism.driven:
-            return _none(problem.C, f"not held: {mechanism.text}")
-        rebuild, system = rebuild.pinned(pin(problem, mechanism))
-        outcome: Outcome = elastic_solver.solve_with_hertz(system)
-        if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
-            system, outcome = elastic_solver.follow_profile(system, outcome, rebuild)
-        status = verdict(outcome, max(elastic_solver.round_off(system, outcome.scale), ACCEPTED), system.problem)
+        system, status = solved_system(scene, drawn, layout, backend, None, engine)
+        if isinstance(system, Problem):
+            return _none(system.C, status)
         _, contact, _ = elastic_solver.contacts_of(system)
     return _loads(contact[..., 0], contact[..., 1:3], system.problem.C, status)
+
+
+def solved_system(
+    scene: Scene, drawn: Specimen, layout: BallLayout, backend: Backend, condensed: Condensed | None, engine: Engine
+) -> tuple[Elastic | Problem, str]:
+    """Elastic bodies with all four flanks at their solution, and its status; the problem alone where nothing holds the
+    screw."""
+    kernels, use = pick_engine(engine, layout.z.size), np.ones(4, dtype=bool)
+    rebuild = Rebuild(scene, drawn, layout, use, None, backend, condensed, kernels, False, 1)
+    problem = rebuild.problem()
+    mechanism = free_motions(problem)
+    if mechanism.driven:
+        return problem, f"not held: {mechanism.text}"
+    rebuild, system = rebuild.pinned(pin(problem, mechanism))
+    outcome: Outcome = elastic_solver.solve_with_hertz(system)
+    if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
+        system, outcome = elastic_solver.follow_profile(system, outcome, rebuild)
+    return system, verdict(outcome, max(elastic_solver.round_off(system, outcome.scale), ACCEPTED), system.problem)
 
 
 #: How the models of a static run find loads again and again, by name.

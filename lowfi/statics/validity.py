@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lowfi.statics.problem import Problem, nominal_hertz
 from lowfi.statics.solved import SolvedState
+from meshes.parts import Scene
 from meshes.section import groove_section, nut_groove_range
 
 Array = NDArray[np.float64]
@@ -41,9 +42,9 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
     )
 
 
-def groove_range(problem: Problem) -> tuple[Array, Array]:
+def groove_range(scene: Scene) -> tuple[Array, Array]:
     """Smallest and largest contact angle of each side's arc, ``(4,)`` [rad]: apex and land's edge."""
-    screw, nut = groove_section(problem.scene), nut_groove_range(problem.scene)
+    screw, nut = groove_section(scene), nut_groove_range(scene)
     low, high = (screw.gamma_1, nut[0]), (screw.gamma_2, nut[1])
     return np.repeat(low, 2), np.repeat(high, 2)
 
@@ -51,7 +52,7 @@ def groove_range(problem: Problem) -> tuple[Array, Array]:
 def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[str]:
     """Contacts beyond the arc or whose ellipse is, balls that move far, ellipses as large as the ball."""
     notes, loaded = [], force > 0.0
-    low, high = groove_range(problem)
+    low, high = groove_range(problem.scene)
     radius = problem.scene.balls.radius
     off = loaded & ((gamma < low) | (gamma > high))
     if off.any():

@@ -86,6 +86,7 @@ def compare(
     levels: str | None = None,
     store: Path = Path("rollbench-reference"),
     fresh: Annotated[bool, Parameter(negative="")] = False,
+    balls: Annotated[bool, Parameter(negative="")] = False,
     as_json: Json = False,
     backend: str = "joblib",
     scheduler: str | None = None,
@@ -94,18 +95,23 @@ def compare(
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
 
+    A verdict and one table; every contact goes to <scene>-compare.csv and .svg in the store. For a page to send: rollbench
+    report SCENE.
+
     Parameters
     ----------
     scenes
         Names of shipped scenes, or scene files.
     model
-        Low-order models: lin, lin-source-partition, lin-printed-hertz, mei, mei-nut; all that suit the scene unless given.
+        Low-order models of rollbench list, but for condensed; those that the report compares unless given.
     levels
         Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given.
     store
         Folder of the reference's results, besides those shipped.
     fresh
         Compute runs even where they are stored or shipped.
+    balls
+        Also print every contact.
     backend
         joblib (this machine) or dask (a cluster).
     scheduler
@@ -131,6 +137,7 @@ def compare(
         show=show,
         print_json=print_json,
         fresh=fresh,
+        balls=balls,
     )
 
 

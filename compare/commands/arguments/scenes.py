@@ -7,8 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, app, cache_folder, print_json, show
-from compare.errors import InputError, named, one_line
+from compare.commands.arguments.terminal import Json, app, cache_folder, print_json, show, text_width
+from compare.errors import InputError
 
 
 @app.command(name="list")
@@ -39,7 +39,7 @@ def schema() -> None:
 
 
 @app.command
-def new(file: Path, *, kind: str = "ball-screw") -> None:
+def new(file: Path, *, kind: str = "", like: str = "") -> None:
     """Write a commented scene to edit.
 
     Parameters
@@ -47,14 +47,20 @@ def new(file: Path, *, kind: str = "ball-screw") -> None:
     file
         Where to write it; an existing file is never overwritten.
     kind
-        ball-screw, bearing, several sets on one shaft: axis, double-nut; or what only friction solves: bearing-ball,
-        bearing-pair, linear-pair, linear-chain, screw-pair, screw-run.
+        ball-screw unless given, bearing, several sets on one shaft: axis, double-nut; or what only friction solves:
+        bearing-ball, bearing-pair, linear-pair, linear-chain, screw-pair, screw-run.
+    like
+        Nominal diameter and lead of a ball screw in mm, such as 40x10: the rest as is usual for such a size.
     """
     from compare.scenes.keys import WHOLE
+    from compare.scenes.like import scene_like
     from compare.scenes.template import AXES, template
     from compare.writing import write_new
 
-    write_new(file, template(kind))
+    if like and kind not in ("", "ball-screw"):
+        raise InputError("command line", "--like", like, "without --kind", "a nominal size is that of a ball screw")
+    kind = kind or "ball-screw"
+    write_new(file, scene_like(like) if like else template(kind))
     command = "solve" if kind.replace("-", " ") in (*WHOLE, *AXES) else "friction"
     show(f"wrote {file}; solve it with: rollbench {command} {file}")
 
@@ -68,6 +74,10 @@ def solve(
     everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
     member: int = 0,
     condensed: Path | None = None,
+    balls: Annotated[bool, Parameter(negative="")] = False,
+    stiffness_at: str = "",
+    matrix: Path | None = None,
+    curve: Path | None = None,
     members: int | None = None,
     csv: Path | None = None,
     seed: int | None = None,
@@ -75,6 +85,8 @@ def solve(
     time_limit: float | None = None,
 ) -> int:
     """Solve one scene with one model, or many members of a scene with random errors.
+
+    The answers come first: loads, rigidity, pressure, safety, preload, friction, life.
 
     Parameters
     ----------
@@ -88,6 +100,14 @@ def solve(
         Which specimen of a scene with random errors.
     condensed
         File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+    balls
+        Print the table of all balls.
+    stiffness_at
+        Also the 6 x 6 tangent stiffness at a station of the screw, such as "400 mm", against the held nut.
+    matrix
+        File for that matrix: .mtx (Matrix Market) or .dmig (Nastran).
+    curve
+        File (.csv) for displacement, stiffness, largest load and torque at 0 to 1.5 times the loads; a figure beside it.
     members
         Solve so many members: bands of every ball, distributions of the largest load, stiffness, lost contacts, life.
     csv
@@ -99,19 +119,16 @@ def solve(
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
     """
-    from compare.commands.solve_output import as_json as to_json
-    from compare.commands.solve_output import as_table
-    from compare.models.model_form import estimate
-    from compare.models.registry import DEFAULT, Options, run_model
-    from compare.scenes import catalogue
-    from compare.scenes.scene_file import whole
-    from compare.watch import checked, watched
-    from meshes.axis import Assembly
+    from compare.commands.solve import Choices, run_solve
 
     if members is not None:
         from compare.commands import members as ensembles
+        from compare.models.registry import DEFAULT
         from compare.reference.jobs import Engine
 
+        if balls or stiffness_at or matrix is not None or curve is not None:
+            named = "--balls, --stiffness-at, --matrix, --curve"
+            raise InputError("command line", named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
         return ensembles.run(
             scene,
@@ -126,26 +143,8 @@ def solve(
         )
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
-    asked, model = model, model or (DEFAULT if condensed is None else "condensed")
-    if condensed is not None and model != "condensed":
-        raise InputError("command line", "--condensed", str(condensed), "the model condensed", "leave --model out")
-    if not 0 <= member < 10**9:
-        raise InputError("command line", "--member", str(member), "0 to 999999999", "give the specimen's number")
-    found = catalogue.any_scene(scene)
-    if isinstance(found, Assembly):
-        from compare.commands.axis_output import solve_shown
-
-        with watched(found.name, checked(time_limit)), named(found.name, scene):
-            return solve_shown(found, asked, (everything, member, condensed), as_json, show, print_json)
-    parts = whole(found, scene)
-    with watched(f"{parts.name}, model {one_line(model)}", checked(time_limit)), named(parts.name, scene):
-        result = run_model(parts, model, Options(everything=everything, member=member, condensed=condensed))
-    worth = estimate(parts, result) if result.converged else None
-    if as_json:
-        print_json(to_json(parts, result, worth))
-    else:
-        show(*as_table(parts, result, worth))
-    return 0 if result.converged else 1
+    choices = Choices(model, everything, member, condensed, balls, stiffness_at, matrix, curve, time_limit)
+    return run_solve(scene, choices, text_width(), show, print_json if as_json else None)
 
 
 @app.command

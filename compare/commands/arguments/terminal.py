@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -78,6 +79,11 @@ def show(*parts: Any) -> None:
     with writing():
         for part in parts:
             console.print(part)
+
+
+def text_width() -> int:
+    """Width of running text: the terminal's, 100 where standard output is none."""
+    return shutil.get_terminal_size((100, 24)).columns if sys.stdout.isatty() else 100
 
 
 def cache_folder() -> Path | None:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, Tls, app, engine, print_json, show
+from compare.commands.arguments.terminal import Json, Tls, app, cache_folder, engine, print_json, show
 from compare.errors import InputError
 
 
@@ -56,27 +56,73 @@ def report(
 
 
 @app.command
-def check(*, max_error: float = 7.0, as_json: Json = False) -> int:
-    """Check against hard printed values and closed forms; exit 1 and the rows where the error is too large.
+def check(
+    scenes: list[str] | None = None,
+    /,
+    *,
+    model: str = "",
+    loads: Path | None = None,
+    max_error: float | None = None,
+    levels: int | None = None,
+    stored: Path | None = None,
+    no_compute: Annotated[bool, Parameter(negative="")] = False,
+    store: Path = Path("rollbench-reference"),
+    junit: Path | None = None,
+    markdown: Path | None = None,
+    csv: Path | None = None,
+    as_json: Json = False,
+) -> int:
+    """Judge scenes against their 3D reference; without scenes: the gate of what is shipped (printed values, closed forms,
+    balance, 3D references).
+
+    A scene passes where error + u is within the limit, u the reference's own uncertainty; it fails where error - u is
+    beyond the limit, and is undecided between. It is not covered where no reference is stored and none may be computed. The
+    error of a contact load is in per cent of its reference load (of the mean load below a tenth of it).
+
+    Exit codes: 0 all pass (without scenes: no row fails); 1 one fails; 2 bad input; 3 none fails, but one is undecided; 4
+    none of these, but one is not covered.
 
     Parameters
     ----------
+    scenes
+        Names of shipped scenes, or scene files. A scene may set its own limits in a table [gate].
+    model
+        Low-order model that is judged: refined unless given.
+    loads
+        Judge the loads of another program instead: CSV file with the columns ball, flank (SL, SR, NL, NR), newton.
     max_error
-        Largest error allowed, in per cent, for rows that have no tighter tolerance of their own.
+        Limit of the error in per cent, in place of the scenes' own; 7 where neither is given.
+    levels
+        Compute mesh levels 1 to N of the reference where they are not stored; the best stored unless given, 2 where there
+        are fewer. One level gives no uncertainty, and decides nothing.
+    stored
+        Take the reference from runs stored in this folder, besides those shipped, and compute none.
+    no_compute
+        Compute no run of the reference.
+    store
+        Folder of the reference's runs, besides those shipped.
+    junit
+        Also write the verdicts as JUnit XML.
+    markdown
+        Also write them as a Markdown table, and add it to the summary that the environment names (GITHUB_STEP_SUMMARY).
+    csv
+        Also write them as CSV.
     """
-    from compare.gate.gate import run_gate
+    from compare.commands.check import Output, run_check, run_shipped
+    from compare.gate.user import asked
+    from compare.reference.jobs import Engine
 
-    if not 0.0 < max_error <= 100.0:
-        raise InputError("command line", "--max-error", str(max_error), "above 0 to 100 per cent", "the gate uses 7")
-    rows = run_gate(max_error)
-    bad = [row for row in rows if not row.passed]
-    if as_json:
-        print_json({"max_error_percent": max_error, "passed": not bad, "rows": [row.as_json() for row in rows]})
-    else:
-        from compare.gate.gate import as_table
-
-        show(as_table(rows), f"{len(rows) - len(bad)} passed, {len(bad)} failed")
-    return 1 if bad else 0
+    out = Output(as_json, show, print_json, junit, markdown, csv)
+    what = asked(
+        model=model, loads=loads, max_error=max_error, levels=levels, store=store, stored=stored, compute=not no_compute
+    )
+    if scenes:
+        return run_check(scenes, what, Engine(cache=cache_folder()), out)
+    given = {"--model": model, "--loads": loads, "--levels": levels, "--stored": stored, "--no-compute": no_compute}
+    for name, value in given.items():
+        if value:
+            raise InputError("command line", name, str(value), "with a scene", "name the scenes that are judged")
+    return run_shipped(max_error, out)
 
 
 @app.command

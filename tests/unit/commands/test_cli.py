@@ -41,8 +41,9 @@ def test_json_is_exactly_one_object(capsys: pytest.CaptureFixture[str]) -> None:
     ball = data["balls"][0]
     assert set(ball) == {"index", "azimuth_deg", "z_mm", "load_N", "contact_angle_deg"}
     assert set(ball["load_N"]) == {"SL", "SR", "NL", "NR"}
-    assert set(data["summary"]) == {"SL", "NR"}
-    assert set(data["summary"]["SL"]) == {"max_N", "min_N", "ratio", "loaded", "lost"}
+    assert set(data["summary"]) >= {"sides", "loads", "axial", "worst_contact", "truncation", "static_safety", "life"}
+    assert set(data["summary"]["sides"]) == {"SL", "NR"}
+    assert set(data["summary"]["sides"]["SL"]) == {"max_N", "min_N", "ratio", "loaded", "lost"}
     assert set(data["centreline"][0]) == {"z_mm", "ux_um", "uy_um", "uz_um"}
     assert {"iterations", "residual", "seconds", "unknowns"} <= set(data["solver"])
     assert data["equilibrium"]["force_residual"] < 1e-12
@@ -61,7 +62,7 @@ def test_every_model_runs_from_the_command_line(capsys: pytest.CaptureFixture[st
 
 
 def test_the_table_shows_loads_and_assumptions(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "solve", "lin-case3")
+    code, out, _ = run(capsys, "solve", "lin-case3", "--model", "lin", "--balls")
     assert code == 0
     for text in ("SL N", "SR N", "assumed:", "left out:", "residual"):
         assert text in out
@@ -149,11 +150,11 @@ def test_list_and_schema(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "schema")
     assert code == 0
     schema = json.loads(out)
-    assert len(schema["oneOf"]) == 7
+    assert len(schema["oneOf"]) == 8
     assert "track" in schema["$defs"]["SceneKeys"]["properties"]
 
 
-@pytest.mark.parametrize("tokens", [["--help"], ["solve", "lin-case1", "--json"], ["list"]])
+@pytest.mark.parametrize("tokens", [["--help"], ["solve", "two-balls", "--json"], ["list"]])
 def test_start_up_imports_nothing_heavy(tokens: list[str]) -> None:
     code = (
         "import sys\nfrom compare.cli import main\n"

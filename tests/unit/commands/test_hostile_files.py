@@ -115,6 +115,19 @@ def test_damaged_bytes_are_refused(tmp_path, capsys):
     refused(capsys, "solve", SCENE, "--condensed", str(path))
 
 
+def test_a_header_that_ends_in_an_open_bracket_is_refused(tmp_path):
+    path = tmp_path / "open.npz"
+    bodies().save(path)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    head = b"{'descr': '<f8".ljust(118)
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content if name != "screw.npy" else content[:8] + struct.pack("<H", 118) + head)
+    with pytest.raises(ValueError, match="damaged"):
+        load_condensed(path)
+
+
 def test_a_small_file_that_declares_a_huge_one_is_refused(tmp_path, capsys):
     path = tmp_path / "bomb.npz"
     head = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000, 1000000000), }".ljust(117) + "\n"

@@ -36,10 +36,10 @@ def test_uses_of_the_registry():
     assert not MODELS["source"].suits(rigid)
 
 
-def test_only_compared_models_are_named_for_compare():
-    assert compared_models(("lin",)) == [MODELS["lin"]]
+def test_every_model_that_needs_no_file_is_named_for_compare():
+    assert compared_models(("lin", "lin-cell")) == [MODELS["lin"], MODELS["lin-cell"]]
     with pytest.raises(InputError, match="lin-source-partition"):
-        compared_models(("lin-cell",))
+        compared_models(("condensed",))
 
 
 def test_a_variant_is_the_model_on_the_changed_scene():

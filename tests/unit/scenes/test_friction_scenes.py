@@ -69,7 +69,7 @@ def test_every_shipped_scene_converges_and_balances_power():
         assert answer.converged, name
         assert scene.assumed, name
         assert answer.data["assumed"] == list(scene.assumed)
-        assert answer.data["left_out"] == left_out_of_kind(scene.kind)
+        assert answer.data["left_out"] == left_out_of_kind(scene.kind, answer.data.get("coupling"))
         assert abs(answer.data["energy"]["balance_percent"]) < (0.2 if name.endswith("printed") else 1e-8), name
 
 

@@ -23,7 +23,8 @@ from meshes.parts import FREEDOMS, SIDES, FourierTerm, Scene
 
 NAMES = catalogue.whole_names()
 #: Keys that exclude another key, or that another choice needs.
-EITHER_OR = ("groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts")
+EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}
+EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs"}
 EXPECTED = {
     "bearing-9",
     "bearing-9-preload",
@@ -55,6 +56,7 @@ def test_shipped_scene_loads(name):
     assert scene.name == name
     assert scene.title
     own = {"unseen": "rollbench, ", "two": "rollbench, made", "lin-case1-cut": "rollbench, cut out of"}
+    own |= {"liu-screw": "Liu et al. (2025)", "lin-case3-tolerances": "rollbench, on Lin (2019)"}
     assert scene.source.startswith(own.get(name, own.get(name.split("-")[0], "Lin (2019)")))
     assert all(sentence.endswith(".") for sentence in scene.assumed)
     assert len(scene.assumed) >= (1 if scene.source.startswith("rollbench") else 5)
@@ -209,7 +211,7 @@ def test_template_alternatives_load():
     text = template()
     lines = text.splitlines()
     shown = [i for i, line in enumerate(lines) if line.startswith("# or: ")]
-    assert len(shown) == 7
+    assert len(shown) == 10
     for i in shown:
         j = i - 1
         changed = [*lines[:j], lines[i].removeprefix("# or: "), *lines[i + 1 :]]

@@ -124,7 +124,7 @@ def test_a_result_says_which_member_it_is():
     options = Options(member=3, discretisation=False)
     result = run_model(scene, "lin", options)
     assert as_json(scene, result)["member"] == 3
-    assert "member 3 of its random errors" in str(as_table(scene, result)[0].title)
+    assert "member 3 of its random errors" in str(as_table(scene, result)[0])
     plain = catalogue.scene("lin-case1")
     assert as_json(plain, run_model(plain, "lin", replace(options, member=0)))["member"] is None
 

@@ -1,0 +1,68 @@
+"""The command ``rollbench check``: the shipped gate, or a user's scenes against their 3D reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from compare.commands.study import on_terminal
+from compare.errors import InputError
+from compare.gate.publish import Outcome, of_row, of_verdict, publish
+from compare.gate.user import Asked, check_scenes
+from compare.gate.verdict import CODES, LIMIT, worst_of
+from compare.reference.jobs import Engine
+from compare.scenes import catalogue
+
+
+@dataclass(frozen=True)
+class Output:
+    """How the answer is given: JSON on standard output, printers, and files to write."""
+
+    as_json: bool
+    show: Callable[..., None]
+    print_json: Callable[[Any], None]
+    junit: Path | None = None
+    markdown: Path | None = None
+    csv: Path | None = None
+
+    def files(self, outcomes: Sequence[Outcome]) -> list[Path]:
+        """Write the files that are asked for."""
+        return publish(outcomes, junit_file=self.junit, markdown_file=self.markdown, csv_file=self.csv)
+
+
+def run_check(names: Sequence[str], what: Asked, engine: Engine, out: Output) -> int:
+    """Judge scenes and print a line on each; returns the exit code of the gravest verdict."""
+    scenes = [catalogue.scene(name) for name in names]
+    for k, scene in enumerate(scenes):
+        if scene.name in (s.name for s in scenes[:k]):
+            advice = "verdicts and stored runs are told apart by the file's name: rename one"
+            raise InputError(names[k], "name", scene.name, "each scene once, under a name of its own", advice)
+    verdicts = check_scenes(scenes, what, engine, on_terminal)
+    gravest = worst_of([v.word for v in verdicts])
+    written = out.files([of_verdict(v) for v in verdicts])
+    if out.as_json:
+        out.print_json({"verdict": gravest, "passed": gravest == "pass", "verdicts": [v.as_json() for v in verdicts]})
+    else:
+        counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
+        out.show(*(v.line() for v in verdicts), counts, *(f"{path} written" for path in written))
+    return CODES[gravest]
+
+
+def run_shipped(max_error: float | None, out: Output) -> int:
+    """The gate of what is shipped; returns 1 where a row fails."""
+    from compare.gate.gate import as_table, run_gate
+
+    limit = LIMIT if max_error is None else max_error
+    rows = run_gate(limit)
+    bad = [row for row in rows if not row.passed]
+    written = out.files([of_row(row) for row in rows])
+    if out.as_json:
+        out.print_json({"max_error_percent": limit, "passed": not bad, "rows": [row.as_json() for row in rows]})
+    else:
+        words = [row.verdict for row in rows]
+        others = "".join(f", {n} {word}" for word in ("undecided", "reported") if (n := words.count(word)))
+        line = f"{words.count('ok')} passed, {len(bad)} failed{others}"
+        out.show(as_table(rows), line, *(f"{path} written" for path in written))
+    return 1 if bad else 0

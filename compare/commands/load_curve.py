@@ -1,0 +1,80 @@
+"""Displacement, stiffness, largest load and friction torque of a scene over its load, as CSV and as a figure."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+
+from compare.errors import InputError
+from compare.models.answers import quick_friction
+from compare.models.loading import CurvePoint, curve
+from compare.models.registry import Options
+from compare.writing import replace_file
+from meshes.parts import Scene
+from reports.records import Figure, Panel, Series
+
+#: Factors on the scene's loads.
+FACTORS = tuple(round(0.1 * k, 1) for k in range(16))
+COLUMNS = ("load_factor", "axial_force_N", "displacement_um", "stiffness_N_per_um", "largest_load_N", "torque_Nmm")
+
+
+def write_curve(path: Path, scene: Scene, model: str, options: Options) -> list[str]:
+    """Solve at 0 to 1.5 times the loads and write the table and, beside it, the figure (SVG); lines that say so.
+
+    Raises InputError for a scene without axial load, and where a file cannot be written.
+    """
+    points = curve(scene, FACTORS, model, options)
+    if len(points) < 3 or max(abs(p.force) for p in points) == 0.0:
+        allowed = "a scene that solves under parts of its axial load"
+        raise InputError("command line", "--curve", str(path), allowed, "give the scene an axial load")
+    rows = curve_rows(scene, points, options)
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    replace_file(path, text.getvalue())
+    from reports.figures import draw
+
+    picture = path.with_suffix(".svg")
+    replace_file(picture, draw(curve_figure(scene, rows)))
+    missing = len(FACTORS) - len(points)
+    left = f"; {missing} of {len(FACTORS)} loads without a solution are left out" if missing else ""
+    return [f"wrote {path} and {picture}: {len(points)} loads from 0 to {points[-1].factor:g} times the scene's{left}"]
+
+
+def curve_rows(scene: Scene, points: list[CurvePoint], options: Options) -> list[dict[str, float | None]]:
+    """Rows of the table; stiffness by differences along the curve, torque where the scene has a coefficient and no kernel
+    has to be compiled for it."""
+    force = np.array([p.force for p in points])
+    moved = np.array([p.displacement for p in points])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = 1.0 / np.gradient(moved, force)
+    rows = []
+    for p, k in zip(points, slope, strict=True):
+        state, _ = quick_friction(scene, p.result, options) if p.largest > 0.0 else (None, "")
+        torque = None if state is None else 1e3 * state.torque.friction
+        stiffness = 1e-6 * float(k) if np.isfinite(k) else None
+        values = (p.factor, p.force, 1e6 * p.displacement, stiffness, p.largest, torque)
+        rows.append(dict(zip(COLUMNS, values, strict=True)))
+    return rows
+
+
+def curve_figure(scene: Scene, rows: list[dict[str, float | None]]) -> Figure:
+    """A panel for each column that has values."""
+    labels = {
+        "displacement_um": "axial displacement / µm",
+        "stiffness_N_per_um": "tangent stiffness / (N/µm)",
+        "largest_load_N": "largest contact load / N",
+        "torque_Nmm": "friction torque / (N mm)",
+    }
+    panels = []
+    for column, label in labels.items():
+        known = [(1e-3 * float(r["axial_force_N"] or 0.0), float(v)) for r in rows if (v := r[column]) is not None]
+        if known:
+            x, y = zip(*known, strict=True)
+            series = Series(scene.name, x, y)
+            panels.append(Panel(label.split(" /")[0], "axial force on the nut / kN", label, [series], zero=True))
+    return Figure("load-curve", f"{scene.name} over its load", panels)

@@ -1,0 +1,143 @@
+"""``rollbench solve``: one scene, one model; the answers first, tables and files where asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from compare.commands.load_curve import write_curve
+from compare.commands.matrix_files import check_matrix, write_matrix
+from compare.commands.solve_output import as_json as to_json
+from compare.commands.solve_output import as_table, number, stiffness_lines
+from compare.commands.summary import answers_json, block, wrapped
+from compare.errors import InputError, named, one_line
+from compare.models.answers import Answers, gather, tangent_of
+from compare.models.model_form import estimate
+from compare.models.registry import DEFAULT, Options, run_model
+from compare.scenes import catalogue, units
+from compare.scenes.scene_file import whole
+from compare.watch import checked, watched
+from compare.writing import need_writable
+from lowfi.statics.result import StaticResult
+from lowfi.statics.tangent import Tangent
+from meshes.axis import Assembly
+from meshes.parts import FREEDOMS, Scene
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What the command line says: model, whether to leave nothing out, specimen, condensed bodies, whether to print the
+    table of balls, station of the stiffness and its file, file of the load curve, seconds after which to give up."""
+
+    model: str = ""
+    everything: bool = False
+    member: int = 0
+    condensed: Path | None = None
+    balls: bool = False
+    stiffness_at: str = ""
+    matrix: Path | None = None
+    curve: Path | None = None
+    time_limit: float | None = None
+
+
+def run_solve(
+    name: str, choices: Choices, width: int, show: Callable[..., None], print_json: Callable[[Any], None] | None
+) -> int:
+    """Solve and print, as JSON where ``print_json`` is given; 1 where it did not converge. Raises InputError."""
+    model, station = _checked(choices)
+    described = catalogue.any_scene(name)
+    if isinstance(described, Assembly):
+        return _run_axis(described, name, choices, show, print_json)
+    scene = whole(described, name)
+    if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
+        allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
+        raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, "give a station of the screw")
+    options = Options(choices.everything, choices.member, condensed=choices.condensed)
+    found: Answers | None = None
+    tangent: Tangent | None = None
+    with watched(f"{scene.name}, model {one_line(model)}", checked(choices.time_limit)), named(scene.name, name):
+        result = run_model(scene, model, options)
+        if result.converged:
+            found = gather(scene, result, model, options)
+            if choices.stiffness_at:
+                tangent = tangent_of(scene, station, model, options)
+    worth = estimate(scene, result) if found is not None else None
+    written = _write(scene, result, tangent, model, options, choices)
+    answers = None if found is None else answers_json(scene, result, found)
+    if answers is not None and tangent is not None:
+        answers["stiffness"] = stiffness_json(tangent)
+    if print_json is not None:
+        print_json(to_json(scene, result, worth, answers))
+    else:
+        speed = None if scene.motion is None else scene.motion.speed
+        text = "" if found is None else block(scene, result, found, worth, width, speed)
+        parts = as_table(scene, result, worth, block=text, balls=choices.balls)
+        parts += [*([] if tangent is None else stiffness_lines(tangent)), *written]
+        show(*(wrapped(part, width) if isinstance(part, str) else part for part in parts))
+    return 0 if result.converged else 1
+
+
+def _run_axis(
+    axis: Assembly, name: str, choices: Choices, show: Callable[..., None], print_json: Callable[[Any], None] | None
+) -> int:
+    """Solve and print several sets on one shaft, whose scene says where its stiffness is asked for."""
+    from compare.commands.axis_output import solve_shown
+
+    given = {"--stiffness-at": choices.stiffness_at, "--matrix": choices.matrix, "--curve": choices.curve}
+    for option, value in given.items():
+        if value:
+            advice = "a shaft with several sets prints its stiffness, where [stiffness] says: leave the option out"
+            raise InputError("command line", option, str(value), "a scene with one set", advice)
+    asked = (choices.everything, choices.member, choices.condensed)
+    with watched(axis.name, checked(choices.time_limit)), named(axis.name, name):
+        return solve_shown(axis, choices.model, asked, print_json is not None, show, print_json or show)
+
+
+def _checked(choices: Choices) -> tuple[str, float]:
+    """Model and station [m] of the choices. Raises InputError for what does not go together or cannot be written."""
+    model = choices.model or (DEFAULT if choices.condensed is None else "condensed")
+    if choices.condensed is not None and model != "condensed":
+        advice = "leave --model out"
+        raise InputError("command line", "--condensed", str(choices.condensed), "the model condensed", advice)
+    if not 0 <= choices.member < 10**9:
+        raise InputError("command line", "--member", str(choices.member), "0 to 999999999", "give the specimen's number")
+    if choices.matrix is not None:
+        if not choices.stiffness_at:
+            raise InputError("command line", "--matrix", str(choices.matrix), "with --stiffness-at", "give a station")
+        check_matrix(choices.matrix)
+    if choices.curve is not None:
+        if choices.curve.suffix.lower() != ".csv":
+            raise InputError("command line", "--curve", str(choices.curve), "a name that ends in .csv", "rename it")
+        need_writable(choices.curve)
+    if not choices.stiffness_at:
+        return model, 0.0
+    try:
+        return model, units.parse(choices.stiffness_at, "length")
+    except ValueError as error:
+        allowed = "a length with its unit"
+        raise InputError("command line", "--stiffness-at", choices.stiffness_at, allowed, f'"400 mm"; {error}') from None
+
+
+def _write(
+    scene: Scene, result: StaticResult, tangent: Tangent | None, model: str, options: Options, choices: Choices
+) -> list[str]:
+    """Files that were asked for; lines that say so."""
+    lines = []
+    if choices.matrix is not None and tangent is not None and tangent.status == "converged":
+        write_matrix(choices.matrix, tangent, scene.name, model)
+        lines.append(f"wrote {choices.matrix}: the matrix, symmetric, in N, m and rad")
+    if choices.curve is not None and result.converged:
+        lines += write_curve(choices.curve, scene, model, options)
+    return lines
+
+
+def stiffness_json(tangent: Tangent) -> dict[str, Any]:
+    """The matrix for JSON: N/m, N/rad, N m/rad."""
+    return {
+        "station_mm": number(1e3 * tangent.station),
+        "status": tangent.status,
+        "freedoms": list(FREEDOMS),
+        "matrix": [[number(x) for x in row] for row in tangent.matrix],
+    }

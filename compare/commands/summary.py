@@ -1,0 +1,275 @@
+"""The answers of a solved scene as a block of ten entries, aligned and no wider than asked, and as JSON."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compare.commands.solve_output import model_form_text, number
+from compare.models.answers import Answers, LoadAnswers
+from compare.models.model_form import ModelForm
+from lowfi.rating.contacts import ALLOWED
+from lowfi.statics.result import StaticResult
+from lowfi.statics.validity import YIELD_PRESSURE
+from meshes.parts import SIDES, Scene
+
+if TYPE_CHECKING:
+    from lowfi.friction.whole.state import FrictionState
+
+#: Width of the labels of the block.
+LABEL = 10
+
+
+def loads_json(result: StaticResult) -> dict[str, Any] | None:
+    """Worst ball, mean and extremes of the loaded contacts; None without load."""
+    held = result.load > 0.0
+    if not held.any():
+        return None
+    own = result.load[held]
+    i, s = np.unravel_index(int(result.load.argmax()), result.load.shape)
+    return {
+        "worst_ball": int(i) + 1,
+        "worst_side": SIDES[int(s)],
+        "max_N": number(own.max()),
+        "mean_N": number(own.mean()),
+        "min_N": number(own.min()),
+        "loaded_contacts": int(own.size),
+        "balls_without_load": int((~held.any(axis=1)).sum()),
+    }
+
+
+def contacts_json(found: LoadAnswers) -> dict[str, Any]:
+    """Worst contact, truncation, static safety and life; null where there is none."""
+    w, t, s, life = found.worst, found.reach, found.safety, found.life
+    return {
+        "worst_contact": None
+        if w is None
+        else {
+            "ball": w.ball,
+            "side": w.side,
+            "force_N": number(w.force),
+            "contact_angle_deg": number(math.degrees(w.angle)),
+            "approach_um": number(1e6 * w.approach),
+            "semi_axis_a_mm": number(1e3 * w.a),
+            "semi_axis_b_mm": number(1e3 * w.b),
+            "pressure_MPa": number(1e-6 * w.pressure),
+        },
+        "truncation": None
+        if t is None
+        else {
+            "ball": t.ball,
+            "side": t.side,
+            "edge": t.edge,
+            "contact_angle_deg": number(math.degrees(t.angle)),
+            "ellipse_half_width_deg": number(math.degrees(t.half)),
+            "edge_angle_deg": number(math.degrees(t.limit)),
+            "margin_deg": number(math.degrees(t.margin)),
+            "contacts_cut": t.cut,
+        },
+        "static_safety": None
+        if s is None
+        else {
+            "factor": number(s.factor),
+            "permanent_over_diameter": number(s.permanent),
+            "allowed_over_diameter": ALLOWED,
+            "allowed_pressure_MPa": 1e-6 * YIELD_PRESSURE,
+        },
+        "life": None
+        if life is None
+        else {
+            "L10_million_revolutions": number(life.revolutions),
+            "raceways_million_revolutions": {k: number(v) for k, v in life.raceways.items()},
+            "rating_as_computed_N": number(life.rating),
+            "equivalent_load_N": number(life.equivalent),
+            "standard": life.standard,
+        },
+        "rating_refused": found.words or None,
+    }
+
+
+def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str, Any]:
+    """All answers: forces in N, displacements in um, rigidities in N/um."""
+    three, held, lift, life = found.rigidities, found.preload, found.lift, found.loads.life
+    state = found.friction
+    data = contacts_json(found.loads)
+    if life is not None and scene.motion is not None and scene.motion.speed:
+        data["life"]["L10_hours"] = number(life.hours(scene.motion.speed))
+    return {
+        "loads": loads_json(result),
+        "axial": {
+            "force_N": number(found.force),
+            "displacement_um": number(1e6 * found.displacement),
+            "rigidity_N_per_um": None if three is None or three.unequal is None else number(1e-6 * three.unequal),
+            "tangent_N_per_um": None if found.tangent is None else number(1e-6 * found.tangent),
+        },
+        "rigidities_N_per_um": None
+        if three is None
+        else {
+            "contacts_alone": number(1e-6 * three.contacts),
+            "with_bodies": None if three.bodies is None else number(1e-6 * three.bodies),
+            "with_unequal_loads": None if three.unequal is None else number(1e-6 * three.unequal),
+        },
+        **data,
+        "preload": None
+        if held is None
+        else {
+            "mean_N": number(held.mean),
+            "max_N": number(held.largest),
+            "axial_N": number(held.axial),
+            "loaded_contacts": held.loaded,
+        },
+        "contact_lost": None
+        if lift is None
+        else {
+            "load_factor": None if lift.factor is None else number(lift.factor),
+            "axial_force_N": None if lift.factor is None else number(lift.axial),
+            "ball": lift.ball or None,
+            "side": lift.side or None,
+            "words": lift.words or None,
+        },
+        "friction": None if state is None else _friction_json(state),
+        "friction_words": found.friction_words or None,
+    }
+
+
+def _friction_json(state: FrictionState) -> dict[str, Any]:
+    from compare.commands.friction_output import sums
+
+    return sums(state, None)
+
+
+def block(
+    scene: Scene, result: StaticResult, found: Answers, worth: ModelForm | None, width: int, speed: float | None = None
+) -> str:
+    """Ten labelled entries, no line wider than ``width`` (40 or more); speed: of the turning part [rad/s], for hours."""
+    data = answers_json(scene, result, found)
+    entries = (
+        ("loads", _loads(data)),
+        ("axial", _axial(data)),
+        ("contact", _contact(data)),
+        ("ellipse", _ellipse(data)),
+        ("static", _static(data)),
+        ("preload", _preload(data)),
+        ("friction", _friction(data)),
+        ("life", _life(data, speed)),
+        ("error", "not estimated" if worth is None else model_form_text(worth).removeprefix("model-form error ")),
+        ("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"),
+    )
+    return "\n".join(entry(label, text, width) for label, text in entries)
+
+
+def entry(label: str, text: str, width: int) -> str:
+    """A label and its text, wrapped with a hanging indent."""
+    return textwrap.fill(
+        text, max(width, 40), initial_indent=f"{label:<{LABEL}}", subsequent_indent=" " * LABEL, break_on_hyphens=False
+    )
+
+
+def wrapped(text: str, width: int) -> str:
+    """A line wrapped at words, what follows indented; texts of several lines as they are."""
+    if "\n" in text or len(text) <= max(width, 40):
+        return text
+    return textwrap.fill(text, max(width, 40), subsequent_indent="  ", break_on_hyphens=False)
+
+
+def _loads(data: dict[str, Any]) -> str:
+    d = data["loads"]
+    if d is None:
+        return "no contact carries load"
+    lost = f"; {d['balls_without_load']} balls without load" if d["balls_without_load"] else ""
+    return (
+        f"ball {d['worst_ball']} {d['worst_side']} carries most, {d['max_N']:.1f} N; mean {d['mean_N']:.1f} N, least "
+        f"{d['min_N']:.1f} N of {d['loaded_contacts']} loaded contacts{lost}"
+    )
+
+
+def _axial(data: dict[str, Any]) -> str:
+    d, three = data["axial"], data["rigidities_N_per_um"]
+    text = f"{d['displacement_um']:.3g} um under {d['force_N']:.5g} N at the nut's centre"
+    if three is None:
+        return f"{text}; no rigidity without axial load"
+    names = (
+        ("contacts alone", three["contacts_alone"]),
+        ("with the bodies", three["with_bodies"]),
+        ("with unequal loads", three["with_unequal_loads"]),
+        ("tangent", d["tangent_N_per_um"]),
+    )
+    known = ", ".join(f"{name} {value:.4g}" for name, value in names if value is not None)
+    return f"{text}; rigidity in N/um: {known}"
+
+
+def _contact(data: dict[str, Any]) -> str:
+    d = data["worst_contact"]
+    if d is None:
+        return "none"
+    return (
+        f"worst on ball {d['ball']} {d['side']}: {d['pressure_MPa']:.0f} MPa, approach {d['approach_um']:.3g} um, "
+        f"semi-axes {d['semi_axis_a_mm']:.3g} x {d['semi_axis_b_mm']:.3g} mm, angle {d['contact_angle_deg']:.1f} deg"
+    )
+
+
+def _ellipse(data: dict[str, Any]) -> str:
+    d = data["truncation"]
+    if d is None:
+        return data["rating_refused"] or "none"
+    where = f"ball {d['ball']} {d['side']}"
+    ends = f"ellipse {d['contact_angle_deg']:.1f} +- {d['ellipse_half_width_deg']:.1f} deg, {d['edge']} at"
+    if d["contacts_cut"]:
+        return (
+            f"TRUNCATED on {d['contacts_cut']} contacts, most on {where}: {ends} {d['edge_angle_deg']:.1f} deg, "
+            f"{-d['margin_deg']:.1f} deg beyond"
+        )
+    return f"inside all grooves; nearest to an edge on {where}: {ends} {d['edge_angle_deg']:.1f} deg"
+
+
+def _static(data: dict[str, Any]) -> str:
+    d = data["static_safety"]
+    if d is None:
+        return "none"
+    return (
+        f"safety {d['factor']:.3g} on the worst contact's load against {d['allowed_pressure_MPa']:.0f} MPa (ISO 76); "
+        f"lasting dent {d['permanent_over_diameter']:.1e} of the ball's diameter, 1e-4 allowed (Palmgren)"
+    )
+
+
+def _preload(data: dict[str, Any]) -> str:
+    d, lost = data["preload"], data["contact_lost"]
+    if d is None:
+        return "not known: the scene does not solve without its loads"
+    if not d["loaded_contacts"]:
+        return "none: no contact carries load when the scene's loads are away"
+    text = f"{d['mean_N']:.1f} N a contact, {d['axial_N']:.0f} N along the axis, without the scene's loads"
+    if lost is None:
+        return text
+    if lost["load_factor"] is None:
+        return f"{text}; first contact lost: {lost['words']}"
+    axial = f" ({lost['axial_force_N']:.0f} N axial)" if lost["axial_force_N"] else ""
+    where = f"ball {lost['ball']} {lost['side']}"
+    return f"{text}; first contact lost at {lost['load_factor']:.3g} times the loads{axial}, {where}"
+
+
+def _friction(data: dict[str, Any]) -> str:
+    d = data["friction"]
+    if d is None:
+        return f"not computed: {data['friction_words']}"
+    text = f"torque {d['friction_torque_Nmm']:.4g} N mm"
+    if d["efficiency_forward_percent"] is None:
+        return text
+    back = d["efficiency_backward_percent"]
+    backward = "self-locking" if back is None else f"{back:.1f} % with it"
+    return f"{text}; efficiency {d['efficiency_forward_percent']:.1f} % against the load, {backward}"
+
+
+def _life(data: dict[str, Any], speed: float | None) -> str:
+    d = data["life"]
+    if d is None:
+        return f"not rated: {data['rating_refused'] or 'no load'}"
+    hours = f" ({d['L10_hours']:.3g} h)" if speed and "L10_hours" in d else ""
+    return (
+        f"L10 {d['L10_million_revolutions']:.4g} million revolutions{hours} of this load distribution, equivalent load "
+        f"{d['equivalent_load_N']:.0f} N, rating {d['rating_as_computed_N']:.0f} N as computed by "
+        f"{d['standard']}, not a maker's"
+    )

@@ -1,0 +1,72 @@
+"""A plug-in of pytest: the fixture ``rollbench`` judges scenes against their 3D reference.
+
+def test_my_screw(rollbench):
+    rollbench.check("my.toml", max_error=7)
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from compare.gate.verdict import Verdict
+
+
+class Rollbench:
+    """What the fixture gives. ``root``: folder that paths start from, that of the test's own file."""
+
+    def __init__(self, root: Path) -> None:
+        """Keep the folder; nothing is imported before it is needed."""
+        self.root = root
+
+    def check(
+        self,
+        scene: str | Path,
+        *,
+        max_error: float | None = None,
+        model: str = "",
+        loads: str | Path | None = None,
+        levels: int | None = None,
+        stored: str | Path | None = None,
+        store: str | Path = "rollbench-reference",
+        compute: bool = True,
+    ) -> list[Verdict]:
+        """Fail the test unless the scene passes; returns the verdicts.
+
+        scene: a file, from the folder of the test, or the name of a shipped scene; the rest as for ``rollbench check``.
+        A scene that is undecided or not covered fails too: nothing is said of it. Bad input fails with its one line.
+        """
+        from compare.errors import InputError
+        from compare.gate.user import asked, check_scenes
+        from compare.reference.jobs import Engine
+        from compare.scenes import catalogue
+        from meshes.cache import default_root
+
+        try:
+            what = asked(
+                model=model,
+                loads=None if loads is None else self.root / loads,
+                max_error=max_error,
+                levels=levels,
+                store=self.root / store,
+                stored=None if stored is None else self.root / stored,
+                compute=compute,
+            )
+            name = str(scene)
+            path = name if name in catalogue.scene_names() else str(self.root / scene)
+            verdicts = check_scenes([catalogue.scene(path)], what, Engine(cache=default_root()), lambda _: None)
+        except InputError as error:
+            pytest.fail(str(error), pytrace=False)
+        bad = [v.line() for v in verdicts if v.word != "pass"]
+        if bad:
+            pytest.fail("\n".join(bad), pytrace=False)
+        return verdicts
+
+
+@pytest.fixture
+def rollbench(request: pytest.FixtureRequest) -> Rollbench:
+    """Judges scenes: ``rollbench.check("my.toml", max_error=7)``."""
+    return Rollbench(request.path.parent)

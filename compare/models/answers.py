@@ -1,0 +1,128 @@
+"""What an engineer asks of a solved scene: contacts, rigidity, safety, preload, friction, life, of one result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.errors import InputError
+from compare.models.loading import LiftOff, Preload, lift_off, preload, solve_scaled
+from compare.models.registry import MODELS, Options, read_condensed
+from lowfi.compliance.bodies import LADDER, REFINED
+from lowfi.jit import cached
+from lowfi.rating.contacts import Contact, StaticSafety, Truncation, static_safety, truncation, worst_contact
+from lowfi.rating.life import Life, life
+from lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities
+from lowfi.statics.result import StaticResult
+from lowfi.statics.tangent import Tangent, tangent_stiffness
+from meshes.parts import Motion, Scene
+
+if TYPE_CHECKING:
+    from lowfi.friction.whole.state import FrictionState
+
+Array = NDArray[np.float64]
+
+#: Ladder step whose bodies give the tangent of a model; the others have none.
+TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}
+#: One turn a second, where a scene does not say how fast it turns [rad/s].
+ONE_TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True)
+class LoadAnswers:
+    """What contact loads alone answer, of any model or of the 3D reference: the worst contact, its static safety, where the
+    ellipses reach, and the life; None without load, words where a formula does not take the scene."""
+
+    worst: Contact | None
+    safety: StaticSafety | None
+    reach: Truncation | None
+    life: Life | None
+    words: str = ""
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Answers of one low-order result. displacement: axial [m] of the screw at the nut's centre from that without loads
+    (from the nominal place where nothing holds the screw then); force: axial on the nut [N]; tangent: axial rigidity [N/m],
+    rotation held, None where the model has no tangent; friction: the state, or words why it is not computed."""
+
+    loads: LoadAnswers
+    force: float
+    displacement: float
+    rigidities: Rigidities | None
+    tangent: float | None
+    preload: Preload | None
+    lift: LiftOff | None
+    friction: FrictionState | None
+    friction_words: str
+
+
+def load_answers(scene: Scene, load: Array, angle: Array) -> LoadAnswers:
+    """Answers of contact loads ``(n, 4)`` [N] at contact angles ``(n, 4)`` [rad]."""
+    words = ""
+    found: Life | None = None
+    reach: Truncation | None = None
+    try:
+        reach = truncation(scene, load, angle)
+        found = life(scene, load)
+    except ValueError as error:
+        words = str(error)
+    worst = worst_contact(scene, load, angle)
+    return LoadAnswers(worst, None if worst is None else static_safety(scene, worst), reach, found, words)
+
+
+def tangent_of(scene: Scene, station: float, model: str, options: Options) -> Tangent:
+    """Tangent stiffness at a station [m] by a model with beams or elastic bodies. Raises InputError for another model or a
+    station off the screw."""
+    step = TANGENT_OF.get(model, model)
+    if step not in (*LADDER, "condensed"):
+        allowed = ", ".join((*LADDER, "condensed", *TANGENT_OF))
+        raise InputError("command line", "--stiffness-at", f"with the model {model}", allowed, "choose another model")
+    condensed = read_condensed(scene, options) if step == "condensed" else None
+    own = MODELS[model].scene(scene)
+    try:
+        return tangent_stiffness(
+            own, station, backend=LADDER.get(step, REFINED), condensed=condensed, member=options.member
+        )
+    except ValueError as error:
+        advice = "give a station of the screw, and see that the scene solves"
+        raise InputError("command line", "--stiffness-at", f"{1e3 * station:g} mm", str(error), advice) from error
+
+
+def gather(scene: Scene, result: StaticResult, model: str, options: Options) -> Answers:
+    """All answers of a converged result, with the further solutions that they need: without loads, and with the loads at
+    which a preloaded contact opens."""
+    bare = solve_scaled(scene, 0.0, model, options)
+    held = preload(scene, bare) if bare.converged else None
+    start = axial_displacement(scene, bare) if held is not None and held.loaded else 0.0
+    force, moved = axial_force(result), axial_displacement(scene, result) - start
+    try:
+        three = rigidities(scene, force, moved)
+    except ValueError:
+        three = None
+    lift = lift_off(scene, result, bare, model, options) if held is not None else None
+    state, words = quick_friction(scene, result, options)
+    slope = None
+    if force != 0.0 and TANGENT_OF.get(model, model) in (*LADDER, "condensed"):
+        found = tangent_of(scene, scene.nut.position, model, options)
+        slope = found.rigidity("uz") if found.status == "converged" else None
+    loads = load_answers(scene, result.load, result.contact_angle)
+    return Answers(loads, force, moved, three, slope, held, lift, state, words)
+
+
+def quick_friction(scene: Scene, result: StaticResult, options: Options) -> tuple[FrictionState | None, str]:
+    """Friction where the scene gives a coefficient and no kernel has to be compiled for it; else what to do."""
+    if scene.friction is None:
+        return None, "no coefficient in the scene; for one of 0.1: rollbench friction SCENE --mu 0.1"
+    from lowfi.friction.whole.state import friction_state, will_compile
+
+    if will_compile(scene, scene.friction) and not cached():
+        return None, "kernels are not compiled yet; rollbench friction SCENE does it, once"
+    try:
+        state = friction_state(scene, result, scene.friction, scene.motion or Motion(ONE_TURN), options.member)
+    except ValueError as error:
+        return None, str(error)
+    return state, ""

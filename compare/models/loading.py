@@ -1,0 +1,158 @@
+"""One scene under its loads times a factor: preload at zero load, the load at which a contact is lost, the load's curve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.models.registry import Options, run_model
+from lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
+from lowfi.statics.result import StaticResult
+from meshes.parts import SIDES, Load, Scene
+
+Array = NDArray[np.float64]
+
+#: Relative accuracy of the factor at which a contact is lost, the largest one looked for, and how often is solved for it.
+TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16
+#: Share of the way to the expected factor that is solved next: beyond it the contact is open and tells nothing.
+NEAR = 0.9
+
+
+@dataclass(frozen=True)
+class Preload:
+    """Loads that the scene's own errors and supports press the contacts with when its loads are away.
+
+    mean, largest: of the loaded contacts [N]; loaded: how many; axial [N]: internal axial force, the lesser of what the
+    flanks push the screw either way (zero where only one way is pushed).
+    """
+
+    mean: float
+    largest: float
+    loaded: int
+    axial: float
+
+
+@dataclass(frozen=True)
+class LiftOff:
+    """Where the first contact that is preloaded opens as the loads grow in proportion.
+
+    factor: on the scene's loads, None where none was found, words say why; ball (from 1) and side of that contact;
+    axial [N]: axial force on the nut there, in proportion; solves: how often the scene was solved for it.
+    """
+
+    factor: float | None
+    ball: int = 0
+    side: str = ""
+    axial: float = 0.0
+    solves: int = 0
+    words: str = ""
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """The scene at a factor on its loads: axial force on the nut [N], axial displacement [m] of the screw at the nut's
+    centre from that without loads, largest contact load [N], and its result."""
+
+    factor: float
+    force: float
+    displacement: float
+    largest: float
+    result: StaticResult
+
+
+def scaled(scene: Scene, factor: float) -> Scene:
+    """The scene with its loads times a factor, without any for zero."""
+    if factor == 0.0:
+        return replace(scene, loads=())
+    loads = tuple(
+        Load(x.at, tuple(factor * f for f in x.force), tuple(factor * m for m in x.moment))  # type: ignore[arg-type]
+        for x in scene.loads
+    )
+    return replace(scene, loads=loads)
+
+
+def solve_scaled(scene: Scene, factor: float, model: str, options: Options) -> StaticResult:
+    """Solve with the loads times a factor. Raises InputError as `run_model`."""
+    return run_model(scaled(scene, factor), model, replace(options, discretisation=False))
+
+
+def preload(scene: Scene, bare: StaticResult) -> Preload:
+    """The preload that a result without loads shows."""
+    held = bare.load[bare.load > 0.0]
+    s = slope_of(scene)
+    left, right = float(bare.load[:, 0].sum()) * s, float(bare.load[:, 1].sum()) * s
+    if not held.size:
+        return Preload(0.0, 0.0, 0, 0.0)
+    return Preload(float(held.mean()), float(held.max()), int(held.size), min(left, right))
+
+
+def lift_off(scene: Scene, result: StaticResult, bare: StaticResult, model: str, options: Options) -> LiftOff | None:
+    """Factor on the loads at which the first contact loaded without them opens; None without preload or without loads.
+
+    The approach of a contact, by which it closes, is nearly linear in the load: secant steps on F^(2/3) of the smallest.
+    """
+    tracked = bare.load > 0.0
+    if not tracked.any() or not any(np.any(x.force) or np.any(x.moment) for x in scene.loads):
+        return None
+    unit = axial_force(result)
+
+    def least(found: StaticResult) -> tuple[float, int]:
+        values = np.where(tracked, found.load, np.inf)
+        k = int(values.argmin())
+        return float(values.flat[k]) ** (2.0 / 3.0), k
+
+    (now, there), (first, where) = least(result), least(bare)
+    known, high = [(0.0, first)], np.inf
+    if now > 0.0:
+        known.append((1.0, now))
+        where = there
+    else:
+        high, where = 1.0, there
+    before = np.nan
+    for solves in range(MOST):
+        root = _root(known)
+        if root > FURTHEST and high == np.inf and len(known) > 1:
+            return LiftOff(None, solves=solves, words=f"none up to {FURTHEST:g} times the loads")
+        low = known[-1][0]
+        if root < high and abs(root - before) <= TOLERANCE * root:
+            return LiftOff(root, where // 4 + 1, SIDES[where % 4], root * unit, solves)
+        if np.isfinite(high) and high - low <= TOLERANCE * high:
+            return LiftOff(high, where // 4 + 1, SIDES[where % 4], high * unit, solves)
+        before = root
+        factor = low + NEAR * (root - low) if root < high else 0.5 * (low + high)
+        found = solve_scaled(scene, factor, model, options)
+        if not found.converged:
+            return LiftOff(None, solves=solves + 1, words=f"not found: at {factor:.3g} times the loads {found.status}")
+        value, there = least(found)
+        if value > 0.0:
+            known.append((factor, value))
+            where = there
+        else:
+            high, where = factor, there
+    return LiftOff(None, solves=MOST, words=f"not found in {MOST} solutions")
+
+
+def _root(known: Sequence[tuple[float, float]]) -> float:
+    """Where the line through the two last points meets zero; infinite for one point or a line that does not fall."""
+    if len(known) < 2:
+        return float("inf")
+    (a, f), (b, g) = known[-2:]
+    return b + g * (b - a) / (f - g) if f > g else float("inf")
+
+
+def curve(scene: Scene, factors: Sequence[float], model: str, options: Options) -> list[CurvePoint]:
+    """The scene at factors on its loads, those that converge; displacements from the one without loads where that does."""
+    points = []
+    start = 0.0
+    for factor in factors:
+        result = solve_scaled(scene, factor, model, options)
+        if not result.converged:
+            continue
+        u = axial_displacement(scene, result)
+        if factor == 0.0:
+            start = u
+        points.append(CurvePoint(factor, axial_force(result), u - start, float(result.load.max()), result))
+    return points

@@ -1,0 +1,135 @@
+"""A scene of a nominal size, such as 40x10: what is usual for it, by rules that the scene states."""
+
+from __future__ import annotations
+
+import re
+from math import ceil, floor, pi, sin
+
+from compare.errors import InputError
+from compare.scenes.catalogue_input import touching_angle
+
+#: Ball diameters that are kept in stock [mm].
+STOCK = (0.8, 1.0, 1.2, 1.588, 2.0, 2.381, 2.778, 3.175, 3.5, 3.969, 4.763, 5.556, 6.35, 7.144, 7.938, 9.525, 12.7)
+#: Sizes that the rules are for [mm].
+DIAMETERS, LEADS = (6.0, 160.0), (1.0, 100.0)
+#: Ball diameter over lead and over nominal diameter at most; pitch circle beyond the land, in ball diameters; wall of the
+#: nut under its grooves, in ball diameters; part of the turns filled with balls.
+PER_LEAD, PER_DIAMETER, BEYOND, WALL, FILLING = 0.635, 0.2, 0.11, 1.2, 0.9
+#: Load of a ball over its diameter squared [N/mm2], about 13 % of a usual dynamic rating, and oversize of the ball radius
+#: over its diameter [-], a light preload.
+LOAD, OVERSIZE = 3.7, 4.7e-4
+
+TEXT = """\
+# A ball screw of nominal size {size}, as is usual for it: edit what your drawing says otherwise.
+# Solve it with: rollbench solve FILE; judge it with: rollbench check FILE. All keys: rollbench schema
+title = "Ball screw {size}: {turns:g} turns of {ball:g} mm balls, preloaded, {force:g} kN"
+assumed = [
+  "The balls are the largest in stock up to {per_lead:g} of the lead and {per_diameter:g} of the nominal diameter.",
+  "Pitch circle {beyond:g} ball diameters beyond the nominal diameter, which is that of the lands.",
+  "Conformity (groove radius over ball diameter) 0.525: within the usual 0.52 to 0.53; makers do not print it.",
+  "{circuits} circuits of {each:g} turns, {percent:g} % filled; number and gaps of circuits differ from maker to maker.",
+  "Nut without flange, walls of {wall:g} ball diameters under the grooves, held at its left face.",
+  "Fixed bearing at the left end of the screw, floating bearing at the right one; the nut in the middle.",
+]
+
+[material]
+name = "bearing steel"
+
+[track]
+pitch_diameter = "{pitch:g} mm"
+lead = "{lead:g} mm"
+contact_angle = "45 deg"
+# hand = "left"
+# starts = 2
+
+[screw]
+length = "{length:g} mm"  # between the bearings
+outer_diameter = "{outer:g} mm"  # of the lands
+# bore = "{bore:g} mm"  # hollow screw
+conformity = 0.525
+
+[nut]
+position = "{middle:g} mm"  # of its centre, from the left end of the screw
+length = "{nut:g} mm"
+outer_diameter = "{outside:g} mm"
+conformity = 0.525
+
+[balls]
+diameter = "{ball:g} mm"
+filling = {filling:g}  # or: count = ...
+turns = {each:g}  # of each circuit
+circuits = {circuits}
+circuit_gap = {gap:g}  # turns without balls from one circuit to the next
+# material = {{ name = "silicon nitride" }}
+
+[preload]
+oversize = "{oversize:g} um"  # added to every ball radius; or: force = "500 N"
+
+[[supports]]  # fixed bearing; the nut takes the load along the axis
+at = "0 mm"
+fix = ["ux", "uy", "rx", "ry", "rz"]
+
+[[supports]]
+at = "{length:g} mm"
+fix = ["ux", "uy"]
+
+[[loads]]
+at = "0 mm"
+force = ["0 N", "0 N", "{force:g} kN"]
+
+# [friction]  # for: rollbench friction
+# coefficient = 0.1
+
+# [gate]  # for: rollbench check, in per cent
+# max_error = 7
+"""
+
+
+def scene_like(size: str) -> str:
+    """Text of a scene of a nominal size ``DIAMETERxLEAD`` in mm. Raises InputError where the rules do not reach."""
+    outer, lead = _size(size)
+    ball = max(b for b in STOCK if b <= max(STOCK[0], 1.01 * min(PER_LEAD * lead, PER_DIAMETER * outer)))
+    pitch = round(outer + 2.0 * BEYOND * ball, 2)
+    circuits = 2 if lead <= 0.5 * outer else 1
+    each, gap = (1.5, 0.5) if circuits == 2 else (2.0 if lead <= outer else 1.0, 0.0)
+    reach = circuits * each + (circuits - 1) * gap
+    count = circuits * max(1, floor(FILLING * each * 2.0 * pi / touching_angle(pitch / 2.0, lead, ball)))
+    length = 50.0 * ceil(20.0 * outer / 50.0)
+    text = TEXT.format(
+        size=f"{outer:g}x{lead:g}",
+        outer=outer,
+        lead=lead,
+        ball=ball,
+        pitch=pitch,
+        circuits=circuits,
+        each=each,
+        gap=gap,
+        turns=circuits * each,
+        length=length,
+        middle=length / 2.0,
+        nut=ceil(reach * lead + 3.0 * ball),
+        outside=ceil(pitch + (1.0 + 2.0 * WALL) * ball),
+        bore=floor(0.4 * outer),
+        filling=FILLING,
+        percent=100.0 * FILLING,
+        oversize=max(0.5, round(2e3 * OVERSIZE * ball) / 2.0),
+        force=float(f"{LOAD * ball**2 * count * sin(pi / 4.0) / 1e3:.2g}"),
+        per_lead=PER_LEAD,
+        per_diameter=PER_DIAMETER,
+        beyond=BEYOND,
+        wall=WALL,
+    )
+    return text if circuits > 1 else re.sub(r"(?m)^circuit_gap = .*\n", "", text).replace("1 circuits of", "1 circuit of")
+
+
+def _size(size: str) -> tuple[float, float]:
+    """Nominal diameter and lead [mm]."""
+    allowed = f"DIAMETERxLEAD in mm, {DIAMETERS[0]:g} to {DIAMETERS[1]:g} x {LEADS[0]:g} to {LEADS[1]:g}, e.g. 40x10"
+    found = re.fullmatch(r"\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*[xX×]\s*([0-9]{1,3}(?:\.[0-9]+)?)\s*", size)
+    if found is None:
+        raise InputError("command line", "--like", f'"{size}"', allowed, "write diameter and lead with an x between them")
+    outer, lead = float(found[1]), float(found[2])
+    if not (DIAMETERS[0] <= outer <= DIAMETERS[1] and LEADS[0] <= lead <= min(LEADS[1], 2.0 * outer)):
+        advice = "a lead is at most about twice the diameter; write another size by hand: rollbench new FILE"
+        raise InputError("command line", "--like", f'"{size}"', allowed, advice)
+    return outer, lead

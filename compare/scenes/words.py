@@ -1,0 +1,65 @@
+"""Words of engineers and catalogues for keys of a scene, as hints beside an unknown key."""
+
+from __future__ import annotations
+
+#: Unknown key, in lower case with underscores, and what it is called in a scene.
+WORDS = {
+    "pitch_circle_diameter": 'pitch_diameter = "33 mm" under [track]',
+    "ball_circle_diameter": 'pitch_diameter = "33 mm" under [track]',
+    "pcd": 'pitch_diameter = "33 mm" under [track]',
+    "bcd": 'pitch_diameter = "33 mm" under [track]',
+    "dpw": 'pitch_diameter = "33 mm" under [track]',
+    "d_pw": 'pitch_diameter = "33 mm" under [track]',
+    "pitch_diameter": 'pitch_diameter = "33 mm" under [track]',
+    "pitch_radius": 'pitch_radius = "16.5 mm" under [track]',
+    "pitch": 'lead = "20 mm" under [track]',
+    "lead": 'lead = "20 mm" under [track]',
+    "contact_angle": 'contact_angle = "45 deg" under [track]',
+    "hand": 'hand = "right" under [track]',
+    "starts": "starts = 1 under [track]",
+    "ball_diameter": 'diameter = "5.556 mm" under [balls]',
+    "ball_radius": 'radius = "2.778 mm" under [balls]',
+    "dw": 'diameter = "5.556 mm" under [balls]',
+    "d_w": 'diameter = "5.556 mm" under [balls]',
+    "ball_count": "count = 32 under [balls]",
+    "number_of_balls": "count = 32 under [balls]",
+    "balls": "count = 32 under [balls]",
+    "circuits": "circuits = 3 with circuit_gap = 0.5 under [balls]",
+    "rows": "circuits = 3 with circuit_gap = 0.5 under [balls]",
+    "turns": "turns = 2 under [balls]",
+    "filling": "filling = 0.9 under [balls]",
+    "nominal_diameter": 'outer_diameter = "32 mm" under [screw] and pitch_diameter under [track]',
+    "root_diameter": "none: it follows from pitch_diameter under [track] and the groove",
+    "core_diameter": "none: it follows from pitch_diameter under [track] and the groove",
+    "shaft_diameter": 'outer_diameter = "32 mm" under [screw]',
+    "hollow": 'bore = "10 mm" under [screw]',
+    "conformity": "conformity = 0.52 under [screw] and under [nut]",
+    "osculation": "conformity = 0.52 (groove radius over ball diameter) under [screw] and under [nut]",
+    "preload": 'force = "500 N" or oversize = "3 um" under [preload]',
+    "oversize": 'oversize = "3 um" under [preload]',
+    "axial_load": 'force = ["0 N", "0 N", "5 kN"] under [[loads]]',
+    "axial_force": 'force = ["0 N", "0 N", "5 kN"] under [[loads]]',
+    "force": 'force = ["0 N", "0 N", "5 kN"] under [[loads]]',
+    "bearing": "supports: [[supports]] with at and fix",
+    "bearings": "supports: [[supports]] with at and fix",
+    "shaft": "screw: a table [screw]",
+    "spindle": "screw: a table [screw]",
+    "ball": "balls: a table [balls]",
+    "e": 'youngs_modulus = "210 GPa" under [material]',
+    "nu": "poissons_ratio = 0.3 under [material]",
+    "elastic_modulus": 'youngs_modulus = "210 GPa" under [material]',
+    "youngs_modulus": 'youngs_modulus = "210 GPa" under [material]',
+    "poisson": "poissons_ratio = 0.3 under [material]",
+    "speed": 'speed = "600 rpm" under [motion]',
+    "rpm": 'speed = "600 rpm" under [motion]',
+    "friction_coefficient": "coefficient = 0.1 under [friction]",
+    "mu": "coefficient = 0.1 under [friction]",
+    "dynamic_load_rating": "none: ratings are no input of a scene",
+    "static_load_rating": "none: ratings are no input of a scene",
+    "max_error": "max_error = 7 under [gate]",
+}
+
+
+def hint(name: str) -> str:
+    """What an unknown key is called in a scene, or nothing."""
+    return WORDS.get(name.strip().lower().replace("-", "_").replace(" ", "_"), "")

@@ -1,0 +1,141 @@
+"""Fatigue life of a load distribution: rings as ISO 281 and ISO/TS 16281 do it, ball screws as ISO 3408-5 does.
+
+Both rest on Lundberg and Palmgren (1947). Each flank of a groove is a raceway; it has a capacity Q_c [N], the contact force
+that it bears for 10^6 revolutions (90 % reliability), and an equivalent contact force Q_e, the mean of its balls' forces of
+order 3 where it turns against the load (screw, inner ring) and 10/3 where it stands (nut, outer ring):
+
+    L = (sum over raceways of (Q_c/Q_e)^(-10/3))^(-9/10).                                                              (1)
+
+Capacity of a contact, lengths in mm, gamma = D cos(alpha)/D_pw, f groove radius over ball diameter, upper sign inner:
+
+    q(f, Z) = 98.1 (2f/(2f - 1))^0.41 (1 -+ gamma)^1.39/(1 +- gamma)^(1/3) (gamma/cos(alpha))^0.3 D^1.8 Z^(-1/3).       (2)
+
+Ring (Z balls): Q_c = 1.3 * 0.95 q, the factor of today's steel and that of single-row bearings (ISO 281, ISO/TR 1281-1).
+Screw: load ratings of one turn of z balls, screw and nut,
+
+    C = 93.2 (1 - sin(alpha)/3) (2f/(2f - 1))^0.41 gamma^0.3 (1 -+ gamma)^1.39/(1 +- gamma)^(1/3)
+        cos(alpha)^0.86 tan(alpha) cos(phi)^1.3 z^(2/3) D^1.8,  times i^0.86 for i turns,                              (3)
+
+shared by i z contacts: Q_c = C i^0.86/(i z sin(alpha) cos(phi)). Equal loads then give L = (C_a/F_a)^3 with
+C_a = i^0.86 (C_s^(-10/3) + C_n^(-10/3))^(-3/10).
+
+Range: grooves with f > 0.5 of hardened bearing steel, balls of up to 25 mm, no plastic contact, full lubrication; factors
+for hardness, accuracy, material, reliability and lubricant are one. These are ratings as computed, and no maker's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi, sin, tan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.helix import groove_radii, lead_angle
+from meshes.parts import SIDES, Scene
+
+Array = NDArray[np.float64]
+
+#: Constant of (2) for mm and N (Lundberg and Palmgren 1947).
+CONTACT = 98.1
+#: Reduction for single-row bearings and factor of today's steel, rings; the reduction in (3) (ISO 281, ISO 3408-5).
+SINGLE_ROW, STEEL = 0.95, 1.3
+#: Orders of the mean force of a raceway that turns against the load, and of one that stands.
+TURNING, STANDING = 3.0, 10.0 / 3.0
+#: Shares of rotating and standing raceways in the radial rating of a ring: J_r/J_1 and J_r/J_2 of half a loaded circle.
+RADIAL = (0.407, 0.389)
+
+
+@dataclass(frozen=True)
+class Life:
+    """Life that 90 % reach. revolutions: in 10^6 (L10); raceways: of each loaded one in 10^6 revolutions, by side; rating:
+    basic dynamic load rating as computed [N], axial for a screw, radial for a ring; equivalent: the load [N] under which
+    the rating would give the same life; standard: whose formulas."""
+
+    revolutions: float
+    raceways: dict[str, float]
+    rating: float
+    equivalent: float
+    standard: str
+
+    def hours(self, speed: float) -> float:
+        """Life in hours at a speed of the turning part [rad/s]."""
+        return 1e6 * self.revolutions * 2.0 * pi / abs(speed) / 3600.0
+
+
+def turns_of(scene: Scene) -> tuple[float, float]:
+    """Balls per turn of one start, and turns of all starts that they fill at the spacing of the scene's azimuths."""
+    azimuth = np.asarray(scene.balls.azimuths)
+    n = azimuth.size
+    own = 1.0 if n == 1 else float(azimuth.max() - azimuth.min()) / (n - 1) * n / (2.0 * pi)
+    return n / own, own * scene.track.starts
+
+
+def _shape(scene: Scene) -> tuple[Array, float]:
+    """Factors ``(4,)`` of (2) that conformity and curvature make, gamma^0.3 included, and the ball's diameter [mm]."""
+    alpha, D = scene.track.contact_angle, 2.0 * scene.balls.radius
+    gamma = D * cos(alpha) / (2.0 * scene.track.pitch_radius)
+    f = groove_radii(scene) / D
+    sign = np.array([-1.0, -1.0, 1.0, 1.0])
+    curve = (1.0 + sign * gamma) ** 1.39 / (1.0 - sign * gamma) ** (1.0 / 3.0)
+    return np.asarray((2.0 * f / (2.0 * f - 1.0)) ** 0.41 * curve * gamma**0.3), 1e3 * D
+
+
+def contact_capacity(scene: Scene) -> Array:
+    """Capacity Q_c of each raceway's contacts, ``(4,)`` [N]: (2) for rings, (3) for screws. Raises ValueError for a groove
+    no larger than the ball or a contact angle of zero in a screw."""
+    alpha = scene.track.contact_angle
+    if float(groove_radii(scene).min()) <= scene.balls.radius:
+        raise ValueError("ratings need grooves larger than the ball")
+    shape, D = _shape(scene)
+    if scene.track.lead == 0.0:
+        base = CONTACT * STEEL * SINGLE_ROW
+        return np.asarray(base * shape * cos(alpha) ** -0.3 * D**1.8 * scene.ball_count ** (-1.0 / 3.0))
+    if sin(alpha) <= 0.0:
+        raise ValueError("the rating of a screw needs a contact angle above zero")
+    return np.asarray(_turn_rating(scene) * _turns_share(scene) / (scene.ball_count * sin(alpha) * _slope(scene)))
+
+
+def _slope(scene: Scene) -> float:
+    return cos(lead_angle(scene.track))
+
+
+def _turns_share(scene: Scene) -> float:
+    return float(turns_of(scene)[1] ** 0.86)
+
+
+def _turn_rating(scene: Scene) -> Array:
+    """(3) of each raceway, ``(4,)`` [N], for one turn."""
+    alpha = scene.track.contact_angle
+    shape, D = _shape(scene)
+    angle = (1.0 - sin(alpha) / 3.0) * cos(alpha) ** 0.86 * tan(alpha) * _slope(scene) ** 1.3
+    return np.asarray(CONTACT * SINGLE_ROW * shape * angle * turns_of(scene)[0] ** (2.0 / 3.0) * D**1.8)
+
+
+def rating(scene: Scene) -> float:
+    """Basic dynamic load rating as computed [N]: axial of a screw (ISO 3408-5), radial of a ring (ISO 281), of one pair of
+    opposite raceways."""
+    if scene.track.lead > 0.0:
+        screw, nut = _turn_rating(scene)[[0, 3]] * _turns_share(scene)
+    else:
+        capacity = contact_capacity(scene)[[0, 3]]
+        screw, nut = capacity * scene.ball_count * cos(scene.track.contact_angle) * np.array(RADIAL)
+    return float((screw ** (-10.0 / 3.0) + nut ** (-10.0 / 3.0)) ** -0.3)
+
+
+def life(scene: Scene, load: Array) -> Life | None:
+    """Life of contact loads ``(n, 4)`` [N] by (1), None without load. Raises ValueError as `contact_capacity`."""
+    if not (load > 0.0).any():
+        return None
+    capacity = contact_capacity(scene)
+    raceways = {}
+    for s, side in enumerate(SIDES):
+        if (load[:, s] > 0.0).any():
+            order = TURNING if s < 2 else STANDING
+            top = float(load[:, s].max())  # forces over the largest: no overflow
+            mean = top * float(np.mean((load[:, s] / top) ** order)) ** (1.0 / order)
+            raceways[side] = float((capacity[s] / mean) ** 3)
+    shares = np.array(list(raceways.values())) ** (-10.0 / 9.0)
+    total, rated = float(shares.sum() ** -0.9), rating(scene)
+    standard = "ISO 281, ISO/TS 16281" if scene.track.lead == 0.0 else "ISO 3408-5"
+    return Life(total, raceways, rated, rated / float(np.cbrt(total)), standard)

@@ -1,0 +1,109 @@
+"""The three rigidities of a ball nut that ISO 3408-4 separates, each as axial load over axial displacement.
+
+Contacts alone (R_b/t): equal balls between rigid bodies at the nominal contact angle. With s = sin(alpha) cos(phi), N balls
+and C the Hertz constants of both contacts of a ball together, flanks that press with the load and against it,
+
+    F = N s (((c_1 + s u)/C)^(3/2) - ((c_2 - s u)/C)^(3/2)),   terms of negative closure c +- s u zero,                (1)
+
+closed by c_1, c_2 at zero load (preload by large balls or errors); without preload u = C (F/(N s))^(2/3)/s.
+
+With the bodies (R_nu): the radial part F/tan(alpha) of the contact forces widens the nut and squeezes the screw, as thick
+tubes under even pressure over the loaded length i P_h (Lame), which ISO 3408-4 takes too:
+
+    u = F/(2 pi i P_h tan^2(alpha)) (((D_1^2 + D_c^2)/(D_1^2 - D_c^2) + nu_n)/E_n
+                                      + ((d_c^2 + d_b^2)/(d_c^2 - d_b^2) - nu_s)/E_s).
+                                                                                                                       (2)
+
+With unequal loads (R_nu,ar): the displacement of a model that solves for them, here that of the screw's section at the
+nut's centre; ISO 3408-4 takes a factor of the tolerance class for it. Range: small displacements, balls on whole turns.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi, sin, tan
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from lowfi.rating.life import turns_of
+from lowfi.statics.problem import distances, nominal_hertz
+from lowfi.statics.result import StaticResult
+from meshes.errors import specimen
+from meshes.helix import ball_layout, lead_angle
+from meshes.parts import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Rigidities:
+    """Axial load over axial displacement [N/m]: of the contacts alone, with the bodies (None for rings, which have no
+    loaded length), and of the model that solves for unequal loads (None where it is not known)."""
+
+    contacts: float
+    bodies: float | None
+    unequal: float | None
+
+
+def slope_of(scene: Scene) -> float:
+    """Approach of a diagonal pair of flanks per axial displacement, sin(alpha) cos(phi)."""
+    return sin(scene.track.contact_angle) * cos(lead_angle(scene.track))
+
+
+def contacts_displacement(scene: Scene, force: float, member: int = 0) -> float:
+    """Axial displacement [m] by (1) under an axial load [N] above zero, from first contact."""
+    layout = ball_layout(scene)
+    closure = distances(scene, specimen(scene, layout, member))[1].mean(axis=0)
+    C = nominal_hertz(scene).C
+    pair = np.array([C[0] + C[3], C[1] + C[2]])
+    s, n = slope_of(scene), scene.ball_count
+    start = max(0.0, -float(closure[0]) / s)
+
+    def excess(u: float) -> float:
+        pressed = np.maximum(closure + s * u * np.array([1.0, -1.0]), 0.0) / pair
+        return float(n * s * (pressed[0] ** 1.5 - pressed[1] ** 1.5)) - force
+
+    free = float(pair[0]) * (force / (n * s)) ** (2.0 / 3.0) / s
+    return float(brentq(excess, start, start + 2.0 * free, xtol=1e-15, rtol=1e-12)) - start
+
+
+def body_compliance(scene: Scene) -> float | None:
+    """Axial displacement per load [m/N] by (2); None without lead. Raises ValueError where a body has no wall."""
+    track = scene.track
+    if track.lead == 0.0:
+        return None
+    reach = scene.balls.radius * cos(track.contact_angle)
+    inner, outer = 2.0 * (track.pitch_radius - reach), 2.0 * (track.pitch_radius + reach)
+    if scene.nut.outer_diameter <= outer or scene.screw.bore >= inner:
+        raise ValueError("nut or screw has no wall behind its contacts")
+    length = turns_of(scene)[1] / track.starts * track.lead
+    nut, screw = scene.nut.material, scene.screw.material
+    widen = (scene.nut.outer_diameter**2 + outer**2) / (scene.nut.outer_diameter**2 - outer**2) + nut.poissons_ratio
+    squeeze = (inner**2 + scene.screw.bore**2) / (inner**2 - scene.screw.bore**2) - screw.poissons_ratio
+    both = widen / nut.youngs_modulus + squeeze / screw.youngs_modulus
+    return both / (2.0 * pi * length * tan(track.contact_angle) ** 2)
+
+
+def axial_displacement(scene: Scene, result: StaticResult) -> float:
+    """Axial displacement [m] of the screw's section at the nut's centre."""
+    return float(np.interp(scene.nut.position, result.centreline_z, result.centreline[:, 2]))
+
+
+def axial_force(result: StaticResult) -> float:
+    """Axial force [N] of the screw on the nut."""
+    balance = result.equilibrium
+    return 0.0 if balance is None else -float(balance.contact_force[2])
+
+
+def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidities | None:
+    """The three rigidities at an axial load [N]; displacement [m] of a model that solves for unequal loads, in the sense
+    of the load. None without axial load or without contact angle. Raises ValueError as `body_compliance`."""
+    size = abs(force)
+    if size == 0.0 or slope_of(scene) <= 0.0:
+        return None
+    alone = contacts_displacement(scene, size)
+    body = body_compliance(scene)
+    unequal = None if displacement is None or displacement * force <= 0.0 else force / displacement
+    return Rigidities(size / alone, None if body is None else 1.0 / (alone / size + body), unequal)

@@ -1,0 +1,120 @@
+"""Tangent stiffness of a solved scene at one section of the screw, against the held nut.
+
+The supports of the screw are taken away and its section at the station is clamped. Small motions d (6) of the clamp move
+the flanks by Rz d; with the stiffness S^T S of all balls and G the compliance of the bodies, the screw clamped there,
+
+    K = (S Rz)^T (I + S G S^T)^-1 (S Rz),
+
+the forces and moments (6) at the clamp per motion: symmetric, not negative, and next to zero along the helix, which no
+frictionless contact resists (planar sections of the balls leave a trace: see `lowfi.statics.mechanism`). A machine model
+takes it between the screw's node and the nut's, and adds its own shaft and bearings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from lowfi.compliance.bodies import REFINED, Backend
+from lowfi.compliance.imported import Condensed
+from lowfi.statics.again import solved_system
+from lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
+from lowfi.statics.kernel.elastic_balls import ball_rows
+from lowfi.statics.problem import Problem
+from lowfi.statics.shaft import rows_of
+from lowfi.statics.shape import rigid_transport
+from lowfi.statics.static import Engine
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import FREEDOMS, Scene, Support
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """Stiffness ``(6, 6)`` at a station [m] of the screw, freedoms ux, uy, uz, rx, ry, rz: N/m, N/rad, N m/rad; nan where
+    status is not ``"converged"``."""
+
+    station: float
+    matrix: Array
+    status: str
+
+    def rigidity(self, freedom: str, held: tuple[str, ...] = ("rz",)) -> float:
+        """Force (moment) per motion of one freedom, the ``held`` ones at rest and all others free: 1 over the compliance.
+        Zero where nothing resists it."""
+        free = [k for k, name in enumerate(FREEDOMS) if name not in held]
+        arm = self._arm()
+        scale = np.where(np.array(free) < 3, 1.0, 1.0 / arm)
+        own = self.matrix[np.ix_(free, free)] * scale[:, None] * scale[None, :]
+        lam, V = np.linalg.eigh(own)
+        k = free.index(FREEDOMS.index(freedom))
+        if np.any((lam <= 1e-9 * lam[-1]) & (np.abs(V[k]) > 1e-6)):
+            return 0.0
+        kept = lam > 1e-9 * lam[-1]
+        return float(1.0 / np.sum(V[k, kept] ** 2 / lam[kept]) / scale[k] ** 2)
+
+    def _arm(self) -> float:
+        """Length [m] that makes rotations comparable with displacements."""
+        diagonal = np.diag(self.matrix)
+        force, moment = float(diagonal[:3].max()), float(diagonal[3:].max())
+        return float(np.sqrt(moment / force)) if force > 0.0 and moment > 0.0 else 1.0
+
+
+def tangent_stiffness(
+    scene: Scene,
+    station: float,
+    *,
+    backend: Backend = REFINED,
+    condensed: Condensed | None = None,
+    member: int = 0,
+    engine: Engine = "auto",
+) -> Tangent:
+    """Tangent stiffness at a station [m] of the screw, at the equilibrium of the scene.
+
+    Takes the change of Hertz's constants with the contact angle and of the lever arms of uneven profiles as none. Raises
+    ValueError for a station off the screw, and as `lowfi.statics.elastic.solve_elastic`.
+    """
+    if not 0.0 <= station <= scene.screw.length:
+        raise ValueError(f"the screw reaches from 0 to {1e3 * scene.screw.length:g} mm")
+    layout = ball_layout(scene)
+    drawn = specimen(scene, layout, member)
+    with one_thread():
+        system, status = solved_system(scene, drawn, layout, backend, condensed, engine)
+        if isinstance(system, Problem) or status != "converged":
+            return Tangent(station, np.full((6, 6), np.nan), status)
+        clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))
+        held = replace(scene, supports=(clamp,), loads=())
+        rebuild = Rebuild(held, drawn, layout, system.problem.use, None, backend, condensed, system.engine, False, 1)
+        return Tangent(station, _condensed(system, rebuild(), station), status)
+
+
+def _condensed(solved: Elastic, clamped: Elastic, station: float) -> Array:
+    """K from the balls of the solved system and the bodies of the clamped one."""
+    N = solved.contacts.r_ball.size
+    rows, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
+    ball_rows(solved.contacts, solved.state.contact, rows, counts)
+    which = np.arange(6)[None, :] < counts[:, None]
+    ball = np.repeat(np.arange(N), counts)
+    S = np.zeros((ball.size, N, 8))
+    S[np.arange(ball.size), ball] = rows[which]
+    screw, nut = S[:, :, :4].reshape(ball.size, -1), S[:, :, 4:].reshape(ball.size, -1)
+    bodies = clamped.bodies
+    A = np.eye(ball.size) + screw @ bodies.first @ screw.T + nut @ bodies.second @ nut.T
+    moved = screw @ flanks_by_clamp(clamped.problem, station)
+    K = moved.T @ cho_solve(cho_factor(A), moved)
+    return np.asarray(0.5 * (K + K.T))
+
+
+def flanks_by_clamp(problem: Problem, station: float) -> Array:
+    """Motions of the screw's flanks ``(4 N, 6)``, ball after ball (SL x3, z3, SR x3, z3), by those of a section at
+    ``station`` [m] that carries the screw along rigidly."""
+    dof, rows = rows_of(problem, [0, 1])
+    nodes = np.concatenate([rigid_transport(float(z - station)) for z in problem.nodes])
+    if problem.basis is not None:
+        nodes = np.linalg.solve(problem.basis, nodes)
+    moved = np.einsum("cak,ckj->caj", rows, nodes[dof])
+    return np.asarray(moved.reshape(2, -1, 2, 6).transpose(1, 0, 2, 3).reshape(-1, 6))

@@ -1,0 +1,46 @@
+"""The fixture ``rollbench`` fails a test with the verdict's own line, and is found by its entry point."""
+
+import os
+import subprocess
+import sys
+import tomllib
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from compare.gate.pytest_plugin import Rollbench
+from compare.scenes.catalogue import scene_text
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def test_a_scene_that_passes_and_one_that_does_not(tmp_path: Path) -> None:
+    (tmp_path / "two-balls.toml").write_text(scene_text("two-balls"), encoding="utf-8")
+    here = Rollbench(tmp_path)
+    (verdict,) = here.check("two-balls.toml", max_error=7, compute=False)
+    assert verdict.word == "pass"
+    with pytest.raises(pytest.fail.Exception, match=r"UNDECIDED: two-balls, refined: .* limit 1 %"):
+        here.check("two-balls.toml", max_error=1, compute=False)
+    with pytest.raises(pytest.fail.Exception, match=r"none\.toml: file: got no such file"):
+        here.check("none.toml", compute=False)
+
+
+def test_the_entry_point_names_the_plug_in() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert hasattr(import_module(project["entry-points"]["pytest11"]["rollbench"]), "rollbench")
+
+
+def test_in_a_pytest_of_its_own(tmp_path: Path) -> None:
+    """Another project's test, three lines long; the plug-in loads no part of the workbench before it is used."""
+    (tmp_path / "test_mine.py").write_text(
+        "import sys\n\n\ndef test_my_screw(rollbench):\n"
+        "    assert 'compare.scenes.catalogue' not in sys.modules\n"
+        "    rollbench.check('none.toml', max_error=7)\n",
+        encoding="utf-8",
+    )
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "compare.gate.pytest_plugin", "-p", "no:cacheprovider", "."]
+    alone = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": str(ROOT), "PYTEST_ADDOPTS": ""}
+    done = subprocess.run(command, cwd=tmp_path, env=alone, capture_output=True, text=True, timeout=250, check=False)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert "none.toml: file: got no such file or directory" in done.stdout

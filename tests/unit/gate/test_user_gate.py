@@ -1,0 +1,215 @@
+"""`rollbench check SCENE...`: a user's scenes and loads against stored references; exit codes, files, refusals."""
+
+import csv
+import json
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from compare.cli import main
+from compare.errors import InputError, Refusal
+from compare.gate import user
+from compare.gate.loads_file import read_loads
+from compare.gate.publish import HEADS, Outcome, junit, markdown, publish, table
+from compare.gate.user import Asked, asked, check_scenes, limits_of
+from compare.reference.jobs import Engine
+from compare.reference.runs import reference
+from compare.scenes import catalogue, scene_file
+from compare.scenes.catalogue import scene_text
+from meshes.parts import SIDES
+
+
+def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as stop:
+        main(["check", *tokens])
+    out, err = capsys.readouterr()
+    return int(stop.value.code or 0), out, err
+
+
+def loads_csv(path: Path, factor: float, sides: tuple[str, ...] = SIDES) -> Path:
+    """The stored reference's own loads of the two balls, that of ball 2 SR (uncertain by 2.2 %) times a factor."""
+    found = reference(catalogue.scene("two-balls"))
+    assert found is not None
+    load = found.load.copy()
+    load[1, 1] *= factor
+    lines = [f"{b + 1},{s},{load[b, SIDES.index(s)]:.6g}" for b in range(2) for s in sides]
+    path.write_text("\n".join(["ball,flank,newton", *lines]) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("factor", "code", "word"), [(1.02, 0, "PASS"), (1.06, 3, "UNDECIDED"), (1.2, 1, "FAIL")])
+def test_loads_of_another_program(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, factor: float, code: int, word: str
+) -> None:
+    file = loads_csv(tmp_path / "mesys.csv", factor)
+    found, out, err = run(capsys, "two-balls", "--loads", str(file), "--no-compute", "--max-error", "7")
+    assert (found, err) == (code, "")
+    assert out.startswith(f"{word}: two-balls, mesys.csv: largest error of a contact load ")
+
+
+def test_json_of_a_model_and_of_a_scene_without_reference(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text(scene_text("two-balls").replace('"6 um"', '"6.1 um"'), encoding="utf-8")
+    code, out, _ = run(capsys, "two-balls", str(mine), "--stored", str(tmp_path), "--json")
+    data = json.loads(out)
+    assert (code, data["verdict"], data["passed"]) == (4, "not covered", False)
+    first, second = data["verdicts"]
+    assert (first["scene"], first["judged"], first["word"], first["levels"]) == (
+        "two-balls",
+        "refined",
+        "pass",
+        [1, 2, 3, 4],
+    )
+    assert first["error_percent"] < 1.0
+    assert first["uncertainty_percent"] > 0.0
+    assert (second["scene"], second["word"], second["error_percent"]) == ("mine", "not covered", None)
+
+
+def test_a_scene_may_set_its_own_limits() -> None:
+    text = scene_text("two-balls") + "\n[gate]\nmax_error = 2\nrms_error = 1\n"
+    scene = scene_file.loads(text, "two-balls.toml")
+    assert scene == catalogue.scene("two-balls"), "limits are no part of what is solved and stored"
+    assert repr(scene) == repr(catalogue.scene("two-balls"))
+    own, given = limits_of(scene, None), limits_of(scene, 9.0)
+    assert (own.largest, own.rms, given.largest) == (2.0, 1.0, 9.0)
+    assert limits_of(catalogue.scene("two-balls"), None).largest == 7.0
+    verdicts = check_scenes([scene], asked(compute=False), Engine(), lambda _: None)
+    assert [(v.word, v.limit_percent) for v in verdicts] == [("undecided", 2.0), ("pass", 1.0)]
+
+
+def test_missing_levels_are_computed_by_geometry_and_a_refusal_is_not_covered(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    planned: list[tuple[list[str], list[int]]] = []
+
+    def refused(tasks, *_: object, **__: object) -> list[object]:  # type: ignore[no-untyped-def]
+        planned.append((sorted({s.name for t in tasks for s in t.scenes}), sorted({t.level for t in tasks})))
+        raise Refusal("mine", "3D reference", "no room for the contact", "deepen the groove")
+
+    monkeypatch.setattr(user, "ensure", refused)
+    text = scene_text("two-balls").replace('"6 um"', '"6.1 um"')
+    scenes = [scene_file.loads(text, "mine.toml"), catalogue.scene("two-balls")]
+    what = Asked((tmp_path, asked().stores[1]))
+    first, second = check_scenes(scenes, what, Engine(), lambda _: None)
+    assert planned == [(["mine"], [1, 2])], "the stored reference of the other is not computed again"
+    assert (first.word, "no room for the contact" in first.detail) == ("not covered", True)
+    assert second.word == "pass"
+
+
+def test_a_model_that_does_not_converge_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    from dataclasses import replace
+
+    real = user.run_model
+    monkeypatch.setattr(user, "run_model", lambda *a: replace(real(*a), status="no equilibrium"))
+    (verdict,) = check_scenes([catalogue.scene("two-balls")], asked(model="lin", compute=False), Engine(), lambda _: None)
+    assert (verdict.word, verdict.error_percent) == ("fail", None)
+    assert verdict.line() == "FAIL: two-balls, lin: the model has no loads: no equilibrium"
+
+
+@pytest.mark.parametrize(
+    ("tokens", "words"),
+    [
+        (("--model", "lin"), ("--model", "name the scenes")),
+        (("--no-compute",), ("--no-compute", "name the scenes")),
+        (("two-balls", "--levels", "5"), ("--levels", "1 to 4")),
+        (("two-balls", "--levels", "2", "--no-compute"), ("--levels", "--no-compute")),
+        (("two-balls", "--stored", "nowhere"), ("--stored", "nowhere")),
+        (("two-balls", "--model", "condensed", "--no-compute"), ("--model", "refined")),
+        (("two-balls", "--model", "mei", "--no-compute"), ("--model", "describe two-balls")),
+        (("two-balls", "two-balls", "--no-compute"), ("each scene once",)),
+        (("two-balls", "--loads", "none.csv", "--no-compute"), ("none.csv", "no such file")),
+        (("two-balls", "lin-case1", "--loads", "a.csv", "--no-compute"), ("one scene, not 2",)),
+        (("lin-pair-a", "--no-compute"), ("linear pair",)),
+    ],
+)
+def test_what_cannot_be_asked_is_one_line(
+    capsys: pytest.CaptureFixture[str], tokens: tuple[str, ...], words: tuple[str, ...]
+) -> None:
+    code, out, err = run(capsys, *tokens)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert all(word in err for word in words)
+
+
+GOOD = "ball,flank,newton\n1,SL,100\n1,NR,90.5\n2,sl,0\n2,NR,80\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        GOOD,
+        "\ufeff" + GOOD,
+        GOOD.replace(",", ";").replace(".", ","),
+        GOOD.replace(",", "\t"),
+        GOOD.replace("\n", "\r\n") + "\n\n",
+        "flank,newton,ball,note\nSL,100,1,x\nNR,90.5,1,\nSL,0,2\nNR,80,2,y\n",
+    ],
+)
+def test_spreadsheets_as_they_are_saved(tmp_path: Path, text: str) -> None:
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8", newline="")
+    found = read_loads(tmp_path / "a.csv", 2)
+    assert found.flanks == ("SL", "NR")
+    np.testing.assert_array_equal(found.load, [[100.0, 0.0, 0.0, 90.5], [0.0, 0.0, 0.0, 80.0]])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "part"),
+    [
+        ("ball,", "index,", "line 1", "a column ball"),
+        ("1,SL,100", "3,SL,100", "line 2: ball", "1 to 2"),
+        ("1,SL,100", "0,SL,100", "line 2: ball", "1 to 2"),
+        ("1,SL,100", "1,left,100", "line 2: flank", "SL, SR, NL, NR"),
+        ("1,SL,100", "1,SL,-100", "line 2: newton", "from 0"),
+        ("1,SL,100", "1,SL,nan", "line 2: newton", "from 0"),
+        ("1,SL,100", "1,SL,100 N", "line 2: newton", "without unit"),
+        ("1,SL,100", "1,SL", "line 2: newton", "nothing"),
+        ("2,sl,0\n", "", "rows", "no load of ball 2 SL"),
+        ("2,NR,80", "1,NR,80", "line 5", "ball 1 NR again"),
+        (GOOD, "", "line 1", "ball,flank,newton"),
+        (GOOD, "ball,flank,newton\n", "file", "no loads"),
+    ],
+)
+def test_faulty_loads_are_refused_by_line(tmp_path: Path, old: str, new: str, key: str, part: str) -> None:
+    (tmp_path / "a.csv").write_text(GOOD.replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read_loads(tmp_path / "a.csv", 2)
+    assert caught.value.key == key
+    assert part in str(caught.value)
+
+
+CELLS = ("mine", "a|b", "largest error", "8.5", "1", "7", "2", "NR")
+ROWS = [Outcome(True, ("pass", *CELLS, "")), Outcome(False, ("fail", *CELLS, "=1+1 <b>"))]
+
+
+def test_junit_is_green_only_where_it_passes() -> None:
+    suite = ElementTree.fromstring(junit(ROWS))
+    assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
+    cases = list(suite.iter("testcase"))
+    assert [case.find("failure") is None for case in cases] == [True, False]
+    failure = cases[1].find("failure")
+    assert failure is not None
+    assert failure.get("type") == "fail"
+    assert "error %: 8.5; uncertainty %: 1; limit %: 7" in str(failure.get("message"))
+
+
+def test_markdown_and_csv(tmp_path: Path) -> None:
+    text = markdown(ROWS)
+    lines = text.splitlines()
+    assert lines[0] == "### rollbench check: 1 pass, 1 fail"
+    assert lines[4].startswith("| fail | mine | a\\|b |"), "what is not green comes first"
+    assert "<b>" not in text
+    widths = {len(re.findall(r"(?<!\\)\|", line)) for line in lines[2:]}
+    assert widths == {len(HEADS) + 1}
+    rows = list(csv.reader(table(ROWS).splitlines()))
+    assert (rows[0], rows[2][-1]) == (list(HEADS), "'=1+1 <b>")
+    summary = tmp_path / "summary.md"
+    summary.write_text("before\n", encoding="utf-8")
+    files = {"markdown_file": tmp_path / "a.md", "junit_file": tmp_path / "a.xml", "csv_file": tmp_path / "a.csv"}
+    written = publish(ROWS, **files, environment={"GITHUB_STEP_SUMMARY": str(summary)})
+    assert set(written) == {*files.values(), summary}
+    assert summary.read_text(encoding="utf-8") == "before\n" + text
+    assert publish(ROWS, csv_file=tmp_path / "b.csv", environment={"GITHUB_STEP_SUMMARY": str(summary)}) == [
+        tmp_path / "b.csv"
+    ]

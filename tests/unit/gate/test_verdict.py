@@ -1,0 +1,112 @@
+"""Verdicts count the reference's uncertainty openly, and name the contact that decides."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from compare.gate.gate import GateRow
+from compare.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, judge, word, worst_of
+from compare.reference.runs import Reference
+
+LOAD = np.array([[100.0, 0.0, 0.0, 100.0], [100.0, 0.0, 0.0, 100.0]])
+
+
+def reference(uncertainty: float | None, load: np.ndarray = LOAD) -> Reference:
+    """A reference of two levels with the same uncertainty [N] of every loaded contact (None: of one level)."""
+    levels = (1,) if uncertainty is None else (1, 2)
+    runs = tuple(SimpleNamespace(level=k, load=load) for k in levels)
+    bars = None if uncertainty is None else np.where(load > 0.0, uncertainty, 0.0)
+    return Reference("mine", runs, load, bars, None, None, None)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("error", "u", "expected"),
+    [
+        (6.0, 1.0, "pass"),
+        (6.1, 1.0, "undecided"),
+        (7.9, 1.0, "undecided"),
+        (8.0, 1.0, "undecided"),
+        (8.1, 1.0, "fail"),
+        (0.0, 8.0, "undecided"),
+        (99.0, None, "undecided"),
+        (float("nan"), 1.0, "undecided"),
+    ],
+)
+def test_pass_undecided_fail(error: float, u: float | None, expected: str, sign: float) -> None:
+    assert word(sign * error, u, 7.0) == expected
+
+
+def test_the_contact_that_decides_is_named() -> None:
+    load = LOAD.copy()
+    load[1, 3] = 108.5
+    (found,) = judge("x", load, reference(1.0), Limits(7.0))
+    assert (found.word, found.ball, found.flank, found.contacts, found.levels) == ("fail", 2, "NR", 4, (1, 2))
+    assert found.error_percent == pytest.approx(8.5)
+    assert found.line() == f"FAIL: mine, x: {LARGEST} 8.50 % - 1.00 % > 7 % (ball 2 NR)"
+    load[1, 3] = 105.0
+    (found,) = judge("x", load, reference(1.0), Limits(7.0))
+    assert (found.word, found.line()) == ("pass", f"PASS: mine, x: {LARGEST} 5.00 % + 1.00 % <= 7 % (ball 2 NR)")
+
+
+def test_one_clear_failure_outweighs_a_larger_doubtful_error() -> None:
+    found = reference(1.0)
+    assert found.uncertainty is not None
+    found.uncertainty[0, 0], found.uncertainty[0, 3] = 20.0, 4.5
+    load = LOAD.copy()
+    load[0, 0], load[0, 3], load[1, 0] = 125.0, 112.0, 109.0
+    (verdict,) = judge("x", load, found, Limits(7.0))
+    assert (verdict.word, verdict.ball, verdict.flank) == ("fail", 2, "SL")
+
+
+def test_a_load_that_the_reference_does_not_have_counts() -> None:
+    load = LOAD.copy()
+    load[0, 1] = 9.0
+    (verdict,) = judge("x", load, reference(0.5), Limits(7.0))
+    assert (verdict.word, verdict.ball, verdict.flank) == ("fail", 1, "SR")
+    (verdict,) = judge("x", load, reference(0.5), Limits(7.0), flanks=("SL", "NR"))
+    assert verdict.word == "pass"
+
+
+def test_one_level_decides_nothing() -> None:
+    (verdict,) = judge("x", 2.0 * LOAD, reference(None), Limits(7.0))
+    assert (verdict.word, verdict.uncertainty_percent, verdict.detail) == ("undecided", None, ONE_LEVEL)
+    assert "uncertainty not known" in verdict.line()
+
+
+def test_rms_is_judged_where_it_has_a_limit() -> None:
+    load = 1.04 * LOAD
+    largest, rms = judge("x", load, reference(0.5), Limits(7.0, rms=3.0))
+    assert (largest.word, rms.word, rms.quantity) == ("pass", "fail", RMS)
+    assert rms.error_percent == pytest.approx(4.0)
+    assert rms.uncertainty_percent == pytest.approx(0.5)
+
+
+def test_flanks_without_load_are_not_covered() -> None:
+    (verdict,) = judge("x", 0.0 * LOAD, reference(0.5), Limits(7.0), flanks=("SR",))
+    assert verdict.word == "not covered"
+    assert verdict.line() == "NOT COVERED: mine, x: the reference carries no load on SR"
+
+
+def test_the_gravest_verdict_counts() -> None:
+    assert worst_of(["pass", "not covered", "undecided", "fail"]) == "fail"
+    assert worst_of(["pass", "not covered", "undecided"]) == "undecided"
+    assert worst_of(["pass", "not covered"]) == "not covered"
+    assert worst_of(["pass"]) == "pass"
+    assert CODES == {"pass": 0, "fail": 1, "undecided": 3, "not covered": 4}
+
+
+@pytest.mark.parametrize(
+    ("row", "expected"),
+    [
+        (GateRow("a", "k", None, None, 1.9, 2.0, True), "ok"),
+        (GateRow("a", "k", None, None, -2.5, 2.0, True, uncertainty_percent=0.7), "undecided"),
+        (GateRow("a", "k", None, None, 14.0, 7.0, True, gated=False), "reported"),
+        (GateRow("a", "k", None, None, 14.0, 7.0, False, gated=False), "FAIL"),
+        (GateRow("a", "claim", None, None, None, None, True), "ok"),
+    ],
+)
+def test_no_row_of_the_shipped_gate_reads_ok_over_its_line(row: GateRow, expected: str) -> None:
+    assert row.verdict == expected
+    assert row.as_json()["verdict"] == expected

@@ -1,0 +1,93 @@
+"""All faults of a file are told at once, each on its line, unknown keys with what a scene calls them."""
+
+import pytest
+
+from compare.cli import main
+from compare.errors import SceneError
+from compare.scenes import scene_file
+from compare.scenes.template import template
+from compare.scenes.words import WORDS, hint
+
+GOOD = template()
+
+
+def faults(*changes: tuple[str, str]) -> SceneError:
+    text = GOOD
+    for old, new in changes:
+        assert f"\n{old}" in text, old
+        text = text.replace(f"\n{old}", f"\n{new}", 1)
+    with pytest.raises(SceneError) as caught:
+        scene_file.loads(text, "my.toml")
+    return caught.value
+
+
+def keys(error: SceneError) -> list[str]:
+    return [error.key, *(other.key for other in error.others)]
+
+
+def test_keys_choices_and_bodies_are_told_together() -> None:
+    title = ('title = "Ball screw of Lin (2019), Table 2.1, under 5 kN"', "title = 1\ncolour = 3")
+    wall = ('outer_diameter = "48 mm"', 'outer_diameter = "38 mm"')
+    twice = ('at = "0 mm"\nfix = ["ux"', 'at = "0 mm"\nfix = []\n[[supports]]\nat = "0 mm"\nfix = ["ux"')
+    assert keys(faults(title, wall)) == ["colour", "title", "nut.outer_diameter"]
+    assert keys(faults(title, wall, twice)) == ["colour", "title", "supports[0].fix"], "no bodies beside wrong choices"
+    assert keys(faults(("turns = 2", 'turns = "2"'), twice)) == ["balls.turns", "supports[0].fix"]
+
+
+def test_what_a_faulty_value_may_have_caused_is_not_told() -> None:
+    """Without its count, nothing can be said of the balls in the nut."""
+    error = faults(("count = 32", "cout = 32"), ('length = "54 mm"', 'length = "5 mm"'))
+    assert keys(error) == ["balls.cout"]
+    assert error.advice == "unknown key; did you mean count?"
+
+
+def test_a_missing_key_is_not_told_beside_the_unknown_one_that_stands_for_it() -> None:
+    error = faults(('pitch_radius = "16.5 mm"', 'pitch_radus = "16.5 mm"'), ("[screw]", "[shaft]"))
+    assert keys(error) == ["track.pitch_radus", "shaft"] or keys(error) == ["shaft", "track.pitch_radus"]
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "part"),
+    [
+        (("[screw]", '[screw]\npitch_diameter = "33 mm"'), "screw.pitch_diameter", "under [track]"),
+        (("[nut]", "[nut]\ncircuits = 3"), "nut.circuits", "circuits = 3 with circuit_gap = 0.5 under [balls]"),
+        (
+            ("count = 32", 'ball_diameter = "5 mm"\ncount = 32'),
+            "balls.ball_diameter",
+            'diameter = "5.556 mm" under [balls]',
+        ),
+        (("[nut]", '[nut]\nPreload = "1 kN"'), "nut.Preload", "under [preload]"),
+        (("[screw]", '[screw]\ndiameter = "32 mm"'), "screw.diameter", "did you mean outer_diameter?"),
+    ],
+)
+def test_hints_in_a_user_s_words(change: tuple[str, str], key: str, part: str) -> None:
+    error = faults(change)
+    assert error.key == key
+    assert part in error.advice
+
+
+def test_every_word_leads_to_a_key_that_there_is() -> None:
+    known = set(GOOD.replace("[", " ").replace("]", " ").replace('"', " ").split()) | {"preload", "screw", "supports"}
+    for word, said in WORDS.items():
+        assert hint(word.upper().replace("_", " ")) == said
+        assert said.split()[0].rstrip(":") in known | {"none"}, word
+
+
+def test_each_fault_is_a_line_of_the_command_line(capsys: pytest.CaptureFixture[str], tmp_path) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(GOOD.replace('"20 mm"', '"20"').replace("count = 32", "count = 0"), encoding="utf-8")
+    with pytest.raises(SystemExit) as stop:
+        main(["solve", str(file)])
+    err = capsys.readouterr().err.splitlines()
+    assert stop.value.code == 2
+    assert len(err) == 2
+    assert all(line.startswith(f"rollbench: {file}: ") for line in err)
+    assert "more fault" not in " ".join(err)
+
+
+def test_many_faults_are_cut() -> None:
+    listed = ", ".join(['"1"'] * 1000)
+    error = faults(("count = 32", f"azimuths = [{listed}]"))
+    assert error.more == 999
+    assert len(error.lines()) == 31
+    assert error.lines()[-1] == "my.toml: and 970 more faults"

@@ -1,0 +1,181 @@
+"""What catalogues give: diameters, materials by name, circuits with gaps, filling, preload, nominal sizes."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare.cli import main
+from compare.errors import InputError, SceneError
+from compare.scenes import catalogue, scene_file
+from compare.scenes.catalogue import scene_text
+from compare.scenes.like import scene_like
+from compare.scenes.preload import oversize_for
+from compare.scenes.template import template
+from lowfi.statics.static import solve_static
+from meshes.helix import ball_layout
+from meshes.parts import Scene
+
+GOOD = template()
+
+
+def changed(*changes: tuple[str, str], text: str = GOOD) -> str:
+    for old, new in changes:
+        assert f"\n{old}" in text, old
+        text = text.replace(f"\n{old}", f"\n{new}", 1)
+    return text
+
+
+def read(*changes: tuple[str, str]) -> Scene:
+    return scene_file.loads(changed(*changes), "my.toml")
+
+
+def refused(*changes: tuple[str, str]) -> SceneError:
+    with pytest.raises(SceneError) as caught:
+        read(*changes)
+    return caught.value
+
+
+PITCH = ('pitch_radius = "16.5 mm"', 'pitch_diameter = "33 mm"')
+BALL = ('radius = "2.778 mm"', 'diameter = "5.556 mm"')
+ARCS = 'arcs = [["-300 deg", "-60 deg"], ["60 deg", "300 deg"]]'
+
+
+def test_diameters_are_the_radii_to_the_last_digit() -> None:
+    assert read(PITCH, BALL) == read()
+    assert read(('pitch_radius = "16.5 mm"', 'pitch_diameter = "33 mm"\npitch_radius = "16.5 mm"')) == read()
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "value", "part"),
+    [
+        ((PITCH[0], 'pitch_diameter = "33"'), "track.pitch_diameter", '"33"', "has no unit"),
+        ((PITCH[0], 'pitch_diameter = "33 kN"'), "track.pitch_diameter", '"33 kN"', "force"),
+        ((BALL[0], 'diameter = "0 mm"'), "balls.diameter", '"0 mm"', "0.02 mm to 2 m"),
+        ((BALL[0], 'diameter = "5.556 mm"\nradius = "3 mm"'), "balls.diameter", '"5.556 mm"', "6 mm, twice the radius"),
+        ((PITCH[0], 'pitch_diameter = "5 mm"'), "track.pitch_diameter", '"5 mm"', "as a radius; the balls would reach"),
+        ((PITCH[0], ""), "track.pitch_radius", "nothing", 'add pitch_radius = "16.5 mm", or pitch_diameter'),
+    ],
+)
+def test_faults_of_diameters_are_named_as_the_file_has_them(
+    change: tuple[str, str], key: str, value: str, part: str
+) -> None:
+    error = refused(change)
+    assert (error.key, error.value) == (key, value)
+    assert part in f"{error.allowed} {error.advice}"
+
+
+def test_materials_by_name() -> None:
+    steel = ('youngs_modulus = "210 GPa"\npoissons_ratio = 0.28', 'name = "bearing steel"')
+    assert read(steel).screw.material == replace(read().screw.material, poissons_ratio=0.3)
+    ceramic = read(("turns = 2", 'turns = 2\nmaterial = { name = "silicon nitride" }'))
+    assert (ceramic.balls.material.youngs_modulus, ceramic.balls.material.poissons_ratio) == (310e9, 0.26)
+    assert ceramic.screw == read().screw
+    own = read(("turns = 2", 'turns = 2\nmaterial = { name = "zirconia", youngs_modulus = "205 GPa" }'))
+    assert own.balls.material.youngs_modulus == 205e9
+    error = refused(("turns = 2", 'turns = 2\nmaterial = { name = "silicon nitrid" }'))
+    assert (error.key, error.advice) == ("balls.material.name", 'did you mean "silicon nitride"?')
+
+
+def test_circuits_lie_about_the_nut_with_their_gaps() -> None:
+    scene = read(("count = 32", "count = 15"), ("turns = 2", "turns = 0.5\ncircuits = 3\ncircuit_gap = 0.25"))
+    places = np.array(scene.balls.azimuths).reshape(3, 5) / (2.0 * math.pi)
+    np.testing.assert_allclose(np.diff(places, axis=1), 0.1, atol=1e-12)
+    np.testing.assert_allclose(places.mean(axis=1), [-0.75, 0.0, 0.75], atol=1e-12)
+
+
+def test_filling_gives_the_count() -> None:
+    assert read(("count = 32", "filling = 0.9")).ball_count == 34
+    full = read(("count = 32", "filling = 1"))
+    centres = ball_layout(full).centre
+    apart = np.linalg.norm(np.diff(centres, axis=0), axis=1)
+    assert 5.556e-3 <= apart.min() < 5.556e-3 * (1.0 + 1.0 / full.ball_count), "no ball more would fit"
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "part"),
+    [
+        ((("count = 32", "count = 32\nfilling = 0.9"),), "balls.filling", "leave one out"),
+        ((("turns = 2", "turns = 1\ncircuits = 2"),), "balls.circuits", "measure from ball to ball"),
+        ((("turns = 2", "turns = 1\ncircuit_gap = 0.5"),), "balls.circuit_gap", "2 or more"),
+        ((("turns = 2", "turns = 1\ncircuits = 3\ncircuit_gap = 0"),), "balls.count", "count = 33"),
+        (
+            (("turns = 2", "turns = 1\ncircuits = 2\ncircuit_gap = 0.1"), ("# [circulation]", "[circulation]")),
+            "circulation",
+            "write circuits = 2",
+        ),
+        ((("count = 32", ""), BALL), "balls.count", "azimuths"),
+        ((("turns = 2", f"{ARCS}\ncircuits = 2"),), "balls.circuits", "1 beside arcs"),
+        ((("turns = 2", f"{ARCS}\ncircuit_gap = 0.5"),), "balls.circuit_gap", "nothing beside arcs"),
+        ((("count = 32", "filling = 0.9"), ("turns = 2", ARCS)), "balls.filling", "write count instead"),
+        ((("[[supports]]", '[preload]\nlead_offset = "5 um"\n[[supports]]'),), "preload.lead_offset", "force or oversize"),
+        ((("[[supports]]", "[preload]\n[[supports]]"),), "preload", "either force or oversize"),
+        (
+            (("[[supports]]", '[preload]\noversize = "5 um"\n[errors.balls]\noversize = "1 um"\n[[supports]]'),),
+            "errors.balls.oversize",
+            "leave one of the two out",
+        ),
+        ((("[[supports]]", '[preload]\noversize = "0.6 mm"\n[[supports]]'),), "screw.groove_radius", "jam"),
+    ],
+)
+def test_contradictions_of_catalogue_keys(changes: tuple[tuple[str, str], ...], key: str, part: str) -> None:
+    error = refused(*changes)
+    assert error.key in (key, key.replace("balls.circuit_gap", "balls.circuits"))
+    assert part in " ".join(error.lines())
+
+
+def test_a_preload_force_is_what_rigid_bodies_press_with() -> None:
+    """The screw alone, rigid, without load: the axial force over its left flanks is the one asked for."""
+    rigid = ("# [ingredients]", '[ingredients]\nscrew = "rigid"')
+    scene = read(rigid, ("[[supports]]", '[preload]\nforce = "3 kN"\n[[supports]]'), ('force = ["0 N", "0 N", "5 kN"]', ""))
+    assert "elastic ones give way" in scene.assumed[-1]
+    result = solve_static(scene)
+    alpha = math.atan2(20e-3, 2.0 * math.pi * 16.5e-3)
+    axial = float((result.load[:, 0] * np.sin(result.contact_angle[:, 0])).sum()) * math.cos(alpha)
+    assert axial == pytest.approx(3000.0, rel=0.02)
+    assert oversize_for(scene, 3000.0) == scene.errors.balls.oversize
+
+
+def test_preload_by_oversize_is_that_of_the_errors() -> None:
+    text = scene_text("lin-case3")
+    own = text.replace("[errors.balls]", "[preload]", 1)
+    assert scene_file.loads(own, "lin-case3.toml") == catalogue.scene("lin-case3")
+
+
+@pytest.mark.parametrize("size", ["6x1", "12x4", "16x16", "20x5", "32x10", "32 x 32", "40x10", "40×80", "63X20", "160x40"])
+def test_a_scene_of_every_nominal_size_reads(size: str) -> None:
+    text = scene_like(size)
+    scene = scene_file.loads(text, "my.toml")
+    assert max(map(len, text.splitlines())) <= 140
+    assert 10 <= scene.ball_count <= 200
+    wall = scene.nut.outer_diameter / 2.0 - scene.track.pitch_radius - scene.balls.radius
+    assert 1.0 < wall / scene.balls.radius < 5.0
+    assert (scene.errors.balls.oversize > 0.0, scene.loads[0].force[2] > 0.0) == (True, True)
+
+
+def test_40x10_is_near_the_shipped_one() -> None:
+    ours, shipped = scene_file.loads(scene_like("40x10"), "my.toml"), catalogue.scene("unseen-40x10")
+    assert ours.track.pitch_radius == shipped.track.pitch_radius
+    assert ours.balls.radius == shipped.balls.radius
+    assert ours.nut.outer_diameter == shipped.nut.outer_diameter
+    assert abs(ours.ball_count - shipped.ball_count) <= 3
+
+
+@pytest.mark.parametrize("size", ["40", "x10", "40x", "40x100", "4x1", "300x10", "-40x10", "40x10x2", "nan"])
+def test_a_size_beyond_the_rules_is_refused(size: str) -> None:
+    with pytest.raises(InputError, match="40x10"):
+        scene_like(size)
+
+
+def test_new_like_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "a.toml"
+    with pytest.raises(SystemExit) as stop:
+        main(["new", str(file), "--like", "40x10", "--kind", "bearing"])
+    assert stop.value.code == 2
+    assert "without --kind" in capsys.readouterr().err
+    with pytest.raises(SystemExit) as stop:
+        main(["new", str(file), "--like", "40x10"])
+    assert not stop.value.code
+    assert file.read_text(encoding="utf-8") == scene_like("40x10")
