@@ -35,8 +35,8 @@ SAFE, CAREFUL = 1.25, 3.0
 ROUND_OFF = 1e-6
 #: Of the F test by which a scene's own values must contradict the order of the method before it is not believed for them,
 #: since of twenty scenes one contradicts at 95 % by chance. Its contacts share the scatter of their bodies' meshes and so
-#: count as one quantity there: as independent ones, those of case 3 ask for an order below zero where 2 fits them to 0.033 %
-#: of the mean load in place of 0.031 %.
+#: count as one quantity there: as independent ones, those of case 3 ask for an order below zero, where 2 fits them to
+#: 0.033 % of the mean load in place of 0.031 %.
 CONTRADICTION = 0.99
 #: Orders of the interval that ``pool`` goes through for the largest uncertainty.
 STEPS = 16
