@@ -38,10 +38,10 @@ for _ in range(kills):  # each at a random number of stored samples and a random
     if child == 0:
         sweeping.run(what, folder, Engine(workers=workers), print)
         os._exit(0)
-    until = before + random.uniform(0.0, 1.5 * {samples} / (kills + 2))
-    while len(list(store.read(folder))) < until:
+    until = before + random.uniform(0.0, 0.8 * {samples} / (kills + 2))
+    while len(list(store.read(folder))) < min(until, {samples}):
         time.sleep(0.001)
-    time.sleep(random.uniform(0.0, 0.05))
+    time.sleep(random.uniform(0.0, 0.02))
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     now = len(list(store.read(folder)))
