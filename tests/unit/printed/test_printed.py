@@ -201,7 +201,7 @@ def test_inputs_are_a_class_of_their_own_and_never_reproduced():
 def test_hard_entries_by_kind():
     lin = [r for r in all_rows() if r.table.startswith("lin")]
     kinds = Counter(r.kind for r in lin if r.cls == "hard")
-    assert kinds == {"claim": 22, "arithmetic": 6, "zero": 6, "number": 6}
+    assert kinds == {"claim": 25, "arithmetic": 6, "zero": 6, "number": 6}
     assert {r.key for r in lin if r.cls == "hard" and r.kind == "number"} == {
         "gamma_low",
         "psi",

@@ -42,8 +42,8 @@ def test_tables_show_every_entry(made):
 def test_misprints_have_evidence():
     rows = notes.misprints("smith")
     assert len(rows) == 40
-    assert all(set(row) == {"place", "wrong", "right", "evidence"} and all(row.values()) for row in rows)
-    assert len(notes.misprints()) == 14
+    assert all(set(row) >= {"place", "wrong", "right", "evidence"} and all(row.values()) for row in rows)
+    assert len(notes.misprints()) == 23
 
 
 def test_figure_can_be_drawn(made):
