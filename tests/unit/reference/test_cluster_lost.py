@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import shutil
 import subprocess
 import sys
@@ -96,21 +97,17 @@ def certificates(tmp_path):
     return cert, key
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(300)
 @pytest.fixture
 def own_configuration():
     """Dask's configuration as it was before the test: encryption must not be asked of clusters of later ones."""
-    import copy
-
-    import dask
-
     before = copy.deepcopy(dask.config.config)
     yield
     dask.config.config.clear()
     dask.config.config.update(before)
 
 
+@pytest.mark.slow
+@pytest.mark.timeout(300)
 @pytest.mark.usefixtures("own_configuration")
 def test_jobs_run_over_tls(certificates):
     cert, key = certificates
