@@ -121,7 +121,7 @@ def test_jobs_run_over_tls(certificates):
         tls_client_key=key,
         require_encryption=True,
     )
-    options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    options = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": "127.0.0.1:0"}
     with (
         distributed.LocalCluster(**options, protocol="tls://", host="127.0.0.1", security=security) as local,
         dask.config.set({}),
