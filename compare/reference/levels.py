@@ -72,6 +72,21 @@ LEVELS: dict[int, dict[str, Any]] = {
         "ball_modes": 16,
         "cell": 3.2e-3,
     },
+    5: {
+        "b_over_h": 5.65,
+        "growth": 1.4,
+        "own_cuts": (8, 8, 8),
+        "own_sizes": (0.31e-3, 2.05e-3),
+        "own_ball_sizes": (0.17e-3, 0.41e-3),
+        "fine": 0.87e-3,
+        "coarse": 4.4e-3,
+        "cuts": (3, 2, 3),
+        "modes": 18,
+        "ball_fine": 0.21e-3,
+        "ball_coarse": 0.48e-3,
+        "ball_modes": 18,
+        "cell": 2.8e-3,
+    },
 }
 #: Settings by which single choices of the finest level are refined alone (`compare.reference.variants`).
 BEYOND: dict[str, Any] = {

@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 Step = Callable[[str], None]
 
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
-SCHEMA = 6
+SCHEMA = 7
 #: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
 ENLARGE, BEYOND, LARGER = 2, 1.2, 4
 #: Share by which a patch must grow to be built again.
@@ -216,7 +216,7 @@ class Task:
     def weight(self) -> float:
         """Expected cost, in arbitrary units."""
         sides = len({s for scene in self.scenes for s in needed_sides(scene)})
-        own = {SOURCE_LEVEL: 1.4, 1: 1.0, 2: 1.2, 3: 2.0, 4: 4.5}[self.level] * (1.0 if sides == 2 else 2.2)
+        own = {SOURCE_LEVEL: 1.4, 1: 1.0, 2: 1.2, 3: 2.0, 4: 4.5, 5: 9.0}[self.level] * (1.0 if sides == 2 else 2.2)
         return own * (0.6 if self.variant else 1.0) + 0.15 * len(self.scenes) * (6 if self.ablate else 1)
 
 
