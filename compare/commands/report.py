@@ -119,12 +119,12 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     from compare.models.comparison import REFERENCED
     from compare.models.modelling import REFINED, VARIED
     from compare.reference.jobs import all_variants, ensure, plan, refinements
-    from compare.reference.levels import LEVELS, PRODUCTION
+    from compare.reference.levels import LEVELS, STUDIED
 
     if not source.compute or source.stores is None:
         return
     from compare.crosscheck.study import STUDIES
-    from compare.models.ladder import LARGE, UNSEEN
+    from compare.models.ladder import DEEP, UNSEEN
     from compare.reference import grid_order
     from compare.reference.runs import reference
 
@@ -132,12 +132,11 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     if source.quick:
         tasks = plan(scenes[:2], (min(LEVELS),))
     else:
-        tasks = plan(scenes, tuple(LEVELS), source=True, ablate=True)
+        tasks = plan(scenes, STUDIED, source=True, ablate=True)
         for name in VARIED:
             tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
-        tasks += plan([study.scene(name) for name in UNSEEN if name not in LARGE], tuple(LEVELS))
-        tasks += plan([study.scene(name) for name in LARGE], tuple(k for k in LEVELS if k <= PRODUCTION))
-        tasks += plan([study.scene(name) for name in STUDIES], tuple(LEVELS))
+        tasks += plan([study.scene(name) for name in (*UNSEEN, *STUDIES)], STUDIED)
+        tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
         tasks.sort(key=lambda task: -task.weight)
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
     if not source.quick:

@@ -15,7 +15,7 @@ from compare.errors import InputError, Refusal
 from compare.models.comparison import compared_models, from_model, from_run, reference_answers, rows, suited
 from compare.models.mesh_study import study_table
 from compare.reference.jobs import Engine, all_variants, ensure, plan
-from compare.reference.levels import LEVELS, SOURCE_LEVEL
+from compare.reference.levels import LEVELS, SOURCE_LEVEL, STUDIED
 from compare.reference.runs import Reference, Run, load, reference, shipped_store
 from compare.scenes import catalogue
 from compare.writing import replace_file
@@ -128,7 +128,7 @@ def run_compare(
     """Verdict, table and files of every scene, models beside the reference; what is not stored is computed first.
 
     JSON: rows of every quantity and model, the reference's coarser runs among them. balls: also print every contact.
-    levels: None for the best stored reference (all levels are computed where there is none); else just those. fresh:
+    levels: None for the best stored reference (levels `STUDIED` are computed where there is none); else just those. fresh:
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
     own = compared_models(tuple(models))
@@ -137,7 +137,7 @@ def run_compare(
     without = [s for s in scenes if reference(s, stores) is None] if levels is None and not fresh else scenes
     failed: list[Run] = []
     if without:
-        wanted = levels or tuple(LEVELS)
+        wanted = levels or STUDIED
         tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
         failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh)
     out = []

@@ -211,8 +211,7 @@ def test_balance_and_no_force_along_the_groove(small):
 
 
 def test_a_helical_motion_of_the_screw_changes_no_load(small):
-    """A screw that is turned by 2 mrad and free to follow its lead; by linear kinematics its radius would grow by 35 nm, and
-    its contacts would press along the track by 0.6 % of their load."""
+    """A screw that is turned by 2 mrad and free to follow its lead; by linear kinematics its radius would grow by 33 nm."""
     at_rest = reference.solve_reference(small, small.scene)
     first = small.scene.supports[0]
     held = tuple((name, 2e-3 if name == "rz" else value) for name, value in first.fixed)
@@ -221,7 +220,7 @@ def test_a_helical_motion_of_the_screw_changes_no_load(small):
     assert result.status == "converged"
     np.testing.assert_allclose(result.load, at_rest.load, rtol=0, atol=1e-4 * at_rest.load.max())
     across = np.nan_to_num(result.contact_angle - at_rest.contact_angle)
-    assert np.abs(across).max() < 2e-5
+    assert np.abs(across).max() < 1e-4  # a straight step along a curved track: 16 um leave 8 nm of its section
     axial = result.load[:, 0] @ np.sin(result.contact_angle[:, 0]) * np.cos(small.map.alpha)
     assert axial == pytest.approx(400.0, rel=2e-4)
 

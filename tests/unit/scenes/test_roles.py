@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import pytest
 
+from compare.crosscheck.study import STUDIES
 from compare.errors import SceneError
 from compare.models.comparison import REFERENCED
-from compare.models.ladder import CATALOGUE, CHANGED, LARGE, UNSEEN
+from compare.models.ladder import CATALOGUE, CHANGED, DEEP, UNSEEN
 from compare.reference.runs import key_of
 from compare.scenes import catalogue, scene_file
 
@@ -17,7 +18,7 @@ def test_roles_group_the_scenes_of_the_report():
     assert set(UNSEEN) == {*CHANGED, *CATALOGUE}
     assert all(name.startswith("unseen-") for name in UNSEEN)
     assert len(UNSEEN) == len(CHANGED) + len(CATALOGUE) == 11
-    assert set(LARGE) < set(UNSEEN)
+    assert set(DEEP) < {*UNSEEN, *STUDIES}
     for name in REFERENCED:
         assert catalogue.scene(name).role == "referenced"
 
