@@ -111,7 +111,7 @@ def crossed(system: System, name: str, thrust: str, angle: float) -> str:
     if opened:
         return f"not held: the load opens {name}, which carries thrust along {thrust} only (linear program)"
     return (
-        f"not converged: balls of {name} carry load at a contact angle of {np.degrees(angle):.1f} deg, across the bottom of a "
-        f"groove that carries thrust along {thrust} only; forces at its nominal contacts could balance the loads "
+        f"not converged: balls of {name} carry load at a contact angle of {np.degrees(angle):.1f} deg, across the bottom "
+        f"of a groove that carries thrust along {thrust} only; forces at its nominal contacts could balance the loads "
         "(linear program)"
     )

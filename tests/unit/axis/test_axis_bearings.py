@@ -9,8 +9,8 @@ from lowfi.bearings.angular_contact import BallBearing, BallRow
 from lowfi.bearings.combined_load import combined
 from lowfi.bearings.sets import BearingSet, equilibrium
 from lowfi.bearings.tapered_roller import RollerRow as ThrustRow
-from lowfi.statics.axis.solve import solve_assembly
 from lowfi.statics.axis.proof import opening_motion
+from lowfi.statics.axis.solve import solve_assembly
 from lowfi.statics.axis.system import build, tapered
 from meshes.axis import Housing, RollingSet, Segment
 from meshes.parts import Load, Support
