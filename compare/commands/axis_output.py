@@ -100,9 +100,7 @@ def _housing(h: HousingResult) -> dict[str, Any]:
     }
 
 
-def as_json(
-    assembly: Assembly, result: AxisResult, found: AxisAnswers | None = None, member: int = 0
-) -> dict[str, Any]:
+def as_json(assembly: Assembly, result: AxisResult, found: AxisAnswers | None = None, member: int = 0) -> dict[str, Any]:
     """The result as a JSON-ready object in the keys of a single set's; rows of balls and rollers begin with their set, sums
     of a set are in ``sets``; found: what else stands in the summaries."""
     own = (None,) * len(result.sets) if found is None else found.sets
@@ -115,7 +113,7 @@ def as_json(
         "sets": [_set(i, s, x) for i, (s, x) in enumerate(zip(result.sets, own, strict=True))],
         "balls": ball_rows(result),
         "rollers": roller_rows(result),
-        "summary": whole_summary(assembly, result, found),
+        "summary": whole_summary(result, found),
         "housings": [_housing(h) for h in result.housings],
         "stiffness": stiffness_json(result),
         "centreline": [

@@ -40,7 +40,7 @@ def set_summary(s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
     return data
 
 
-def whole_summary(assembly: Assembly, result: AxisResult, found: AxisAnswers | None) -> dict[str, Any]:
+def whole_summary(result: AxisResult, found: AxisAnswers | None) -> dict[str, Any]:
     """Summary of the whole: sides over all sets, what the set of the worst contact says with its number, axial answers."""
     loads = [s.balls.load for s in result.sets if s.balls is not None]
     if not loads:
@@ -71,7 +71,7 @@ def worst(found: AxisAnswers) -> int | None:
 
 def block(assembly: Assembly, result: AxisResult, found: AxisAnswers, width: int) -> str:
     """Labelled entries, no line wider than ``width``: axial answers, then what the worst set's contacts say, preloads."""
-    data = whole_summary(assembly, result, found)
+    data = whole_summary(result, found)
     axial = data.get("axial")
     lines = []
     if axial is not None:

@@ -21,7 +21,7 @@ AXIS_DEFAULT = "refined"
 #: Why the others do not.
 ONE_SET = {
     "lin-source-partition": "it sets the nodes of the beam by the one nut",
-    "lin-printed-hertz": "write hertz = \"as printed\" under [ingredients], and take the model lin",
+    "lin-printed-hertz": 'write hertz = "as printed" under [ingredients], and take the model lin',
     "condensed": "a file of condensed bodies holds those of one set",
     "source": "the source's own equations are those of one nut that stands",
     "mei": "its bars end in one nut that stands",

@@ -1,4 +1,4 @@
-"""What an engineer asks of several rolling sets on one shaft: contacts, preload, safety, life of each set; its load curve."""
+"""What an engineer asks of several rolling sets on one shaft: contacts, preload, safety, life of each; its load curve."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def asked(assembly: Assembly) -> float | str:
 
 def axial_load(assembly: Assembly) -> float:
     """Sum of the axial loads [N] on shaft and housings."""
-    return sum(x.force[2] for x in (*assembly.loads, *assembly.housings))
+    return sum(x.force[2] for x in assembly.loads) + sum(h.force[2] for h in assembly.housings)
 
 
 def along_axis(assembly: Assembly, result: AxisResult) -> float:
