@@ -97,9 +97,9 @@ LAYOUT_COLUMNS = (
 )
 LAYOUT_NOTE = (
     "Load of 1000 lbf towards the left end; thrust of the shaft's tension at either end; stiffness of shaft and supports, "
-    "without the nut. Scene: beam, contacts, rows apart from one another; formulas: rows by their laws, all of an end at one "
-    "place, and a bar; sum in series (4.6): both ends and the whole screw between rigid walls, which is the stiffness of "
-    "none of them. Differences grow towards an end, whose rows are apart from one another with screw between them."
+    "without the nut. Scene: beam, contacts, rows apart from one another; formulas: rows by their laws, all of an end at "
+    "one place, and a bar; sum in series (4.6): both ends and the whole screw between rigid walls, which is the stiffness "
+    "of none of them. Differences grow towards an end, whose rows are apart from one another with screw between them."
 )
 
 
