@@ -14,7 +14,7 @@ from compare.models.study import Study
 from compare.sections import notes
 from compare.sections.finding_table import printed_table
 from lowfi.bearings.axis import axis_stiffness
-from reports.records import Column, Figure, Panel, Section, Series, Table, Text
+from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {
@@ -106,7 +106,7 @@ LAYOUT_NOTE = (
 def layout_table(study: Study) -> Table:
     """Layouts of the axis over the nut's position: scenes, closed formulas, the source's sum."""
     unit = 1e6 * case.POUND_PER_INCH
-    rows = []
+    rows: list[dict[str, Cell]] = []
     for layout, place, scene, closed in layouts.every_place(study):
         study.uses((layout.scene,))
         series = layouts.in_series(layout) / unit
