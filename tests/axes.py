@@ -87,3 +87,30 @@ def solved(parts, **options):
     result = solve_assembly(parts, engine="interpreted", **options)
     assert result.status == "converged"
     return result
+
+
+def mirrored(parts):
+    """The assembly seen in a mirror across the shaft's middle: z, and rotations about x and y, change their signs."""
+    length = SHAFT.length
+
+    def flip(s):
+        hand = "left" if s.parts.track.hand == "right" else "right"
+        scene = replace(
+            s.parts, track=replace(s.parts.track, hand=hand), nut=replace(s.parts.nut, position=length - s.position)
+        )
+        thrust = {"both": "both", "+z": "-z", "-z": "+z"}[s.thrust]
+        return replace(s, parts=scene, position=length - s.position, offset=-s.offset, thrust=thrust)
+
+    def turn(v, sign=1.0):
+        return sign * v[0], sign * v[1], -sign * v[2]
+
+    def housing(h):
+        return replace(h, at=length - h.at, force=turn(h.force), moment=turn(h.moment, -1.0))
+
+    return replace(
+        parts,
+        sets=tuple(flip(s) for s in parts.sets),
+        housings=tuple(housing(h) for h in parts.housings),
+        supports=tuple(replace(s, at=length - s.at) for s in parts.supports),
+        loads=tuple(Load(length - x.at, turn(x.force), turn(x.moment, -1.0)) for x in parts.loads),
+    )

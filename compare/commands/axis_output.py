@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from compare.commands.answer import Column, cell
-from compare.commands.solve_output import equilibrium_json, number, per_side, solver_json, summary
-from compare.errors import InputError
-from compare.models.axis import run_axis
+from compare.commands.axis_summary import set_summary, stiffness_json, whole_summary
+from compare.commands.solve_output import equilibrium_json, number, per_side, solver_json
+from compare.models.axis import random_errors
+from compare.models.axis_answers import AxisAnswers, SetAnswers, loads_of
 from lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
-from lowfi.statics.result import Array
 from meshes.axis import Assembly
 from meshes.parts import FREEDOMS, SIDES
 
@@ -39,14 +38,9 @@ SET_COLUMNS: tuple[Column, ...] = (
 )
 
 
-def stiffness_json(K: Array) -> list[list[float | None]]:
-    """A stiffness (6, 6) in N/m, N, N m; null where a freedom is held."""
-    return [[number(x) for x in row] for row in K]
-
-
-def _set(i: int, s: SetResult) -> dict[str, Any]:
-    loads = _loads(s)
-    out: dict[str, Any] = {
+def _set(i: int, s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
+    loads = loads_of(s)
+    return {
         "set": i + 1,
         "name": s.of.name,
         "kind": s.of.kind,
@@ -58,16 +52,9 @@ def _set(i: int, s: SetResult) -> dict[str, Any]:
         "largest_load_N": number(loads.max(initial=0.0)),
         "loaded": int((loads > 0.0).sum()),
         "outer_motion": {name: number(f * x) for (name, f), x in zip(MOTION, s.outer, strict=True)},
-        "stiffness": stiffness_json(s.stiffness),
+        "stiffness": [[number(x) for x in row] for row in s.stiffness],
+        "summary": set_summary(s, found),
     }
-    if s.balls is not None and np.isfinite(s.balls.load).all():
-        out["summary"] = summary(s.balls.load)
-    return out
-
-
-def _loads(s: SetResult) -> Array:
-    """Loads of the contacts, or of the rollers."""
-    return s.balls.load if s.balls is not None else np.zeros(0) if s.rollers is None else s.rollers[:, 1]
 
 
 def ball_rows(result: AxisResult) -> list[dict[str, Any]]:
@@ -113,21 +100,22 @@ def _housing(h: HousingResult) -> dict[str, Any]:
     }
 
 
-def as_json(assembly: Assembly, result: AxisResult) -> dict[str, Any]:
-    """The result as a JSON-ready object; rows of balls and rollers begin with their set, sums of a set are in ``sets``."""
+def as_json(assembly: Assembly, result: AxisResult, found: AxisAnswers | None = None, member: int = 0) -> dict[str, Any]:
+    """The result as a JSON-ready object in the keys of a single set's; rows of balls and rollers begin with their set, sums
+    of a set are in ``sets``; found: what else stands in the summaries."""
+    own = (None,) * len(result.sets) if found is None else found.sets
     return {
         "scene": assembly.name,
         "kind": assembly.kind,
         "model": result.model,
-        "member": None,
+        "member": member if random_errors(assembly) else None,
         "status": result.status,
-        "sets": [_set(i, s) for i, s in enumerate(result.sets)],
+        "sets": [_set(i, s, x) for i, (s, x) in enumerate(zip(result.sets, own, strict=True))],
         "balls": ball_rows(result),
         "rollers": roller_rows(result),
+        "summary": whole_summary(result, found),
         "housings": [_housing(h) for h in result.housings],
-        "stiffness": None
-        if result.stiffness is None
-        else {"at": result.stiffness_at, "freedoms": list(FREEDOMS), "matrix": stiffness_json(result.stiffness)},
+        "stiffness": stiffness_json(result),
         "centreline": [
             {"z_mm": number(1e3 * z), "ux_um": number(1e6 * u[0]), "uy_um": number(1e6 * u[1]), "uz_um": number(1e6 * u[2])}
             for z, u in zip(result.centreline_z, result.centreline, strict=True)
@@ -141,15 +129,17 @@ def as_json(assembly: Assembly, result: AxisResult) -> dict[str, Any]:
     }
 
 
-def as_table(assembly: Assembly, result: AxisResult) -> list[RenderableType]:
-    """The result for the terminal: sets, balls, housings, stiffness, solver, assumptions."""
+def as_table(assembly: Assembly, result: AxisResult, *, block: str = "", balls: bool = True) -> list[RenderableType]:
+    """The result for the terminal: block of answers, sets, balls and rollers where asked for, housings, stiffness, solver,
+    assumptions."""
     parts: list[Any] = [
         f"{assembly.name}, {len(assembly.sets)} sets, model {result.model}: {result.status}",
         assembly.title,
+        *(["", block, ""] if block else []),
     ]
     if result.sets:
         parts += [_table("sets: force on the shaft, stiffness of the set alone", SET_COLUMNS, _set_rows(result))]
-        parts += _element_tables(result)
+        parts += _element_tables(result) if balls else []
     for h in result.housings:
         moved = ", ".join(
             f"{n.split('_')[0]} {f * x:.4g} {n.split('_')[1]}" for (n, f), x in zip(MOTION, h.motion, strict=True)
@@ -173,7 +163,7 @@ def as_table(assembly: Assembly, result: AxisResult) -> list[RenderableType]:
 def _set_rows(result: AxisResult) -> list[dict[str, Any]]:
     rows = []
     for i, s in enumerate(result.sets):
-        K, loads = 1e-6 * np.diag(s.stiffness), _loads(s)
+        K, loads = 1e-6 * np.diag(s.stiffness), loads_of(s)
         rows.append(
             {"set": i + 1, "name": s.of.name, "kind": s.of.kind, "z_mm": 1e3 * s.of.position}
             | dict(zip(("fx", "fy", "fz"), map(float, s.force), strict=True))
@@ -231,28 +221,3 @@ def _table(title: str, columns: Sequence[Column], rows: Sequence[dict[str, Any]]
     for row in rows:
         table.add_row(*(cell(row[name], form) for name, _, form in columns))
     return table
-
-
-def solve_shown(
-    assembly: Assembly,
-    model: str,
-    others: tuple[bool, int, Path | None],
-    json_out: bool,
-    show: Callable[..., None],
-    print_json: Callable[[Any], None],
-) -> int:
-    """Solve and print an assembly; 1 where it did not converge. others: choices of ``rollbench solve`` that do not fit.
-
-    Raises InputError for them, and for a model that knows one set only.
-    """
-    if any(others):
-        advice = "leave out --all, --member and --condensed"
-        raise InputError(
-            "command line", "--all, --member, --condensed", f"with {assembly.name}", "one set on a shaft", advice
-        )
-    result = run_axis(assembly, model)
-    if json_out:
-        print_json(as_json(assembly, result))
-    else:
-        show(*as_table(assembly, result))
-    return 0 if result.converged else 1

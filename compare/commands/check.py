@@ -11,9 +11,11 @@ from compare.commands.study import on_terminal
 from compare.errors import InputError
 from compare.gate.publish import Outcome, of_row, of_verdict, publish
 from compare.gate.user import Asked, check_scenes
-from compare.gate.verdict import CODES, LIMIT, worst_of
+from compare.gate.verdict import CODES, LARGEST, LIMIT, Verdict, worst_of
 from compare.reference.jobs import Engine
 from compare.scenes import catalogue
+from compare.scenes.scene_file import whole
+from meshes.axis import Assembly
 
 
 @dataclass(frozen=True)
@@ -34,12 +36,14 @@ class Output:
 
 def run_check(names: Sequence[str], what: Asked, engine: Engine, out: Output) -> int:
     """Judge scenes and print a line on each; returns the exit code of the gravest verdict."""
-    scenes = [catalogue.scene(name) for name in names]
-    for k, scene in enumerate(scenes):
-        if scene.name in (s.name for s in scenes[:k]):
+    described = [catalogue.any_scene(name) for name in names]
+    for k, one in enumerate(described):
+        if one.name in (s.name for s in described[:k]):
             advice = "verdicts and stored runs are told apart by the file's name: rename one"
-            raise InputError(names[k], "name", scene.name, "each scene once, under a name of its own", advice)
-    verdicts = check_scenes(scenes, what, engine, on_terminal)
+            raise InputError(names[k], "name", one.name, "each scene once, under a name of its own", advice)
+    scenes = [whole(x, name) for x, name in zip(described, names, strict=True) if not isinstance(x, Assembly)]
+    verdicts = check_scenes(scenes, what, engine, on_terminal) if scenes else []
+    verdicts += [_of_axis(x, what) for x in described if isinstance(x, Assembly)]
     gravest = worst_of([v.word for v in verdicts])
     written = out.files([of_verdict(v) for v in verdicts])
     if out.as_json:
@@ -48,6 +52,14 @@ def run_check(names: Sequence[str], what: Asked, engine: Engine, out: Output) ->
         counts = ", ".join(f"{n} {word}" for word in CODES if (n := sum(v.word == word for v in verdicts)))
         out.show(*(v.line() for v in verdicts), counts, *(f"{path} written" for path in written))
     return CODES[gravest]
+
+
+def _of_axis(assembly: Assembly, what: Asked) -> Verdict:
+    """Several sets have no 3D reference."""
+    limit = LIMIT if what.max_error is None else what.max_error
+    detail = f"{len(assembly.sets)} sets on one shaft: the 3D reference meshes one nut or ring with its balls"
+    judged = what.model if what.loads is None else what.loads.name
+    return Verdict(assembly.name, judged, LARGEST, "not covered", None, None, limit, detail=detail)
 
 
 def run_shipped(max_error: float | None, out: Output) -> int:

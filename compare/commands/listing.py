@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from compare.models.axis import AXIS_MODELS
 from compare.models.registry import MODELS
 from compare.printed import printed_data
 from compare.scenes import catalogue
@@ -22,6 +23,7 @@ def shipped_json() -> dict[str, dict[str, Any]]:
     return {
         "scenes": {k: {n: s.title for n, s in shipped.items() if kind_of(s) == k} for k in (*WHOLE, AXIS, *FRICTION_ONLY)},
         "models": {model.name: model.about for model in MODELS.values()},
+        "models of several sets on one shaft": {name: MODELS[name].label for name in AXIS_MODELS},
         "printed_tables": {name: len(printed_data.load_table(name)) for name in catalogue.printed_tables()},
     }
 

@@ -30,7 +30,11 @@ def write_curve(path: Path, scene: Scene, model: str, options: Options) -> list[
     if len(points) < 3 or max(abs(p.force) for p in points) == 0.0:
         allowed = "a scene that solves under parts of its axial load"
         raise InputError("command line", "--curve", str(path), allowed, "give the scene an axial load")
-    rows = curve_rows(scene, points, options)
+    return write_rows(path, scene.name, curve_rows(scene, points, options), "axial force on the nut / kN")
+
+
+def write_rows(path: Path, name: str, rows: list[dict[str, float | None]], over: str) -> list[str]:
+    """Write the table and, beside it, the figure over an axis with the label ``over``; lines that say so."""
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
@@ -39,10 +43,10 @@ def write_curve(path: Path, scene: Scene, model: str, options: Options) -> list[
     from reports.figures import draw
 
     picture = path.with_suffix(".svg")
-    replace_file(picture, draw(curve_figure(scene, rows)))
-    missing = len(FACTORS) - len(points)
+    replace_file(picture, draw(curve_figure(name, rows, over)))
+    missing = len(FACTORS) - len(rows)
     left = f"; {missing} of {len(FACTORS)} loads without a solution are left out" if missing else ""
-    return [f"wrote {path} and {picture}: {len(points)} loads from 0 to {points[-1].factor:g} times the scene's{left}"]
+    return [f"wrote {path} and {picture}: {len(rows)} loads from 0 to {rows[-1]['load_factor']:g} times the scene's{left}"]
 
 
 def curve_rows(scene: Scene, points: list[CurvePoint], options: Options) -> list[dict[str, float | None]]:
@@ -62,7 +66,7 @@ def curve_rows(scene: Scene, points: list[CurvePoint], options: Options) -> list
     return rows
 
 
-def curve_figure(scene: Scene, rows: list[dict[str, float | None]]) -> Figure:
+def curve_figure(name: str, rows: list[dict[str, float | None]], over: str) -> Figure:
     """A panel for each column that has values."""
     labels = {
         "displacement_um": "axial displacement / µm",
@@ -75,6 +79,6 @@ def curve_figure(scene: Scene, rows: list[dict[str, float | None]]) -> Figure:
         known = [(1e-3 * float(r["axial_force_N"] or 0.0), float(v)) for r in rows if (v := r[column]) is not None]
         if known:
             x, y = zip(*known, strict=True)
-            series = Series(scene.name, x, y)
-            panels.append(Panel(label.split(" /")[0], "axial force on the nut / kN", label, [series], zero=True))
-    return Figure("load-curve", f"{scene.name} over its load", panels)
+            series = Series(name, x, y)
+            panels.append(Panel(label.split(" /")[0], over, label, [series], zero=True))
+    return Figure("load-curve", f"{name} over its load", panels)

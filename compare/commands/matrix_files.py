@@ -29,13 +29,14 @@ def check_matrix(path: Path) -> None:
 
 def write_matrix(path: Path, tangent: Tangent, scene: str, model: str) -> None:
     """Write the matrix in the format of the file's name. Raises InputError where it cannot be written."""
-    name = re.sub(r"[^ -~]", "?", scene)
-    comment = (
-        f"rollbench: tangent stiffness of {name}, model {model}, screw's section at {1e3 * tangent.station:.6g} mm against "
-        "the held nut; ux uy uz rx ry rz; N, m, rad"
-    )
-    text = market(tangent.matrix, comment) if path.suffix.lower() == ".mtx" else dmig(tangent.matrix, comment)
-    replace_file(path, text)
+    where = f"screw's section at {1e3 * tangent.station:.6g} mm against the held nut"
+    write_stiffness(path, tangent.matrix, f"tangent stiffness of {scene}, model {model}, {where}")
+
+
+def write_stiffness(path: Path, matrix: Array, words: str) -> None:
+    """Write a stiffness (6, 6) in the format of the file's name, with words for what it is."""
+    comment = re.sub(r"[^ -~]", "?", f"rollbench: {words}; ux uy uz rx ry rz; N, m, rad")
+    replace_file(path, market(matrix, comment) if path.suffix.lower() == ".mtx" else dmig(matrix, comment))
 
 
 def market(matrix: Array, comment: str) -> str:

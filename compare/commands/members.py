@@ -18,6 +18,8 @@ from compare.errors import InputError
 from compare.models.members import KEPT, Array, Members, run_members, statistics
 from compare.reference.jobs import Engine
 from compare.scenes import catalogue
+from compare.scenes.scene_file import whole
+from meshes.axis import Assembly
 from meshes.parts import SIDES, Scene
 
 Row = Callable[[int, str, Array], None]
@@ -36,7 +38,11 @@ def run(
     print_json: Callable[[Any], None],
 ) -> int:
     """Solve, write one CSV row a member as they come, print; 1 where none converged. Raises InputError."""
-    scene = catalogue.scene(name)
+    described = catalogue.any_scene(name)
+    if isinstance(described, Assembly):
+        advice = 'take one by --member K, or many by: rollbench sweep SCENE --vary "sets[0].errors.seed=0:999"'
+        raise InputError(described.name, "--members", str(count), "one set: bands are of its contacts", advice)
+    scene = whole(described, name)
     if seed is not None:
         scene = _with_seed(scene, seed)
     with _rows(csv_out) as row:

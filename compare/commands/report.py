@@ -48,6 +48,7 @@ PARTS = (
     Part("cases", "cases", runs=True),
     Part("errors", "errors"),
     Part("manufacturing", "manufacturing"),
+    Part("steering", "steering"),
     Part("tolerances", "tolerances"),
     Part("friction", "friction"),
     Part("friction-screw", "friction_screw"),

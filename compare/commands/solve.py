@@ -49,7 +49,7 @@ def run_solve(
     model, station = _checked(choices)
     described = catalogue.any_scene(name)
     if isinstance(described, Assembly):
-        return _run_axis(described, name, choices, show, print_json)
+        return _run_axis(described, name, (choices, station, width), show, print_json)
     scene = whole(described, name)
     if choices.stiffness_at and not 0.0 <= station <= scene.screw.length:
         allowed = f"0 mm to {1e3 * scene.screw.length:g} mm"
@@ -80,19 +80,17 @@ def run_solve(
 
 
 def _run_axis(
-    axis: Assembly, name: str, choices: Choices, show: Callable[..., None], print_json: Callable[[Any], None] | None
+    axis: Assembly,
+    name: str,
+    asked: tuple[Choices, float, int],
+    show: Callable[..., None],
+    print_json: Callable[[Any], None] | None,
 ) -> int:
-    """Solve and print several sets on one shaft, whose scene says where its stiffness is asked for."""
-    from compare.commands.axis_output import solve_shown
+    """Solve and print several sets on one shaft."""
+    from compare.commands.axis_solve import solve_shown
 
-    given = {"--stiffness-at": choices.stiffness_at, "--matrix": choices.matrix, "--curve": choices.curve}
-    for option, value in given.items():
-        if value:
-            advice = "a shaft with several sets prints its stiffness, where [stiffness] says: leave the option out"
-            raise InputError("command line", option, str(value), "a scene with one set", advice)
-    asked = (choices.everything, choices.member, choices.condensed)
-    with watched(axis.name, checked(choices.time_limit)), named(axis.name, name):
-        return solve_shown(axis, choices.model, asked, print_json is not None, show, print_json or show)
+    with watched(axis.name, checked(asked[0].time_limit)), named(axis.name, name):
+        return solve_shown(axis, *asked, show, print_json)
 
 
 def _checked(choices: Choices) -> tuple[str, float]:

@@ -149,9 +149,7 @@ def block(
     entries = (
         ("loads", _loads(data)),
         ("axial", _axial(data)),
-        ("contact", _contact(data)),
-        ("ellipse", _ellipse(data)),
-        ("static", _static(data)),
+        *contact_entries(data, speed)[1:4],
         ("preload", _preload(data)),
         ("friction", _friction(data)),
         ("life", _life(data, speed)),
@@ -159,6 +157,17 @@ def block(
         ("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"),
     )
     return "\n".join(entry(label, text, width) for label, text in entries)
+
+
+def contact_entries(data: dict[str, Any], speed: float | None) -> tuple[tuple[str, str], ...]:
+    """Labels and texts of what contacts alone say: loads, worst contact, ellipses, static safety, life."""
+    return (
+        ("loads", _loads(data)),
+        ("contact", _contact(data)),
+        ("ellipse", _ellipse(data)),
+        ("static", _static(data)),
+        ("life", _life(data, speed)),
+    )
 
 
 def entry(label: str, text: str, width: int) -> str:

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from compare.commands.study import on_terminal
+from compare.models.axis import default_model
+from compare.models.registry import DEFAULT
 from compare.reference.jobs import Engine
 from compare.scenes import catalogue, scene_file
 from compare.sweep import run as sweeping
@@ -20,17 +22,22 @@ from compare.sweep.sample import OUTPUTS
 from compare.sweep.store import Record
 from compare.sweep.summary import MAIN, converged, summary
 from compare.writing import replace_file
+from meshes.axis import Assembly
 
 Show = Callable[..., None]
 
 
 def sweep_of(scene: str, vary: Sequence[str], samples: int, method: Method, seed: int, model: str) -> Sweep:
-    """The sweep of a shipped scene by name, or of a scene file. Raises InputError for what cannot be read."""
+    """The sweep of a shipped scene by name, or of a scene file, by the default model where none is named.
+
+    Raises InputError for what cannot be read.
+    """
+    found = catalogue.any_scene(scene)
     if scene in catalogue.scene_names():
         text, origin = catalogue.scene_text(scene), f"{scene}.toml"
     else:
-        catalogue.scene(scene)
         text, origin = scene_file.read_text(scene), scene
+    model = model or (default_model(found) if isinstance(found, Assembly) else DEFAULT)
     return Sweep(text, origin, read_vary(vary), samples, method, seed, model)
 
 

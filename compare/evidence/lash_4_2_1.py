@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +19,8 @@ Array = NDArray[np.float64]
 FORCE = 200.0
 #: Loaded track of Table 4.1 [turns], and directions of the lateral force [rad]: each with its opposite.
 TURNS, DIRECTIONS = 3.75, np.radians([0.0, 45.0, 90.0, 135.0])
+#: Freedoms of the screw's left end that are held: turning only.
+TURNING = ("rz",)
 PATTERNS = ("evenly distributed", "stacked on one end", "stacked on one side", "half-half")
 
 
@@ -50,29 +53,46 @@ def with_balls(scene: Scene, pattern: str) -> Scene:
     return replace(scene, balls=replace(scene.balls, azimuths=places(scene, pattern)))
 
 
-def axial(scene: Scene) -> float:
-    """Peak-to-peak displacement [m] of the screw's left end under +-FORCE along its axis, kept from turning there."""
-    held = (Support(0.0, (("rz", 0.0),)),)
-    ends = [_moved(replace(scene, supports=held, loads=(Load(0.0, (0.0, 0.0, f)),)))[0, 2] for f in (FORCE, -FORCE)]
-    return float(ends[0] - ends[1])
+def held_at_left(freedoms: Sequence[str]) -> tuple[Support, ...]:
+    """Support of the screw's left end: the freedoms that are held."""
+    return (Support(0.0, tuple((name, 0.0) for name in freedoms)),)
 
 
-def conical(scene: Scene, direction: float, reach: float) -> float:
+def axial(scene: Scene, held: Sequence[str] = TURNING) -> float:
+    """Peak-to-peak displacement [m] of the screw's left end under +-FORCE along its axis, some freedoms held there."""
+    low, high = axial_curve(scene, (-FORCE, FORCE), held)
+    return high - low
+
+
+def axial_curve(scene: Scene, forces: Sequence[float], held: Sequence[str] = TURNING) -> list[float]:
+    """Displacement [m] of the screw's left end along its axis under forces [N] along it."""
+    base = replace(scene, supports=held_at_left(held))
+    return [float(_moved(replace(base, loads=(Load(0.0, (0.0, 0.0, f)),)))[0, 2]) for f in forces]
+
+
+def conical(scene: Scene, direction: float, reach: float, held: Sequence[str] = TURNING) -> float:
     """Peak-to-peak displacement [m] along +-FORCE across the screw, ``reach`` [m] to the right of the nut's centre."""
+    low, high = conical_curve(scene, (-FORCE, FORCE), direction, reach, held)
+    return high - low
+
+
+def conical_curve(
+    scene: Scene, forces: Sequence[float], direction: float, reach: float, held: Sequence[str] = TURNING
+) -> list[float]:
+    """Displacement [m] along forces [N] across the screw in a direction [rad], ``reach`` [m] to the right of the nut."""
     at = scene.nut.position + reach
     across = np.array([np.cos(direction), np.sin(direction)])
-    held = (Support(0.0, (("rz", 0.0),)),)
-    ends = []
-    for sign in (1.0, -1.0):
-        x, y = sign * FORCE * across
-        moved = solve_static(replace(scene, supports=held, loads=(Load(at, (float(x), float(y), 0.0)),)))
+    base, found = replace(scene, supports=held_at_left(held)), []
+    for f in forces:
+        x, y = f * across
+        moved = solve_static(replace(base, loads=(Load(at, (float(x), float(y), 0.0)),)), engine="compiled")
         where = [np.interp(at, moved.centreline_z, moved.centreline[:, k]) for k in (0, 1)]
-        ends.append(float(across @ np.array(where)))
-    return ends[0] - ends[1]
+        found.append(float(across @ np.array(where)))
+    return found
 
 
 def _moved(scene: Scene) -> Array:
-    return solve_static(scene).centreline
+    return solve_static(scene, engine="compiled").centreline
 
 
 def difference(values: list[float]) -> float:
@@ -88,8 +108,8 @@ class Lash:
     conical: tuple[float, ...]
 
 
-def lash(scene: Scene, reach: float) -> Lash:
-    """Both tests of a screw, the lateral force at a distance [m] from the nut."""
+def lash(scene: Scene, reach: float, held: Sequence[str] = TURNING) -> Lash:
+    """Both tests of a screw, the lateral force at a distance [m] from the nut; held: freedoms of the screw's left end."""
     screws = [with_balls(scene, p) for p in PATTERNS]
-    cones = tuple(difference([conical(s, d, reach) for s in screws]) for d in DIRECTIONS)
-    return Lash(difference([axial(s) for s in screws]), cones)
+    cones = tuple(difference([conical(s, d, reach, held) for s in screws]) for d in DIRECTIONS)
+    return Lash(difference([axial(s, held) for s in screws]), cones)

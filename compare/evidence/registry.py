@@ -154,7 +154,16 @@ COMPUTATIONS = (
     Computation("smith-2.3", smith_ball.section_2_3, SMITH),
     Computation("smith-3", smith_taper.chapter_3, SMITH),
     Computation("smith-4.1", smith_axis.section_4_1, SMITH),
-    Computation("smith-4.2", smith_axis.section_4_2, SMITH, (("total_ball", ("smith-axis",)),)),
+    Computation(
+        "smith-4.2",
+        smith_axis.section_4_2,
+        SMITH,
+        (
+            ("total_ball", ("smith-axis",)),
+            ("total_taper", ("smith-axis-taper",)),
+            ("supported", ("smith-axis", "smith-axis-supported")),
+        ),
+    ),
     Computation("smith-4.3", smith_axis.section_4_3, SMITH),
     Computation("smith-5", smith_trials.chapter_5, SMITH),
     Computation("kalker-E3", table_e3, KALKER),

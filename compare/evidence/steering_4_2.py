@@ -29,11 +29,14 @@ def rack() -> Assembly:
     return found
 
 
-def at_angle(gear: Assembly, angle: float) -> AxisResult:
-    """The gear with half of the rack force at either end, at a tie-rod angle [deg]."""
+def at_angle(gear: Assembly, angle: float, *, opposed: bool = False) -> AxisResult:
+    """The gear with half of the rack force at either end, at a tie-rod angle [deg]; opposed: the side forces of both ends
+    against one another."""
     t = np.radians(angle)
-    force = (0.5 * FORCE * float(np.sin(t)), 0.0, 0.5 * FORCE * float(np.cos(t)))
-    return run_axis(replace(gear, loads=tuple(replace(x, force=force) for x in gear.loads)), "lin")
+    sides = (1.0, -1.0 if opposed else 1.0)
+    forces = [(side * 0.5 * FORCE * float(np.sin(t)), 0.0, 0.5 * FORCE * float(np.cos(t))) for side in sides]
+    loads = tuple(replace(x, force=f) for x, f in zip(gear.loads, forces, strict=True))
+    return run_axis(replace(gear, loads=loads), "lin", "compiled")
 
 
 def largest(result: AxisResult) -> tuple[float, float]:
@@ -42,9 +45,9 @@ def largest(result: AxisResult) -> tuple[float, float]:
     return screw, bearing
 
 
-def ratios(gear: Assembly) -> tuple[float, float]:
-    """Largest loads at 18 deg over those at 0 deg, ball screw and bearing."""
-    low, high = largest(at_angle(gear, 0.0)), largest(at_angle(gear, 18.0))
+def ratios(gear: Assembly, *, opposed: bool = False) -> tuple[float, float]:
+    """Largest loads at 18 deg over those at 0 deg, ball screw and bearing; opposed: see `at_angle`."""
+    low, high = largest(at_angle(gear, 0.0)), largest(at_angle(gear, 18.0, opposed=opposed))
     return high[0] / low[0], high[1] / low[1]
 
 

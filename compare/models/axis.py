@@ -6,28 +6,55 @@ import numpy as np
 
 from compare.errors import InputError, Refusal
 from compare.models.registry import MODELS
+from lowfi.compliance.bodies import LADDER
 from lowfi.statics.axis.refined import solve_refined
 from lowfi.statics.axis.result import AxisResult
 from lowfi.statics.axis.solve import solve_assembly
 from lowfi.statics.static import Engine
 from meshes.axis import Assembly, RollerRow
+from meshes.parts import Scene
 
-#: Models that know several sets on one shaft.
-AXIS_MODELS = ("refined", "lin")
+#: Models that know several sets on one shaft: the source's and the steps of the ladder to the refined one.
+AXIS_MODELS = ("refined", "lin", "lin-cell", "lin-nut")
 #: The one that is used unless another is asked for, or rollers or inner rings on housings are there, which only lin has.
 AXIS_DEFAULT = "refined"
+#: Why the others do not.
+ONE_SET = {
+    "lin-source-partition": "it sets the nodes of the beam by the one nut",
+    "lin-printed-hertz": 'write hertz = "as printed" under [ingredients], and take the model lin',
+    "condensed": "a file of condensed bodies holds those of one set",
+    "source": "the source's own equations are those of one nut that stands",
+    "mei": "its bars end in one nut that stands",
+    "mei-nut": "its bars end in one nut that stands",
+}
 
 
-def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto") -> AxisResult:
-    """Run a model on an assembly. Raises InputError for a model that knows one set only."""
-    rollers = any(isinstance(s.parts, RollerRow) or s.carrier is not None for s in assembly.sets)
-    model = model or ("lin" if rollers else AXIS_DEFAULT)
+def random_errors(assembly: Assembly) -> bool:
+    """Whether any set has random errors."""
+    return any(isinstance(s.parts, Scene) and s.parts.errors.random for s in assembly.sets)
+
+
+def default_model(assembly: Assembly) -> str:
+    """The model of an assembly where none is asked for."""
+    only_lin = any(isinstance(s.parts, RollerRow) or s.carrier is not None for s in assembly.sets)
+    return "lin" if only_lin else AXIS_DEFAULT
+
+
+def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto", member: int = 0) -> AxisResult:
+    """Run a model on an assembly; member: which specimen of its random errors.
+
+    Raises InputError for a model that knows one set only, or a member of a scene without random errors.
+    """
+    model = model or default_model(assembly)
     if model not in AXIS_MODELS:
-        advice = "the other models describe one set on a shaft" if model in MODELS else "see: rollbench list"
+        advice = f"{model} describes one set: {ONE_SET[model]}" if model in MODELS else "see: rollbench list"
         raise InputError(assembly.name, "model", f'"{model}"', ", ".join(AXIS_MODELS), advice)
+    if member and not random_errors(assembly):
+        raise InputError(assembly.name, "member", str(member), "0", "no set has random errors: leave it out")
     try:
         with np.errstate(all="ignore"):
-            solve = solve_assembly if model == "lin" else solve_refined
-            return solve(assembly, engine=engine)
+            if model == "lin":
+                return solve_assembly(assembly, engine=engine, member=member)
+            return solve_refined(assembly, engine=engine, member=member, backend=LADDER[model], name=model)
     except ValueError as error:
         raise Refusal(assembly.name, "scene", str(error), "check the geometry") from error

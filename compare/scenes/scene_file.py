@@ -47,7 +47,7 @@ from meshes.parts import (
 )
 
 if TYPE_CHECKING:
-    from compare.scenes.axis_schema import HousingKeys
+    from compare.scenes.axis_schema import AxisKeys, HousingKeys
     from compare.scenes.kinds.common import KindScene
 
 #: Largest scene file [bytes] and longest line [characters]: 100 000 listed azimuths on one line have 2 MB.
@@ -74,7 +74,7 @@ def whole(scene: Scene | KindScene | Assembly, origin: str) -> Scene:
     if isinstance(scene, Scene):
         return scene
     if isinstance(scene, Assembly):
-        advice = "several sets on one shaft are solved by rollbench solve and friction, by the models lin and refined"
+        advice = "the 3D reference meshes one nut or ring with its balls: take solve, friction or sweep"
         raise SceneError(origin, "sets", f"{len(scene.sets)} sets", "one set that stands", advice)
     advice = f"only friction solves this kind: rollbench friction {origin.removesuffix('.toml')}"
     raise SceneError(origin, "kind", show(scene.kind), ", ".join(map(show, WHOLE)), advice)
@@ -82,7 +82,11 @@ def whole(scene: Scene | KindScene | Assembly, origin: str) -> Scene:
 
 def read(text: str, origin: str) -> Scene | KindScene | Assembly:
     """The scene of any kind in ``text``; ``origin`` is the file named in errors. Raises SceneError, and nothing else."""
-    raw = read_toml(text, origin)
+    return read_tables(read_toml(text, origin), origin)
+
+
+def read_tables(raw: dict[str, Any], origin: str) -> Scene | KindScene | Assembly:
+    """The scene of any kind of the tables ``raw``. Raises SceneError, and nothing else."""
     kind = raw.get("kind")
     if "sets" in raw or kind == AXIS:
         return _read_axis(raw, origin)
@@ -111,13 +115,17 @@ def read(text: str, origin: str) -> Scene | KindScene | Assembly:
 
 def _read_axis(raw: dict[str, Any], origin: str) -> Scene | Assembly:
     from compare.scenes.axis_file import read_axis
+
+    return read_axis(_axis_keys(raw, origin), raw, origin, Path(origin).stem)
+
+
+def _axis_keys(raw: dict[str, Any], origin: str) -> AxisKeys:
     from compare.scenes.axis_schema import AxisKeys
 
     try:
-        keys = AxisKeys.model_validate(raw)
+        return AxisKeys.model_validate(raw)
     except ValidationError as error:
         refuse_keys(origin, AxisKeys, error)
-    return read_axis(keys, raw, origin, Path(origin).stem)
 
 
 def kind_of(scene: Scene | KindScene | Assembly) -> str:
@@ -127,8 +135,13 @@ def kind_of(scene: Scene | KindScene | Assembly) -> str:
     return "bearing" if scene.track.lead == 0.0 else "ball screw"
 
 
-def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys:
-    """The keys of the tables ``raw`` of a whole screw or bearing, each by itself in range. Raises SceneError."""
+def keys_of(raw: dict[str, Any], origin: str) -> SceneKeys | AxisKeys:
+    """The keys of the tables ``raw`` of a whole screw or bearing, or of several sets on one shaft, each by itself in range.
+
+    Raises SceneError.
+    """
+    if "sets" in raw or raw.get("kind") == AXIS:
+        return _axis_keys(raw, origin)
     try:
         return SceneKeys.model_validate(raw)
     except ValidationError as error:

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from compare.evidence.errors_4_3_2 import SCREWS, readings, section_4_3_2, spread, unloaded
-from compare.evidence.steering_4_2 import section_4_2
 from compare.models.study import Study
 from compare.printed.printed_data import entry
 from compare.sections.curves import loads
@@ -82,7 +81,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "manufacturing",
         "Steering gear (4.2), pitch against roundness errors (4.3.2)",
         (
-            printed_table("steering-gear", "Section 4.2: lash tests and steering gear", study.once(section_4_2)),
             printed_table("manufacturing-claims", "Section 4.3.2: printed and computed", study.once(section_4_3_2)),
             Figure("manufacturing-loads", "Errors and load distribution", tuple(panels), "", 3),
             Table(

@@ -8,12 +8,13 @@ import numpy as np
 
 from compare.evidence.record import Evidence
 from compare.evidence.registry import evidence
-from compare.evidence.smith import ball, case, screw, taper
+from compare.evidence.smith import ball, case, layouts, screw, taper
+from compare.measure import error_percent
 from compare.models.study import Study
 from compare.sections import notes
 from compare.sections.finding_table import printed_table
 from lowfi.bearings.axis import axis_stiffness
-from reports.records import Figure, Panel, Section, Series, Table, Text
+from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Titles of the tables.
 TITLES = {
@@ -82,11 +83,56 @@ def figure(found: Sequence[Evidence]) -> Figure:
     return Figure("smith-stiffness", title, (stiffness_panel(found), axis_panel(found)), caption)
 
 
+LAYOUT_COLUMNS = (
+    Column("layout", "layout", "", "s"),
+    Column("place", "nut's position / L", "", ".1f"),
+    Column("left_scene", "left end, scene", "lbf", ".0f"),
+    Column("left_formula", "left end, formulas", "lbf", ".0f"),
+    Column("right_scene", "right end, scene", "lbf", ".0f"),
+    Column("right_formula", "right end, formulas", "lbf", ".0f"),
+    Column("scene", "stiffness, scene", "10⁶ lbf/in", ".3f"),
+    Column("formula", "stiffness, formulas", "10⁶ lbf/in", ".3f"),
+    Column("difference", "scene against formulas", "%", ".2f"),
+    Column("series", "sum in series", "10⁶ lbf/in", ".3f"),
+)
+LAYOUT_NOTE = (
+    "Load of 1000 lbf towards the left end; thrust of the shaft's tension at either end; stiffness of shaft and supports, "
+    "without the nut. Scene: beam, contacts, rows apart from one another; formulas: rows by their laws, all of an end at "
+    "one place, and a bar; sum in series (4.6): both ends and the whole screw between rigid walls, which is the stiffness "
+    "of none of them. Differences grow towards an end, whose rows are apart from one another with screw between them."
+)
+
+
+def layout_table(study: Study) -> Table:
+    """Layouts of the axis over the nut's position: scenes, closed formulas, the source's sum."""
+    unit = 1e6 * case.POUND_PER_INCH
+    rows: list[dict[str, Cell]] = []
+    for layout, place, scene, closed in layouts.every_place(study):
+        study.uses((layout.scene,))
+        series = layouts.in_series(layout) / unit
+        rows.append(
+            {
+                "layout": layout.words,
+                "place": place,
+                "left_scene": scene.left / case.POUND,
+                "left_formula": closed.left / case.POUND,
+                "right_scene": scene.right / case.POUND,
+                "right_formula": closed.right / case.POUND,
+                "scene": scene.stiffness / unit,
+                "formula": closed.stiffness / unit,
+                "difference": float(error_percent(scene.stiffness, closed.stiffness)),
+                "series": series if np.isfinite(series) else None,
+            }
+        )
+    return Table("smith-layouts", "The axis in its layouts, as scenes", LAYOUT_COLUMNS, rows, LAYOUT_NOTE)
+
+
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report."""
     step("support bearings and axis")
     found = evidence(study, *TITLES)
     tables = [printed_table(name, title, [f for f in found if f.printed.table == name]) for name, title in TITLES.items()]
+    tables.append(layout_table(study))
     title = "Misprints and faults of Smith (1994)"
     tables.append(Table("smith-misprints", title, notes.MISPRINT_COLUMNS, notes.misprints("smith")))
     return Section(

@@ -10,6 +10,7 @@ from typing import Any
 
 from compare import __version__
 from compare.errors import InputError
+from compare.models.axis import AXIS_MODELS
 from compare.models.registry import MODELS
 from compare.reference import parallel
 from compare.reference.jobs import Engine
@@ -18,6 +19,7 @@ from compare.sweep import store
 from compare.sweep.design import Array, Method, points, values
 from compare.sweep.keys import Vary, changed
 from compare.sweep.sample import solve_batch
+from meshes.axis import Assembly
 
 Step = Callable[[str], None]
 #: From this many samples on the compiled kernels are used: by the size of the design, so that it is always the same.
@@ -57,11 +59,13 @@ class Sweep:
 
     def check(self) -> None:
         """Raise InputError for an unknown model, a key that a scene does not have, or values out of its range."""
-        if self.model not in MODELS or self.model == "condensed":
-            allowed = ", ".join(name for name in MODELS if name != "condensed")
-            raise InputError("command line", "--model", self.model, allowed, "see: rollbench list")
         raw = scene_file.read_toml(self.text, self.origin)
-        scene_file.loads(self.text, self.origin)
+        scene = scene_file.read_tables(raw, self.origin)
+        known = AXIS_MODELS if isinstance(scene, Assembly) else tuple(name for name in MODELS if name != "condensed")
+        if self.model not in known:
+            raise InputError("command line", "--model", self.model, ", ".join(known), "see: rollbench list")
+        if not isinstance(scene, Assembly):
+            scene_file.whole(scene, self.origin)
         for vary in self.keys:
             for value in vary.ends:
                 scene_file.keys_of(changed(raw, [vary], [value]), self.origin)

@@ -11,11 +11,15 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from compare.errors import InputError
+from compare.models.axis import run_axis
+from compare.models.axis_answers import along_axis, axial_load
 from compare.models.registry import Options, run_model
 from compare.scenes import scene_file
 from compare.sweep import store
 from compare.sweep.keys import Vary, changed
+from lowfi.statics.axis.result import AxisResult
 from lowfi.statics.result import StaticResult
+from meshes.axis import Assembly
 from meshes.parts import SIDES, Scene
 
 #: What is kept of a solved sample: key and heading.
@@ -28,6 +32,8 @@ OUTPUTS = {
     "largest_approach_um": "largest approach of a contact / um",
 }
 CONVERGED = "converged"
+#: Balls on one shaft from which a sample by plain Python takes seconds.
+AXIS_COMPILED = 40
 
 
 def outputs(scene: Scene, result: StaticResult) -> dict[str, Any]:
@@ -64,13 +70,48 @@ def _tables(text: str, origin: str) -> dict[str, Any]:
 def solve(text: str, origin: str, keys: Sequence[Vary], values: Sequence[Any], model: str, engine: str) -> dict[str, Any]:
     """Status and outputs of one sample; a scene or model that refuses the values is a status, with its reason."""
     try:
-        scene = scene_file.of_tables(changed(_tables(text, origin), keys, values), origin)
+        scene = scene_file.read_tables(changed(_tables(text, origin), keys, values), origin)
+        if isinstance(scene, Assembly):
+            return _solve_axis(scene, model, engine)
+        scene = scene_file.whole(scene, origin)
         result = run_model(scene, model, Options(discretisation=False, engine=engine))
     except InputError as error:
         return {"status": f"refused: {error}"}
     if not result.converged:
         return {"status": result.status}
     return {"status": CONVERGED, **outputs(scene, result)}
+
+
+def _solve_axis(assembly: Assembly, model: str, engine: str) -> dict[str, Any]:
+    """Status and outputs of several sets on one shaft; from `AXIS_COMPILED` balls on always by compiled kernels."""
+    result = run_axis(assembly, model, "compiled" if assembly.ball_count >= AXIS_COMPILED else engine)  # type: ignore[arg-type]
+    if not result.converged:
+        return {"status": result.status}
+    return {"status": CONVERGED, **axis_outputs(assembly, result)}
+
+
+def axis_outputs(assembly: Assembly, result: AxisResult) -> dict[str, Any]:
+    """`OUTPUTS` of several sets of balls together; ``at`` begins with the name of the set; displacement: along the axis, of
+    what the scene asks about, from the unloaded place of the parts; approaches are those of balls.
+    """
+    rows = [(s.of.name, s.balls) for s in result.sets if s.balls is not None]
+    loads = [balls.load for _, balls in rows]
+    loaded = [load[load > 0.0] for load in loads]
+    every = np.concatenate(loaded) if loaded else np.zeros(0)
+    worst = int(np.argmax([load.max(initial=0.0) for load in loads])) if loads else 0
+    at = ""
+    if every.size:
+        ball, side = np.unravel_index(int(loads[worst].argmax()), loads[worst].shape)
+        at = f"{rows[worst][0]}: {ball + 1} {SIDES[side]}"
+    return {
+        "largest_load_N": float(every.max(initial=0.0)),
+        "mean_load_N": float(every.mean()) if every.size else 0.0,
+        "loaded_contacts": int(every.size),
+        "idle_balls": sum(int(np.count_nonzero(~(load > 0.0).any(axis=1))) for load in loads),
+        "displacement_um": 1e6 * along_axis(assembly, result) if axial_load(assembly) else None,
+        "largest_approach_um": max((1e6 * float((b.hertz_C * np.cbrt(b.load) ** 2).max()) for _, b in rows), default=0.0),
+        "at": at,
+    }
 
 
 def solve_batch(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from compare.evidence.lash_4_2_1 import PATTERNS, places
-from compare.evidence.smith import axis_scene
 from compare.evidence.smith.case import APPLIED
+from compare.evidence.smith.layouts import LAYOUTS, SUPPORTED, TAPERED, TRIPLEX, Layout, by_formulas, by_scene, in_series
 from compare.evidence.steering_4_2 import rack, ratios
 from compare.scenes import catalogue
 from tests.literature.entries import STUDY, check, keys
@@ -46,10 +46,18 @@ def test_ratios_of_the_steering_gear_depend_on_what_is_not_printed() -> None:
     assert pinned[1] / clamped[1] > 1.2
 
 
-@pytest.mark.parametrize("applied", [0.0, APPLIED])
-def test_smiths_axis_as_a_scene_agrees_with_the_formulas(applied: float) -> None:
+@pytest.mark.parametrize("layout", LAYOUTS, ids=lambda x: x.scene)
+def test_smiths_axis_as_scenes_agrees_with_the_formulas(layout: Layout) -> None:
     """Rows apart from one another on an elastic shaft share less evenly: a few per cent of the tension."""
-    scene, closed = axis_scene.by_scene(STUDY, applied), axis_scene.by_formulas(applied)
-    assert scene.right - scene.left == pytest.approx(applied, abs=1e-6)
-    assert scene.left == pytest.approx(closed.left, abs=0.03 * closed.right)
-    assert scene.stiffness == pytest.approx(closed.stiffness, rel=0.01)
+    scene, closed = by_scene(STUDY, layout, 0.5), by_formulas(layout, 0.5)
+    assert scene.right - scene.left == pytest.approx(APPLIED, abs=1e-6)
+    assert scene.left == pytest.approx(closed.left, abs=0.03 * max(closed.right, APPLIED))
+    assert scene.stiffness == pytest.approx(closed.stiffness, rel=0.015)
+
+
+def test_sum_in_series_is_no_stiffness_of_any_layout() -> None:
+    for layout in (TRIPLEX, TAPERED):
+        assert in_series(layout) < 0.75 * by_scene(STUDY, layout, 0.5).stiffness
+    assert np.isnan(in_series(SUPPORTED))
+    ratio = by_scene(STUDY, TRIPLEX, 0.5).stiffness / by_scene(STUDY, SUPPORTED, 0.5).stiffness
+    assert ratio == pytest.approx(2.0, abs=0.05)

@@ -10,7 +10,7 @@ from lowfi.statics.kernel.beam import add_element
 from lowfi.statics.static import solve_static
 from meshes.axis import Housing, Segment, diagonal
 from meshes.parts import Load, Support
-from tests.axes import SHAFT, assembly, bearing, double_nut, fixed_axis, nut, one_set, solved
+from tests.axes import assembly, bearing, double_nut, fixed_axis, mirrored, nut, one_set, solved
 from tests.helpers import ALL_BUT_AXIAL, FLANK_ERRORS, NO_PROFILES, relative, small_screw
 
 CASES = {
@@ -136,33 +136,6 @@ def test_tangent_stiffness_is_the_slope_of_the_motion():
     slope = 1.0 / (high.housings[0].motion[2] - low.housings[0].motion[2])
     assert solved(parts).stiffness[2, 2] == pytest.approx(slope, rel=1e-6)
     assert np.isnan(solved(parts).stiffness[0, 0])  # the carriage cannot move sideways
-
-
-def mirrored(parts):
-    """The assembly seen in a mirror across the shaft's middle: z, and rotations about x and y, change their signs."""
-    length = SHAFT.length
-
-    def flip(s):
-        hand = "left" if s.parts.track.hand == "right" else "right"
-        scene = replace(
-            s.parts, track=replace(s.parts.track, hand=hand), nut=replace(s.parts.nut, position=length - s.position)
-        )
-        thrust = {"both": "both", "+z": "-z", "-z": "+z"}[s.thrust]
-        return replace(s, parts=scene, position=length - s.position, offset=-s.offset, thrust=thrust)
-
-    def turn(v, sign=1.0):
-        return sign * v[0], sign * v[1], -sign * v[2]
-
-    def housing(h):
-        return replace(h, at=length - h.at, force=turn(h.force), moment=turn(h.moment, -1.0))
-
-    return replace(
-        parts,
-        sets=tuple(flip(s) for s in parts.sets),
-        housings=tuple(housing(h) for h in parts.housings),
-        supports=tuple(replace(s, at=length - s.at) for s in parts.supports),
-        loads=tuple(Load(length - x.at, turn(x.force), turn(x.moment, -1.0)) for x in parts.loads),
-    )
 
 
 @pytest.mark.parametrize("parts", [double_nut(), fixed_axis((150.0, 80.0, 600.0))], ids=["double nut", "axis"])

@@ -54,9 +54,8 @@ def sweep(
         Processes at the same time; 1 here, or what the cluster has, unless given.
     """
     from compare.commands.sweep import run_sweep, sweep_of
-    from compare.models.registry import DEFAULT
 
-    what = sweep_of(scene, vary, samples, method, seed, model or DEFAULT)
+    what = sweep_of(scene, vary, samples, method, seed, model)
     return run_sweep(
         what, out, engine(backend, scheduler, workers, tls), json_out=as_json, show=show, print_json=print_json
     )

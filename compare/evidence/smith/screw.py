@@ -8,7 +8,7 @@ import numpy as np
 
 from compare.evidence.entries import Entries
 from compare.evidence.record import Evidence
-from compare.evidence.smith import axis_scene
+from compare.evidence.smith import layouts
 from compare.evidence.smith.case import (
     APPLIED,
     DEG_F,
@@ -118,15 +118,17 @@ def section_4_2(study: Study) -> tuple[Evidence, ...]:
     e.numbers({"screw": least / POUND_PER_INCH / 1e6, "nut": NUT / POUND_PER_INCH / 1e6})
     e.number("package_ball", end_state("ball", "left", "stretch").stiffness / POUND_PER_INCH / 1e6)
     e.number("package_taper", 2.0 * e.printed("taper_left_stiffness_1"))
-    _total(e, "ball", axis_scene.words(study))
-    _total(e, "taper")
+    _total(e, "ball", layouts.words(study, layouts.TRIPLEX))
+    _total(e, "taper", layouts.words(study, layouts.TAPERED))
     places = np.linspace(0.0, a.length, 53)[1:-1]
     both, one = shaft_stiffness(a, places), shaft_stiffness(axis(right=0.0), places)
     at = float(places[int(np.argmin(both))] / a.length)
     e.claim("middle", abs(at - 0.5) < 0.01, f"least at {at:.2f} L")
     ratio = both / one
     middle = float(ratio[ratio.size // 2])
+    scenes = [layouts.by_scene(study, x, 0.5).stiffness for x in (layouts.TRIPLEX, layouts.SUPPORTED)]
     words = f"ratio {ratio.min():.2f} to {ratio.max():.0f}, {middle:.1f} in the middle"
+    words += f"; as scenes, between triplex sets and with one, {scenes[0] / scenes[1]:.2f} in the middle"
     e.claim("supported", bool(np.all(ratio > 1.0)), words)
     return e.evidence()
 
@@ -155,7 +157,7 @@ def topology(supports: float, nut: float = NUT) -> float:
     return float(axis_stiffness(a, 0.5 * a.length, nut))
 
 
-def _total(e: Entries, kind: str, more: str = "") -> None:
+def _total(e: Entries, kind: str, more: str) -> None:
     """Stiffness of the axis as printed, and in the right topology with the printed and with our bearings."""
     package, screw, nut = (e.printed(k) for k in (f"package_{kind}", "screw", "nut"))
     printed = as_printed.series_stiffness((package, package), screw, nut)
@@ -163,8 +165,7 @@ def _total(e: Entries, kind: str, more: str = "") -> None:
     own = topology(end_state(kind, "left", "stretch").stiffness) / POUND_PER_INCH / 1e6
     off = float(error_percent(printed, right))
     words = f"right topology, printed parts {right:.3f}, our bearings {own:.3f}; the sum in series {off:+.0f} %"
-    words = f"{words}; {more}" if more else words
-    e.number(f"total_{kind}", right, words, as_printed=printed)
+    e.number(f"total_{kind}", right, f"{words}; {more}", as_printed=printed)
 
 
 def section_4_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study

@@ -154,9 +154,15 @@ def ready(system: System, backend: Backend, engine: ModuleType, scale: tuple[flo
     Raises ValueError for rollers, uneven flanks, too many balls, or bodies that the dimensions make impossible.
     """
     if system.rollers:
-        raise ValueError("tapered rollers have no elastic bodies yet: use the model lin")
+        raise ValueError(
+            "tapered rollers: elastic bodies answer point contacts of balls only, while a roller's line contact already "
+            "holds both rings to their depth: use the model lin, in which the shaft bends and rollers are the same slices"
+        )
     if any(b.of.carrier is not None for b in system.balls):
-        raise ValueError("an inner ring on a housing has no elastic body yet: use the model lin")
+        raise ValueError(
+            "an inner ring on a housing: elastic inner bodies are stretches of the shaft, and housings are rigid: use the "
+            "model lin"
+        )
     N = system.contacts.r_ball.size
     if N > LARGEST:
         raise ValueError(f"{N} balls: elastic bodies are limited to {LARGEST}; use the model lin")

@@ -59,7 +59,7 @@ def loose_motions(system: System) -> Loose:
     free = (motions @ null.T).reshape(-1, 6, null.shape[0])
     drive = np.einsum("rkc,rk->c", free, s.load)
     total = float(np.abs(s.load[:, :3]).sum() + np.abs(s.load[:, 3:]).sum() / system.arm)
-    text = _words(system, free)
+    text = words_for(system, free)
     if total > 0.0 and float(np.abs(drive).max()) > 1e-9 * total:
         return Loose(True, f"{text}: no support, spring or rolling element resists it, and the loads drive it")
     rows_of = [0, *range(n, s.stations.size)]
@@ -69,8 +69,9 @@ def loose_motions(system: System) -> Loose:
     return Loose(False, text, tuple((rows_of[k // 6], int(k % 6)) for k in order[: null.shape[0]]))
 
 
-def _words(system: System, free: Array) -> str:
-    """Words for the free motions."""
+def words_for(system: System, free: Array) -> str:
+    """Words for motions (r, 6) or (r, 6, k) of all rows as rigid bodies."""
+    free = free.reshape(len(free), 6, -1)
     s, n = system.structure, system.structure.nodes.size
     names = {row: name for name, row in s.row.items() if row >= 0}
     arms = np.array([1.0, 1.0, 1.0, system.arm, system.arm, system.arm])

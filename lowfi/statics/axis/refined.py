@@ -61,7 +61,7 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     kernels.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
     outcome: Outcome = kernels.solve_forces(*arrays, elastic.options, elastic.arms, np.zeros(MAX_ITERATIONS + 1))
     bound = round_off(elastic, outcome.scale)
-    status = axis_verdict(outcome, bound)
+    status = axis_verdict(outcome, bound, system)
     if outcome.status in NO_LOADS:
         return failed_axis(assembly, name, status, perf_counter() - start)
     report = SolverReport(

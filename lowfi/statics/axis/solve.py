@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from lowfi import jit
 from lowfi.statics.axis.loose import loose_motions, pinned
 from lowfi.statics.axis.mount import mount
+from lowfi.statics.axis.proof import unheld
 from lowfi.statics.axis.result import AxisResult
 from lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
 from lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
@@ -37,12 +38,12 @@ class Prepared:
     scale: float = 0.0
 
 
-def axis_verdict(outcome: Outcome, bound: float) -> str:
-    """Status sentence of a solver outcome. A shaft that runs away is not called unheld: that would need a proof."""
+def axis_verdict(outcome: Outcome, bound: float, system: System) -> str:
+    """Status sentence of a solver outcome. A shaft that runs away is called unheld only with a proof."""
     if outcome.residual <= max(ACCEPTED, bound) and outcome.status in (0, 1):
         return "converged"
     if outcome.status == 2:
-        return "not converged: the shaft or a ring ran away; whether its contacts can hold the load is not known"
+        return unheld(system)
     if outcome.status == 3:
         return "stopped: the stiffness matrix is not positive definite"
     return f"not converged: relative residual {outcome.residual:.1e} after {outcome.iterations} iterations"
@@ -124,7 +125,7 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     ready = perf_counter()
     outcome = solve_with_hertz(prepared)
     bound = round_off(prepared, outcome.scale)
-    status = axis_verdict(outcome, bound)
+    status = axis_verdict(outcome, bound, system)
     if outcome.status in NO_LOADS:
         return failed_axis(assembly, "lin", status, perf_counter() - start)
     report = SolverReport(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lowfi.statics.axis.proof import crossed
 from lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
 from lowfi.statics.axis.stiffness import asked_station
 from lowfi.statics.axis.system import BallSet, RollerSet, System
@@ -30,6 +31,10 @@ AXIS_ASSUMPTIONS = (
 )
 #: And where there are rollers.
 ROLLERS = "rollers: slices of line contacts that do not feel one another, seated on their ribs; rings do not bend"
+
+
+#: Contact angle [rad] below which a row that carries thrust one way has crossed the bottom of its groove, or lies on it.
+APEX = 1e-6
 
 
 @dataclass(frozen=True)
@@ -57,7 +62,7 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
     left = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
     return AxisResult(
         end.model,
-        next((open_row(s) for s in sets if open_row(s)), end.status),
+        end.status if end.status != "converged" else crossed_row(system, sets) or end.status,
         sets,
         tuple(_housing(system, i, sets, state.q, end.held) for i in range(r - n)),
         structure.nodes,
@@ -72,11 +77,12 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
     )
 
 
-def open_row(s: SetResult) -> str:
-    """Words for a row that carries thrust one way and is pulled the other way, past its balls; empty for all others."""
-    if s.balls is None or s.of.thrust not in ("+z", "-z") or not np.any(s.balls.contact_angle < 0.0):
-        return ""
-    return f"not held: the load opens {s.of.name}, which carries thrust along {s.of.thrust} only"
+def crossed_row(system: System, sets: Sequence[SetResult]) -> str:
+    """Words for a row that carries thrust one way and is pulled the other way, past its balls; empty where none is."""
+    for s in sets:
+        if s.balls is not None and s.of.thrust in ("+z", "-z") and np.any(s.balls.contact_angle < APEX):
+            return crossed(system, s.of.name, s.of.thrust, float(np.nanmin(s.balls.contact_angle)))
+    return ""
 
 
 def ball_result(system: System, b: BallSet, state: AxisState, report: SolverReport, stiffness: Array) -> SetResult:

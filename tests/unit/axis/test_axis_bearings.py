@@ -9,8 +9,9 @@ from lowfi.bearings.angular_contact import BallBearing, BallRow
 from lowfi.bearings.combined_load import combined
 from lowfi.bearings.sets import BearingSet, equilibrium
 from lowfi.bearings.tapered_roller import RollerRow as ThrustRow
+from lowfi.statics.axis.proof import opening_motion
 from lowfi.statics.axis.solve import solve_assembly
-from lowfi.statics.axis.system import tapered
+from lowfi.statics.axis.system import build, tapered
 from meshes.axis import Housing, RollingSet, Segment
 from meshes.parts import Load, Support
 from tests.axes import ANGLE, BALL, GROOVE, PITCH, ROLLERS, TURNING, assembly, bearing, fixed_axis, solved
@@ -130,4 +131,40 @@ def test_free_motions_are_named():
     loose = replace(free, housings=(Housing("h", 0.1, (), None, (0.0, 5.0, 0.0)),), loads=())
     assert "h in uy" in solve_assembly(loose).status.replace("ux, uy", "uy")
     away = replace(assembly(bearing("a", 0.03, "+z"), supports=(TURNING,)), loads=(Load(0.1, (0.0, 0.0, -50.0)),))
-    assert solve_assembly(away).status == "not held: the load opens a, which carries thrust along +z only"
+    assert solve_assembly(away).status == "not held: the load opens a, which carries thrust along +z only (linear program)"
+
+
+PULLS = {
+    "one row the wrong way": (("a+",), (0.0, 0.0, -50.0), False),
+    "one row": (("a+",), (0.0, 0.0, 50.0), True),
+    "one row across": (("a+",), (50.0, 0.0, 0.0), False),
+    "pair": (("a+", "b-"), (30.0, 10.0, -50.0), True),
+    "tandem": (("a+", "b+"), (5.0, 0.0, 50.0), True),
+    "tandem the wrong way": (("a+", "b+"), (0.0, 0.0, -1.0), False),
+    "rollers": (("r+",), (100.0, 0.0, 500.0), True),
+    "rollers the wrong way": (("r+",), (0.0, 0.0, -500.0), False),
+}
+
+
+@pytest.mark.parametrize("case", PULLS)
+def test_linear_program_says_whether_rows_can_carry_a_load(case):
+    rows, force, can = PULLS[case]
+    places = {"a": 0.1, "b": 0.13}
+    sets = [roller_set() if r == "r+" else bearing(r, places[r[0]], f"{r[1]}z") for r in rows]
+    parts = assembly(*sets, supports=(Support(0.15, (("rx", 0.0), ("ry", 0.0), ("rz", 0.0))),), loads=(Load(0.15, force),))
+    motion = opening_motion(build(parts))
+    assert (motion is None) == can
+    found = solve_assembly(parts, engine="interpreted")
+    assert found.converged == can
+    if not can:
+        assert found.status.startswith("not held")
+        assert "linear program" in found.status
+        work = float(np.dot(force, motion[0, :3]))
+        assert work > 0.0
+
+
+def test_a_preloaded_axis_is_held_and_nothing_to_prove_without_load():
+    assert opening_motion(build(fixed_axis((0.0, 0.0, 600.0)))) is None
+    assert opening_motion(build(fixed_axis((0.0, 0.0, 0.0)))) is None
+    warm = replace(fixed_axis((0.0, 0.0, 0.0)), thermal_strain=1e-4)  # pairs of forces that do no work on rigid motions
+    assert opening_motion(build(warm)) is None

@@ -8,8 +8,9 @@ import pytest
 from lowfi.compliance.bodies import LADDER
 from lowfi.statics.axis.refined import solve_refined
 from lowfi.statics.elastic import solve_elastic
+from meshes.axis import RollingSet
 from meshes.parts import SideErrors
-from tests.axes import double_nut, fixed_axis, one_set, solved
+from tests.axes import ROLLERS, bearing, double_nut, fixed_axis, mirrored, one_set, solved
 from tests.helpers import relative, small_screw
 
 
@@ -56,4 +57,21 @@ def test_what_it_does_not_know_is_refused():
     uneven = replace(parts, sets=(replace(parts.sets[0], parts=replace(first, errors=errors)), parts.sets[1]))
     with pytest.raises(ValueError, match="profiles of varying shape"):
         solve_refined(uneven)
+    rollers = RollingSet("r", "tapered roller bearing", ROLLERS, 0.25, thrust="+z")
+    with pytest.raises(ValueError, match="tapered rollers: elastic bodies answer point contacts of balls only"):
+        solve_refined(replace(parts, sets=(*parts.sets, rollers)))
+    carried = replace(bearing("c", 0.14, "both"), carrier="h")
+    with pytest.raises(ValueError, match="an inner ring on a housing"):
+        solve_refined(replace(parts, sets=(*parts.sets, carried)))
     assert np.isfinite(solved(uneven).sets[0].force).all()
+
+
+def test_mirror_image_and_action_and_reaction_hold_on_forces_too():
+    """With the grooved cell's section and rigid nuts: elastic nuts have a held face, which the mirror would move."""
+    parts = double_nut(count=6)
+    here, there = (refined(p, backend=LADDER["lin-cell"]) for p in (parts, mirrored(parts)))
+    for a, b in zip(here.sets, there.sets, strict=True):
+        assert relative(b.balls.load[:, [1, 0, 3, 2]], a.balls.load) < 1e-8
+        assert relative(b.force, a.force * [1.0, 1.0, -1.0]) < 1e-8
+        assert np.abs(a.force + a.reaction[:3]).max() < 1e-11 * np.abs(a.balls.load).max()
+    assert all(h.residual < 1e-11 for h in here.housings)

@@ -1,5 +1,6 @@
 """Scene files with several rolling sets: what is read, what is refused, templates, the command line."""
 
+import csv
 import json
 import tomllib
 
@@ -8,7 +9,8 @@ import pytest
 
 from compare.cli import main
 from compare.errors import InputError, SceneError
-from compare.models.axis import AXIS_MODELS, run_axis
+from compare.models.axis import AXIS_MODELS, ONE_SET, run_axis
+from compare.models.registry import MODELS
 from compare.scenes import catalogue, scene_file
 from compare.scenes.catalogue import scene_text
 from compare.scenes.kinds.table import json_schema
@@ -54,7 +56,7 @@ force = ["0 N", "0 N", "-100 lbf"]
 
 
 def test_shipped_axes_are_named_apart_from_whole_screws():
-    assert set(catalogue.axis_names()) >= {"axis-fixed-fixed", "double-nut", "smith-axis", "lin-steering-rack"}
+    assert set(catalogue.axis_names()) >= {"axis-fixed-fixed", "double-nut", "smith-axis-taper", "lin-steering-rack"}
     assert not set(catalogue.axis_names()) & set(catalogue.whole_names())
     for name in catalogue.axis_names():
         found = catalogue.shipped(name)
@@ -162,9 +164,10 @@ def test_faults_of_a_set_are_named_in_its_table(line):
 def test_commands_of_one_set_refuse_several_with_the_reason():
     with pytest.raises(SceneError, match="2 sets"):
         catalogue.scene("double-nut")
-    with pytest.raises(InputError, match="the other models describe one set"):
+    with pytest.raises(InputError, match="mei describes one set: its bars"):
         run_axis(catalogue.shipped("double-nut"), "mei")
-    assert AXIS_MODELS == ("refined", "lin")
+    assert AXIS_MODELS == ("refined", "lin", "lin-cell", "lin-nut")
+    assert set(AXIS_MODELS) | set(ONE_SET) == set(MODELS)
     for kind in ("compare", "mesh-study", "export", "condense"):
         with pytest.raises(SystemExit) as stopped:
             main([kind, "double-nut", *(["screw"] if kind == "export" else [])])
@@ -177,21 +180,104 @@ def test_schema_knows_axes():
     assert "cup_angle" in text
 
 
-def test_solve_and_friction_begin_rows_with_their_set(capsys, tmp_path):
-    small = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
-    small = small.replace("coefficient = 0.05", 'coefficient = 0.05\ncoupling = "none"')
-    path = tmp_path / "two.toml"
-    path.write_text(small, encoding="utf-8")
-    for command in (["solve", str(path), "--model", "lin"], ["friction", str(path), "--model", "lin"]):
-        with pytest.raises(SystemExit) as stopped:
-            main([*command, "--json"])
-        assert stopped.value.code == 0
-        data = json.loads(capsys.readouterr().out)
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """File of a small double nut."""
+    text = scene_text("double-nut").replace("count = 68\nturns = 4.3", "count = 8\nturns = 1.5")
+    path = tmp_path_factory.mktemp("axis") / "two.toml"
+    path.write_text(text.replace("coefficient = 0.05", 'coefficient = 0.05\ncoupling = "none"'), encoding="utf-8")
+    return path
+
+
+def command(capsys, *tokens):
+    """Exit code, output and errors of a command."""
+    with pytest.raises(SystemExit) as stopped:
+        main([str(t) for t in tokens])
+    return stopped.value.code, *capsys.readouterr()
+
+
+def test_result_has_the_keys_of_one_set(capsys, small):
+    _, single, _ = command(capsys, "solve", "two-balls", "--model", "lin", "--json")
+    code, several, _ = command(capsys, "solve", small, "--model", "lin", "--json")
+    assert code == 0
+    one, two = json.loads(single), json.loads(several)
+    assert set(one) <= set(two)
+    shared = {"sides", "loads", "axial", "worst_contact", "truncation", "static_safety", "life", "rating_refused"}
+    assert shared <= set(one["summary"]) & set(two["summary"])
+    assert shared - {"axial"} <= set(two["sets"][1]["summary"])
+    worst = two["summary"]["worst_set"]
+    assert two["sets"][worst - 1]["largest_load_N"] == max(s["largest_load_N"] for s in two["sets"])
+    assert two["summary"]["loads"]["max_N"] == two["sets"][worst - 1]["largest_load_N"]
+    assert two["sets"][0]["summary"]["preload"]["axial_N"] == pytest.approx(
+        -two["sets"][1]["summary"]["preload"]["axial_N"], rel=1e-9
+    )
+    assert two["summary"]["axial"]["force_N"] == 2000.0
+
+
+def test_tables_files_and_stations_of_several_sets(capsys, small, tmp_path):
+    files = "--curve", tmp_path / "c.csv", "--stiffness-at", "100 mm", "--matrix", tmp_path / "k.mtx"
+    code, out, _ = command(capsys, "solve", small, "--model", "lin", *files)
+    assert code == 0
+    assert "angle deg" not in out
+    assert "shaft at 100 mm" in out
+    rows = (tmp_path / "c.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) == 17
+    last = dict(zip(rows[0].split(","), rows[11].split(","), strict=True))
+    assert float(last["load_factor"]) == 1.0
+    assert float(last["axial_force_N"]) == 2000.0
+    around = [dict(zip(rows[0].split(","), rows[k].split(","), strict=True)) for k in (10, 12)]
+    slope = 400.0 / (float(around[1]["displacement_um"]) - float(around[0]["displacement_um"]))
+    given = {k: v for k, v in last.items() if k == "stiffness_N_per_um"}
+    compliance = np.linalg.inv(_matrix(tmp_path / "k.mtx"))
+    assert slope == pytest.approx(1e-6 / compliance[2, 2], rel=2e-3)
+    assert float(given["stiffness_N_per_um"]) == pytest.approx(1e-6 * _matrix(tmp_path / "k.mtx")[2, 2], rel=1e-9)
+    code, out, _ = command(capsys, "solve", small, "--model", "lin-nut", "--balls")
+    assert code == 0
+    assert "angle deg" in out
+
+
+def _matrix(path):
+    from scipy.io import mmread
+
+    return np.asarray(mmread(path))
+
+
+def test_commands_work_or_say_why_not(capsys, small, tmp_path):
+    code, out, _ = command(capsys, "check", small, "--no-compute", "--model", "lin")
+    assert "NOT COVERED: two, lin: 2 sets on one shaft: the 3D reference meshes one nut or ring" in out
+    assert code == 4
+    vary = "--vary", "sets[0].offset=-6 um:-2 um", "--samples", "2", "--model", "lin", "--out", tmp_path / "s"
+    code, _, _ = command(capsys, "sweep", small, *vary)
+    assert code == 0
+    with (tmp_path / "s" / "samples.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["status"] for row in rows} == {"converged"}
+    assert all(row["at"].startswith("nut 1: ") for row in rows)
+    by_offset = sorted(rows, key=lambda row: float(row["sets[0].offset"].split()[0]))
+    assert float(by_offset[0]["largest_load_N"]) > float(by_offset[-1]["largest_load_N"])
+    refused = (
+        (("solve", small, "--members", "3"), "one set: bands are of its contacts"),
+        (("solve", small, "--all"), "every set is built as its scene asks"),
+        (("solve", small, "--member", "1"), "no set has random errors"),
+        (("sweep", small, *vary[:-3], "mei", "--out", tmp_path / "t"), "refined, lin, lin-cell, lin-nut"),
+        (("solve", small, "--stiffness-at", "9 m"), "0 mm to"),
+    )
+    for tokens, why in refused:
+        code, _, said = command(capsys, *tokens)
+        assert code == 2
+        assert why in said
+        assert len(said.splitlines()) == 1
+
+
+def test_solve_and_friction_begin_rows_with_their_set(capsys, small):
+    for word in ("solve", "friction"):
+        code, out, _ = command(capsys, word, small, "--model", "lin", "--json")
+        assert code == 0
+        data = json.loads(out)
         assert [next(iter(row)) for row in data["balls"]] == ["set"] * 16
         assert [(row["set"], row["index"]) for row in data["balls"]][8] == (2, 1)
         assert [s["name"] for s in data["sets"]] == ["nut 1", "nut 2"]
     total = sum(s["friction_torque_Nmm"] for s in data["sets"])
     assert data["torque"]["friction_torque_Nmm"] == pytest.approx(total, rel=1e-12)
-    with pytest.raises(SystemExit):
-        main(["solve", str(path), "--model", "lin"])
-    assert "tangent stiffness of the whole, shaft at 0 mm" in capsys.readouterr().out
+    _, out, _ = command(capsys, "solve", small, "--model", "lin")
+    assert "tangent stiffness of the whole, shaft at 0 mm" in out

@@ -1,0 +1,117 @@
+"""Whether several rolling sets can carry their loads at all: contact forces that push, against a linear program.
+
+As `lowfi.statics.proof` for one set: either compressive forces at the nominal contacts of balls and rollers, with what
+supports and springs do, balance the loads, or a motion of shaft and housings as rigid bodies opens every contact, or leaves
+it as it is, while the loads do work. Only the second proves that they are not held.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+from scipy.sparse import csr_array, hstack, vstack
+
+from lowfi.statics.axis.loose import words_for
+from lowfi.statics.axis.structure import held_rows, rigid_motions
+from lowfi.statics.axis.system import BallSet, System
+from lowfi.statics.problem import SIGNS
+from lowfi.statics.proof import PROVEN
+
+Array = NDArray[np.float64]
+
+
+def opening_motion(system: System) -> Array | None:
+    """Motion (r, 6) of all rows as rigid bodies [m, rad], of size one with rotations times the arm, that opens all
+    contacts at their nominal angles while the loads do work; None where compressive forces balance the loads.
+
+    Raises ArithmeticError where the linear program finds neither.
+    """
+    s = system.structure
+    motions = rigid_motions(s, system.arm)
+    by_row = motions.reshape(-1, 6, motions.shape[1])
+    work = motions.T @ s.load.ravel()
+    total = float(np.abs(s.load[:, :3]).sum() + np.abs(s.load[:, 3:]).sum() / system.arm)
+    size = float(np.abs(work).max())
+    if size <= 1e-12 * total:
+        return None
+    centres = 2 * system.contacts.r_ball.size
+    rows = [hstack([csr_array(a), csr_array(c)]) for b in system.balls for a, c in [_ball_rows(b, system, by_row)]]
+    rows += [hstack([csr_array(x), csr_array((len(x), centres))]) for x in _roller_rows(system, by_row)]
+    approach = csr_array(vstack(rows))
+    held = held_rows(s, motions)
+    equal = hstack([csr_array(held), csr_array((len(held), centres))]) if len(held) else None
+    found = linprog(
+        np.concatenate([-work / size, np.zeros(centres)]),
+        A_ub=approach,
+        b_ub=np.zeros(approach.shape[0]),
+        A_eq=equal,
+        b_eq=None if equal is None else np.zeros(len(held)),
+        bounds=[(-1.0, 1.0)] * motions.shape[1] + [(None, None)] * centres,
+    )
+    if found.status != 0:
+        raise ArithmeticError(f"no linear program of the contacts: {found.message}")
+    if -found.fun <= PROVEN:
+        return None
+    return np.asarray(motions @ found.x[: motions.shape[1]]).reshape(-1, 6)
+
+
+def _ball_rows(b: BallSet, system: System, by_row: Array) -> tuple[Array, Array]:
+    """Approach of every contact that a set uses, by the rigid motions and by the centres of all balls: it must not grow.
+
+    The one arc of a deep groove counts at its contact angle to either side.
+    """
+    beta = b.problem.scene.track.contact_angle
+    angles = (beta, -beta) if b.of.thrust == "deep groove" else (beta,)
+    place = system.contacts.row[b.balls]
+    N = b.problem.layout.z.size
+    own = 2 * (b.balls.start + np.arange(N))
+    by_motion, by_centre = [], []
+    for side in np.flatnonzero(b.problem.use):
+        row = place[:, side]
+        flank = np.einsum("nak,nkj->naj", b.B[:, side], by_row[row]) * (row >= 0)[:, None, None]
+        for angle in angles:
+            direction = SIGNS[side] * np.array([np.cos(angle), np.sin(angle)])
+            centre = np.zeros((N, 2 * system.contacts.r_ball.size))
+            centre[np.arange(N), own], centre[np.arange(N), own + 1] = direction
+            by_motion.append(-np.einsum("a,naj->nj", direction, flank))
+            by_centre.append(centre)
+    return np.concatenate(by_motion), np.concatenate(by_centre)
+
+
+def _roller_rows(system: System, by_row: Array) -> list[Array]:
+    """Approach of the slices of every row of rollers by the rigid motions."""
+    out = []
+    for a in (x.arrays for x in system.rollers):
+        ends = [np.einsum("mk,mkj->mj", a.B[:, e], by_row[a.row[:, e]]) * (a.row[:, e] >= 0)[:, None] for e in range(2)]
+        out.append(ends[0] + ends[1])
+    return out
+
+
+def unheld(system: System) -> str:
+    """Status sentence of a shaft or a housing that ran away: not held only where the linear program proves it."""
+    try:
+        motion = opening_motion(system)
+    except ArithmeticError as error:
+        return f"not converged: the shaft or a ring ran away, and whether its contacts can hold it is not known: {error}"
+    if motion is None:
+        return (
+            "not converged: the shaft or a ring ran away, though contact forces that push can balance the loads "
+            "(linear program)"
+        )
+    return f"not held: the loads open every contact that could carry them (linear program: {words_for(system, motion)})"
+
+
+def crossed(system: System, name: str, thrust: str, angle: float) -> str:
+    """Status sentence of a one-way row whose balls carry load across the bottom of the groove, at an angle [rad]."""
+    try:
+        opened = opening_motion(system) is not None
+    except ArithmeticError:
+        opened = False
+    if opened:
+        return f"not held: the load opens {name}, which carries thrust along {thrust} only (linear program)"
+    return (
+        f"not converged: balls of {name} carry load at a contact angle of {np.degrees(angle):.1f} deg, across the bottom "
+        f"of a groove that carries thrust along {thrust} only; forces at its nominal contacts could balance the loads "
+        "(linear program)"
+    )

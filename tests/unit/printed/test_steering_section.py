@@ -1,0 +1,61 @@
+"""Section of the report on lash and steering gear: what it says of the open inputs holds, figures can be drawn."""
+
+import numpy as np
+import pytest
+
+from compare.evidence import lash_4_2_1 as lash
+from compare.evidence import steering_maps as maps
+from compare.evidence.steering_4_2 import REACH, at_angle, rack, ratios
+from compare.scenes import catalogue
+from compare.sections import steering
+from reports.figures import draw
+
+SCENE = catalogue.scene("lin-nominal-4p1")
+
+
+@pytest.fixture(scope="module")
+def points():
+    return list(maps.ratio_map(rack()))
+
+
+def test_ratios_span_the_printed_ones_so_that_they_identify_no_layout(points):
+    for key, printed in (("screw", 3.32), ("bearing", 1.47)):
+        values = np.array([getattr(p, key) for p in points])
+        assert values.min() < 0.97 * printed
+        assert values.max() > 1.3 * printed
+        layouts = {(p.hold, p.opposed) for p, v in zip(points, values, strict=True) if abs(v / printed - 1.0) < 0.08}
+        assert len(layouts) >= 2
+
+
+def test_layouts_are_what_they_say():
+    shipped = rack()
+    (pinion,) = shipped.supports
+    same = maps.with_layout(shipped, pinion.at, "held but along the rack", 0.0)
+    assert ratios(same) == pytest.approx(ratios(shipped), rel=1e-12)
+    moved = maps.with_layout(shipped, 0.5, "pinned across", 0.02)
+    assert moved.sets[0] == shipped.sets[0]
+    assert moved.sets[1].position == pytest.approx(shipped.sets[1].position + 0.02)
+    assert moved.sets[1].parts.nut.position == moved.sets[1].position
+    assert at_angle(shipped, 0.0, opposed=True).sets[0].force == pytest.approx(at_angle(shipped, 0.0).sets[0].force)
+    held = maps.with_layout(shipped, 0.55, "held but along the rack", 0.0)
+    assert ratios(held, opposed=True) == pytest.approx(ratios(held), rel=1e-9)
+
+
+def test_lash_curves_end_in_the_peaks():
+    screw = lash.with_balls(SCENE, "half-half")
+    curve = lash.axial_curve(screw, (-lash.FORCE, 0.0, lash.FORCE))
+    assert curve[2] - curve[0] == pytest.approx(lash.axial(screw), rel=1e-12)
+    assert curve[0] < curve[1] < curve[2]
+    across = lash.conical_curve(screw, (-lash.FORCE, lash.FORCE), 0.3, REACH)
+    assert across[1] - across[0] == pytest.approx(lash.conical(screw, 0.3, REACH), rel=1e-12)
+    back = lash.conical(screw, 0.3 + np.pi, REACH)  # the test goes both ways: a direction is its opposite
+    assert back == pytest.approx(lash.conical(screw, 0.3, REACH), rel=1e-6)
+
+
+def test_figures_and_tables_are_whole(points):
+    figure = steering.rack_figure(points)
+    assert [len(p.series) for p in figure.panels[:2]] == [4, 4]
+    assert draw(figure).startswith("<?xml")
+    rows = steering.ratio_rows(points)
+    assert len(rows) == len(maps.PINIONS) * len(maps.OFFSETS) * 3
+    assert {c.key for c in steering.RATIO_COLUMNS} == set(rows[0])
