@@ -29,7 +29,7 @@ def need_gmsh() -> None:
             "gmsh",
             fault,
             "gmsh with its shared libraries",
-            f"install them (Debian: {install(MESHING)}), or leave the 3D reference out; rollbench doctor checks the machine",
+            f"install them (Debian: {install(MESHING)}), or leave the 3D reference out; see rollbench doctor",
         )
 
 

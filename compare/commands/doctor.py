@@ -32,8 +32,8 @@ ONLY_FOR = {
 #: Licences that ask something of who passes the program on with what it imports.
 STRICT = {"gmsh": "GPL-2.0-or-later, with exceptions for linking", "cvxopt": "GPL-3.0-or-later"}
 LICENCES = (
-    "rollbench's own code is under the MIT licence. It imports gmsh and cvxopt, which are under the GNU GPL: who passes the "
-    "program on together with these keeps to the GPL. Only the 3D reference imports them."
+    "rollbench's own code is under the MIT licence. It imports gmsh and cvxopt, which are under the GNU GPL: who passes "
+    "the program on together with these keeps to the GPL. Only the 3D reference imports them."
 )
 #: Memory [GB] for one run of the reference on level 1 of a screw of 32 balls, and free disc [GB] for its caches.
 ENOUGH_GB, DISC_GB = 4.0, 2.0
