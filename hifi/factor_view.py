@@ -79,7 +79,12 @@ def structure(factor: Any, size: int) -> tuple[Array, Array, Array, Array] | Non
     if not (record.n == size and record.is_super == 1 and record.itype in (0, 2) and record.s and record.Perm):
         return None
     integer = ctypes.c_int64 if record.itype == 2 else ctypes.c_int32
-    parts = ((record.Perm, size), (record.super, record.nsuper + 1), (record.pi, record.nsuper + 1), (record.s, record.ssize))
+    parts = (
+        (record.Perm, size),
+        (record.super, record.nsuper + 1),
+        (record.pi, record.nsuper + 1),
+        (record.s, record.ssize),
+    )
     order, first, start, rows = (np.array(_view(at, count, integer), dtype=np.int64) for at, count in parts)
     whole = first[0] == start[0] == 0 and first[-1] == size and start[-1] == rows.size
     return (order, first, start, rows) if whole else None

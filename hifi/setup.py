@@ -137,9 +137,14 @@ def prepare(
     seconds: dict[str, float] = {}
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
 
+    known = [0, 0]
+
     def timed(name: str, start: float) -> None:
         seconds[name] = perf_counter() - start
-        step(f"{name}: {seconds[name]:.1f} s")
+        hit, missed = cache.hits > known[0], cache.misses > known[1]
+        known[:] = cache.hits, cache.misses
+        origin = f", {'partly ' if missed else ''}from the cache" if hit else ""
+        step(f"{name}: {seconds[name]:.1f} s{origin}")
 
     start = perf_counter()
     meshes = mesh_parts(scene, m, layout, dims, sides, settings, cache)

@@ -22,3 +22,5 @@ def arrange(app: App) -> None:
             if name in app:
                 app[name].group = (group,)
                 app[name].sort_key = number
+    for flag in ("--help", "--version"):
+        app[flag].group = (Group("Besides", sort_key=len(ORDER)),)
