@@ -22,5 +22,6 @@ def arrange(app: App) -> None:
             if name in app:
                 app[name].group = (group,)
                 app[name].sort_key = number
+    besides = Group("Besides", sort_key=len(ORDER))
     for flag in ("--help", "--version"):
-        app[flag].group = (Group("Besides", sort_key=len(ORDER)),)
+        app[flag].group = (besides,)
