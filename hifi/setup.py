@@ -322,7 +322,8 @@ def screw_response(
         hole = nodes_on(mesh.mesh, "bore")
         follow = [section_motion(mesh.points, hole, z, size) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
-    F = compliance((T.T @ K @ T).tocsc(), rows, SOFT)
+    K = (T.T @ K @ T).tocsc()  # the free body's is dropped: a gigabyte with 400 contacts
+    F = compliance(K, rows, SOFT)
     rigid = np.asarray(modes @ rigid_modes(mesh.points, np.array([0.0, 0.0, base])))
     B = np.concatenate([rigid, *(transport(z - base) for z in (*ports, *observers))])
     stretch = Stretch(F, B, base, ports, observers, (low, high), modes.shape[0], rigid=bore)
@@ -377,4 +378,5 @@ def nut_response(
     T = nut_transform(mesh, dims)
     kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
     rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]) @ T
-    return NutResponse(compliance((T.T @ K @ T).tocsc(), rows, SOFT), {s: k[0] for s, k in kept.items()}, T.shape[1])
+    K = (T.T @ K @ T).tocsc()
+    return NutResponse(compliance(K, rows, SOFT), {s: k[0] for s, k in kept.items()}, T.shape[1])

@@ -33,7 +33,7 @@ CHUNK = 20_000
 LARGE = 1e8
 """Freedoms times columns of a `gram` from which the factor is not held: memory counts then, and the sweep over its fronts
 is as fast."""
-CHECKED = 1e-6
+CHECKED = 1e-5
 """Largest relative error of the known answer of such a sweep: soft bodies lose up to half the digits."""
 
 

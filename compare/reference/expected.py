@@ -21,6 +21,8 @@ GROWTH = {0: 0.4, 1: 1.0, 2: 1.2, 3: 1.8, 4: 3.0}
 #: Memory [GB]: of all that does not grow with the contacts, by level, and a contact.
 BASE_GB = {0: 0.6, 1: 0.9, 2: 1.2, 3: 2.0, 4: 4.5}
 CONTACT_GB = 0.018
+#: The same beyond so many contacts, from where on the factors of bodies are not held (`hifi.solvers.LARGE`).
+HELD, BEYOND_GB = 128, 0.008
 #: Order of the stages, by the names that `hifi.setup.prepare` gives them.
 STAGES = ("meshes", "patches", "ball", "shaft section", "screw", "nut", "contact loads")
 
@@ -46,7 +48,8 @@ def expected(task: Task) -> Expected:
     stages = {name: GROWTH[task.level] * A_CONTACT.get(name, 0.0) * contacts for name in STAGES}
     stages |= {"patches": PATCHES[task.level], "ball": 1.0}
     stages["contact loads"] *= times
-    return Expected(stages, BASE_GB[task.level] + CONTACT_GB * contacts)
+    grown = CONTACT_GB * min(contacts, HELD) + BEYOND_GB * max(contacts - HELD, 0)
+    return Expected(stages, BASE_GB[task.level] + grown)
 
 
 def need_memory(tasks: Sequence[Task], workers: int) -> float:
