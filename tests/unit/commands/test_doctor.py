@@ -96,7 +96,7 @@ def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path: Path) -
     assert system.available_GB(tmp_path / "nothing", tmp_path / "nothing") is None
 
 
-def test_libraries_are_one_list_that_the_readme_repeats() -> None:
+def test_libraries_are_one_list() -> None:
     assert missing({"libnothere.so.7": "nothing"}) == ["libnothere.so.7"]
     assert missing({"libc.so.6": "libc6"}) == []
     assert "libgomp1" in install(MESHING)
