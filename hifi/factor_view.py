@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 _SIZES = ("nsuper", "ssize", "xsize", "maxcsize", "maxesize")
 _FLAGS = ("ordering", "is_ll", "is_super", "is_monotonic", "itype", "xtype", "dtype", "useGPU")
 
@@ -67,7 +68,7 @@ def trailing(factor: Any, size: int, count: int) -> Array | None:
     return np.tril(out)
 
 
-def structure(factor: Any, size: int) -> tuple[Array, Array, Array, Array] | None:
+def structure(factor: Any, size: int) -> tuple[Index, Index, Index, Index] | None:
     """Order, first columns, starts of rows, and rows of the supernodes of a symbolic or numeric factor of ``size`` rows, as
     arrays of integers; None where the record is not as expected."""
     name = _capsule("PyCapsule_GetName", ctypes.c_char_p)(factor)
