@@ -20,7 +20,7 @@ def test_a_catalogue_page_gives_stiffness_and_pressure(capsys: pytest.CaptureFix
 @pytest.mark.parametrize(("factor", "word"), [(1.08, "fail"), (1.0, "pass")])
 def test_a_spreadsheet_that_is_8_percent_off_fails(factor: float, word: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert judge_a_spreadsheet.main(factor).word == word
-    assert "ball: 5" in capsys.readouterr().out or word == "pass"
+    assert ("(ball 5 SL)" in capsys.readouterr().out) is (word == "fail")
 
 
 def test_the_notebook_runs_from_top_to_bottom(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
