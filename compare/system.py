@@ -2,21 +2,50 @@
 
 from __future__ import annotations
 
-from compare.errors import InputError
+import os
+from contextlib import suppress
+from pathlib import Path
 
-#: Debian packages of the shared libraries that gmsh loads.
-PACKAGES = "libglu1-mesa libgl1 libxrender1 libxcursor1 libxfixes3 libxft2 libxinerama1 libfontconfig1"
+from compare.errors import InputError
+from meshes.libraries import MESHING, install, missing
+
+
+def gmsh_fault() -> str:
+    """Why gmsh cannot be loaded, with the shared libraries that are missing; empty where it can."""
+    try:
+        import gmsh  # noqa: F401
+    except (ImportError, OSError) as error:
+        lacking = [name for name in missing(MESHING) if name not in str(error)]
+        return str(error) + (f"; also missing: {', '.join(lacking)}" if lacking else "")
+    return ""
 
 
 def need_gmsh() -> None:
     """Raise InputError where gmsh cannot be loaded."""
-    try:
-        import gmsh  # noqa: F401
-    except (ImportError, OSError) as error:
+    fault = gmsh_fault()
+    if fault:
         raise InputError(
             "this machine",
             "gmsh",
-            str(error),
+            fault,
             "gmsh with its shared libraries",
-            f"install them (Debian: apt-get install {PACKAGES}), or leave the 3D reference out",
-        ) from None
+            f"install them (Debian: {install(MESHING)}), or leave the 3D reference out; see rollbench doctor",
+        )
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs/cgroup")) -> float | None:
+    """Memory that a process can take without swapping [GB], at most what its control group leaves; None where the system
+    does not say."""
+    found = []
+    with suppress(OSError, ValueError, StopIteration):
+        lines = proc.read_text(encoding="ascii").splitlines()
+        found.append(1.024e-6 * float(next(line.split()[1] for line in lines if line.startswith("MemAvailable"))))
+    with suppress(OSError, ValueError):  # "max": no limit
+        limit, used = ((group / name).read_text(encoding="ascii") for name in ("memory.max", "memory.current"))
+        found.append(max(1e-9 * (float(limit) - float(used)), 0.0))
+    return min(found, default=None)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+import select
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 
@@ -39,6 +40,16 @@ def watched(label: str, limit: float | None = None) -> Iterator[None]:
     finally:
         done.set()
         watcher.join()
+
+
+def reader_gone(outputs: Sequence[int] = (1, 2)) -> bool:
+    """Whether one of these outputs, file numbers, is a pipe that nobody reads any more (``| head``)."""
+    if not hasattr(select, "poll"):
+        return False
+    poll = select.poll()
+    for number in outputs:
+        poll.register(number, 0)
+    return any(event & select.POLLERR for _, event in poll.poll(0))
 
 
 def _watch(label: str, limit: float | None, done: threading.Event) -> None:

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from compare.errors import InputError
-from meshes.leftovers import temporary
+from meshes.leftovers import for_group, temporary
 
 
 def write_new(path: Path, text: str) -> None:
@@ -43,6 +43,7 @@ def replace_file(path: Path, text: str) -> None:
         try:
             with open(name, "x", encoding="utf-8") as file:
                 file.write(text)
+            for_group(name)
             os.replace(name, path)
         finally:
             name.unlink(missing_ok=True)

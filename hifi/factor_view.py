@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 _SIZES = ("nsuper", "ssize", "xsize", "maxcsize", "maxesize")
 _FLAGS = ("ordering", "is_ll", "is_super", "is_monotonic", "itype", "xtype", "dtype", "useGPU")
 
@@ -65,6 +66,29 @@ def trailing(factor: Any, size: int, count: int) -> Array | None:
         kept = own >= begin
         out[np.ix_(own[kept] - first, np.arange(begin, high) - first)] = block[begin - low :, kept].T
     return np.tril(out)
+
+
+def structure(factor: Any, size: int) -> tuple[Index, Index, Index, Index] | None:
+    """Order, first columns, starts of rows, and rows of the supernodes of a symbolic or numeric factor of ``size`` rows, as
+    arrays of integers; None where the record is not as expected."""
+    name = _capsule("PyCapsule_GetName", ctypes.c_char_p)(factor)
+    if name is None or not name.startswith(b"CHOLMOD FACTOR"):
+        return None
+    get = ctypes.pythonapi.PyCapsule_GetPointer
+    get.restype, get.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    record = _Factor.from_address(get(factor, name))
+    if not (record.n == size and record.is_super == 1 and record.itype in (0, 2) and record.s and record.Perm):
+        return None
+    integer = ctypes.c_int64 if record.itype == 2 else ctypes.c_int32
+    parts = (
+        (record.Perm, size),
+        (record.super, record.nsuper + 1),
+        (record.pi, record.nsuper + 1),
+        (record.s, record.ssize),
+    )
+    order, first, start, rows = (np.array(_view(at, count, integer), dtype=np.int64) for at, count in parts)
+    whole = first[0] == start[0] == 0 and first[-1] == size and start[-1] == rows.size
+    return (order, first, start, rows) if whole else None
 
 
 def _capsule(name: str, result: Any) -> Any:

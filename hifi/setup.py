@@ -137,9 +137,14 @@ def prepare(
     seconds: dict[str, float] = {}
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
 
+    known = [0, 0]
+
     def timed(name: str, start: float) -> None:
         seconds[name] = perf_counter() - start
-        step(f"{name}: {seconds[name]:.1f} s")
+        hit, missed = cache.hits > known[0], cache.misses > known[1]
+        known[:] = cache.hits, cache.misses
+        origin = f", {'partly ' if missed else ''}from the cache" if hit else ""
+        step(f"{name}: {seconds[name]:.1f} s{origin}")
 
     start = perf_counter()
     meshes = mesh_parts(scene, m, layout, dims, sides, settings, cache)
@@ -317,7 +322,8 @@ def screw_response(
         hole = nodes_on(mesh.mesh, "bore")
         follow = [section_motion(mesh.points, hole, z, size) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
-    F = compliance((T.T @ K @ T).tocsc(), rows, SOFT)
+    K = (T.T @ K @ T).tocsc()  # the free body's is dropped: a gigabyte with 400 contacts
+    F = compliance(K, rows, SOFT)
     rigid = np.asarray(modes @ rigid_modes(mesh.points, np.array([0.0, 0.0, base])))
     B = np.concatenate([rigid, *(transport(z - base) for z in (*ports, *observers))])
     stretch = Stretch(F, B, base, ports, observers, (low, high), modes.shape[0], rigid=bore)
@@ -372,4 +378,5 @@ def nut_response(
     T = nut_transform(mesh, dims)
     kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
     rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]) @ T
-    return NutResponse(compliance((T.T @ K @ T).tocsc(), rows, SOFT), {s: k[0] for s, k in kept.items()}, T.shape[1])
+    K = (T.T @ K @ T).tocsc()
+    return NutResponse(compliance(K, rows, SOFT), {s: k[0] for s, k in kept.items()}, T.shape[1])

@@ -6,7 +6,8 @@ with equal columns. `splu`: SuperLU of scipy, for small matrices.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from hifi.factor_view import trailing
+from hifi.factor_view import structure, trailing
+from hifi.fronts import Supernodes, gram_by_fronts
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -24,6 +26,15 @@ SMALL = 3_000
 """Freedoms below which SuperLU is as fast as anything."""
 SINGULAR = 1e13
 """Response of the matrix scaled to a unit diagonal to a unit load, above which it counts as singular."""
+
+
+CHUNK = 20_000
+"""Columns of a matrix that are looked at together."""
+LARGE = 1e8
+"""Freedoms times columns of a `gram` from which the factor is not held: memory counts then, and the sweep over its fronts
+is as fast."""
+CHECKED = 1e-5
+"""Largest relative error of the known answer of such a sweep: soft bodies lose up to half the digits."""
 
 
 class FactorError(ArithmeticError):
@@ -76,25 +87,78 @@ def nested_dissection(K: sp.csc_matrix) -> IntArray:
 
     Freedoms whose columns have the same pattern (the three of a node) are one vertex, weighted by their number.
     """
-    import pymetis
+    graph, group = _vertices(K)
+    place = np.empty(graph.shape[0], dtype=np.int64)
+    place[_dissected(graph, group)] = np.arange(graph.shape[0])
+    return np.argsort(place[group], kind="stable")
 
-    pattern = sp.csr_matrix((np.ones(K.nnz), K.indices, K.indptr), shape=K.shape)
-    signature = pattern @ np.random.default_rng(0).random(K.shape[0])  # equal columns, equal sums
+
+def _vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, IntArray]:
+    """Compressed graph of a matrix, without its diagonal, and the vertex of every freedom, shape (n,)."""
+    size, pointers = K.shape[0], K.indptr
+    weights = np.random.default_rng(0).random(size)
+    signature = np.empty(size)  # equal columns, equal sums
+    for low in range(0, size, CHUNK):
+        part = slice(low, min(low + CHUNK, size))
+        begin, end = pointers[part.start], pointers[part.stop]
+        own = (np.ones(end - begin), K.indices[begin:end], pointers[part.start : part.stop + 1] - begin)
+        signature[part] = sp.csr_matrix(own, shape=(part.stop - low, size)) @ weights
     _, first, group = np.unique(signature, return_index=True, return_inverse=True)
     count = len(first)
+    pattern = sp.csr_matrix((np.ones(K.nnz, dtype=np.int8), K.indices, pointers), shape=K.shape)
     compressed = pattern[first]  # one row for each vertex
     rows = np.repeat(np.arange(count), np.diff(compressed.indptr))
     graph = sp.csr_matrix((np.ones(len(rows)), (rows, group[compressed.indices])), shape=(count, count))
     graph.sum_duplicates()
     graph.setdiag(0)
     graph.eliminate_zeros()
+    return graph, group
+
+
+def _dissected(graph: sp.csr_matrix, group: IntArray) -> IntArray:
+    """Order of the vertices of a compressed graph by nested dissection."""
+    import pymetis
+
     if graph.nnz == 0:
-        return np.arange(K.shape[0])
-    weights = np.bincount(group)
-    order, _ = pymetis.nested_dissection(pymetis.CSRAdjacency(graph.indptr, graph.indices), vweights=weights)
-    place = np.empty(count, dtype=np.int64)
-    place[np.asarray(order)] = np.arange(count)
-    return np.argsort(place[group], kind="stable")
+        return np.arange(graph.shape[0])
+    adjacency = pymetis.CSRAdjacency(graph.indptr, graph.indices)
+    order, _ = pymetis.nested_dissection(adjacency, vweights=np.bincount(group))
+    return np.asarray(order, dtype=np.int64)
+
+
+def supernodes(K: sp.csc_matrix) -> Supernodes | None:
+    """CHOLMOD's supernodes of a matrix in nested-dissection order, found on its compressed graph; None where the library
+    does not show them."""
+    import cvxopt
+    from cvxopt import cholmod
+
+    graph, group = _vertices(K)
+    count = graph.shape[0]
+    lower = sp.tril(graph + sp.identity(count)).tocoo()
+    sparse = cvxopt.spmatrix(lower.data, lower.row.astype(np.int64), lower.col.astype(np.int64), lower.shape, "d")
+    with _options(supernodal=2, nmethods=1):
+        found = structure(cholmod.symbolic(sparse, p=cvxopt.matrix(_dissected(graph, group).tolist(), tc="i")), count)
+    if found is None:
+        return None
+    order, first, start, rows = found
+    freedoms, weights = np.argsort(group, kind="stable"), np.bincount(group)
+    begin = np.concatenate([[0], np.cumsum(weights)])
+    place = np.concatenate([[0], np.cumsum(weights[order])])  # first place of every vertex in the order of freedoms
+    widths = weights[order[rows]]
+    starts = np.concatenate([[0], np.cumsum(widths)])
+    return Supernodes(
+        freedoms[_ranges(begin[order], weights[order])], place[first], starts[start], _ranges(place[rows], widths)
+    )
+
+
+def _ranges(first: IntArray, count: IntArray) -> IntArray:
+    """Numbers from each of ``first`` on, so many as ``count`` says, one after another.
+
+    >>> _ranges(np.array([4, 1]), np.array([3, 2]))
+    array([4, 5, 6, 1, 2])
+    """
+    ends = np.cumsum(count)
+    return np.arange(ends[-1] if ends.size else 0) + np.repeat(first - ends + count, count)
 
 
 def gram(K: sp.spmatrix, B: sp.spmatrix, start: float = 1e2) -> FloatArray:
@@ -102,7 +166,8 @@ def gram(K: sp.spmatrix, B: sp.spmatrix, start: float = 1e2) -> FloatArray:
 
     The trailing block of the Cholesky factor of [[K, B], [B^T, d I]] is that of d I - B^T K^-1 B, with the columns of B
     scaled by diag(K) and d raised, from ``start``, until the whole is positive definite. Many times faster than m solves:
-    cvxopt solves column by column. The result is checked against a solve.
+    cvxopt solves column by column. The result is checked against a solve. From `LARGE` on the factor is not held
+    (`hifi.fronts`).
     Raises FactorError where no such d is found, and should the library order the border elsewhere than last.
     """
     import cvxopt
@@ -110,6 +175,10 @@ def gram(K: sp.spmatrix, B: sp.spmatrix, start: float = 1e2) -> FloatArray:
 
     inner, columns = sp.csc_matrix(K), sp.csc_matrix(B)
     n, m = columns.shape
+    if n * m >= LARGE:
+        found = _gram_by_fronts(inner, columns)
+        if found is not None:
+            return found
     squares = columns.power(2).T @ (1.0 / _diagonal(inner))  # scale of each diagonal entry of the result
     root = np.sqrt(np.where(squares > 0.0, squares, 1.0))
     order = np.concatenate([nested_dissection(inner), np.arange(n, n + m)])
@@ -144,6 +213,41 @@ def gram(K: sp.spmatrix, B: sp.spmatrix, start: float = 1e2) -> FloatArray:
             break
         return np.asarray((enlarged * np.eye(m) - left) * np.outer(root, root))
     raise FactorError("no bordered factor: not positive definite, or the border was not kept last")
+
+
+def _gram_by_fronts(K: sp.csc_matrix, B: sp.csc_matrix) -> FloatArray | None:
+    """The same without holding the factor; None where the library does not show its supernodes, or the check fails: then
+    the bordered factor decides, and says what is wrong.
+
+    Checked by one column more, K x for a known x, whose answer is x. Raises FactorError where elimination breaks down.
+    """
+    nodes = supernodes(K)
+    if nodes is None:
+        return None
+    known = np.random.default_rng(2).standard_normal(K.shape[0]) / np.sqrt(_diagonal(K))
+    loads = sp.hstack([B, sp.csc_matrix((K @ known)[:, None])]).tocsr()
+    try:
+        found = gram_by_fronts(K, loads, nodes)
+    except ArithmeticError as error:
+        raise FactorError(f"not positive definite: elimination breaks down at column {error.args[0]}") from error
+    answer = B.T @ known
+    if not np.linalg.norm(found[:-1, -1] - answer) <= CHECKED * np.linalg.norm(answer):
+        return None
+    return np.asarray(found[:-1, :-1])
+
+
+@contextmanager
+def _options(**own: int) -> Iterator[None]:
+    """CHOLMOD's options within a block."""
+    from cvxopt import cholmod
+
+    previous = dict(cholmod.options)
+    cholmod.options.update(own)
+    try:
+        yield
+    finally:
+        cholmod.options.clear()
+        cholmod.options.update(previous)
 
 
 def _diagonal(matrix: sp.csc_matrix) -> FloatArray:
@@ -195,14 +299,9 @@ def _supernodal(sparse: Any, order: IntArray, *, kept: bool = False) -> Any:
     from cvxopt import cholmod
 
     permutation = cvxopt.matrix(order.astype(np.int64), tc="i")
-    previous = dict(cholmod.options)
-    cholmod.options.update(supernodal=2, **({"nmethods": 1} if kept else {}))  # 1: the given order alone
-    try:
+    with _options(supernodal=2, **({"nmethods": 1} if kept else {})):  # 1: the given order alone
         symbolic = cholmod.symbolic(sparse, p=permutation)
         cholmod.numeric(sparse, symbolic)
-    finally:
-        cholmod.options.clear()
-        cholmod.options.update(previous)
     return symbolic
 
 

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.leftovers import temporary
+from meshes.leftovers import for_group, temporary
 from meshes.parts import Scene
 
 Array = NDArray[np.float64]
@@ -96,6 +96,7 @@ def _write(path: Path, values: Mapping[str, Any]) -> None:
     try:
         with open(name, "xb") as file:
             np.savez_compressed(file, **values)
+        for_group(name)
         os.replace(name, path)
     finally:
         name.unlink(missing_ok=True)

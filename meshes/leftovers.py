@@ -25,6 +25,12 @@ def temporary(path: Path, ending: str = "tmp") -> Path:
     return path.with_name(f".{path.name}.{_machine()}-{os.getpid()}-{uuid.uuid4().hex[:8]}.{ending}")
 
 
+def for_group(path: Path) -> None:
+    """Let the group read a file of this user's, whatever the mask of new files: what is stored is meant to be shared."""
+    with suppress(OSError):
+        path.chmod(path.stat().st_mode | 0o440)
+
+
 def clean(path: Path, ending: str = "tmp") -> None:
     """Remove the temporary files and folders of ``path`` whose process is dead, or that are a day old."""
     name = re.compile(rf"\.{re.escape(path.name)}\.([0-9a-f]{{8}})-(\d+)-[0-9a-f]{{8}}\.{re.escape(ending)}")

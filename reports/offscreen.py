@@ -6,10 +6,13 @@ import os
 import pickle
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
+from meshes.libraries import PICTURES, install
+
 TIMEOUT = 180.0  # s; two seconds are usual
-ADVICE = "install the off-screen OpenGL libraries (Debian: apt-get install libegl1 libgl1 libxrender1)"
+ADVICE = f"install the off-screen OpenGL libraries (Debian: {install(PICTURES)})"
 
 
 def draw_in_child(module: str, picture: object, path: str | Path) -> None:
@@ -39,3 +42,26 @@ def draw_in_child(module: str, picture: object, path: str | Path) -> None:
     if words[-1].startswith(("ImportError", "ModuleNotFoundError")):
         raise RuntimeError(f"3D picture: pyvista cannot be loaded ({words[-1]}); install it, and {ADVICE}")
     raise RuntimeError(f"3D picture: {words[-1]}")
+
+
+def fault() -> str:
+    """Why no picture can be drawn here, by drawing a small one (some seconds); empty where it can."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            draw_in_child("reports.offscreen", None, Path(folder) / "sphere.png")
+        except RuntimeError as error:
+            return str(error)
+    return ""
+
+
+def _draw_sphere(path: str) -> None:
+    import pyvista
+
+    pyvista.OFF_SCREEN = True
+    plotter = pyvista.Plotter(off_screen=True, window_size=(64, 64))
+    plotter.add_mesh(pyvista.Sphere())
+    plotter.screenshot(path)
+
+
+if __name__ == "__main__":
+    _draw_sphere(pickle.load(sys.stdin.buffer)[1])

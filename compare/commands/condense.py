@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -14,8 +15,10 @@ from compare.writing import need_writable
 from meshes.parts import Scene
 
 
-def run_condense(scene: Scene, out: Path | None, level: int, *, cache: Path | None, show: Callable[..., None]) -> int:
-    """Mesh, condense all four sides and write the file, whole or not at all.
+def run_condense(
+    scene: Scene, typed: str, out: Path | None, level: int, *, cache: Path | None, show: Callable[..., None]
+) -> int:
+    """Mesh, condense all four sides and write the file, whole or not at all; typed: how the scene was named.
 
     Raises InputError for a bad level, a mesh that cannot be built, and a file that cannot be written.
     """
@@ -40,5 +43,5 @@ def run_condense(scene: Scene, out: Path | None, level: int, *, cache: Path | No
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(str(out), "file", reason, "a folder that can be written to", "check the path") from None
-    show(f"wrote {out}; use it with: rollbench solve {scene.name} --condensed {out}")
+    show(f"wrote {out}; use it with: rollbench solve {shlex.quote(typed)} --condensed {shlex.quote(str(out))}")
     return 0

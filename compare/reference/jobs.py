@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import threading
+from _thread import interrupt_main
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
 from compare.errors import InputError
+from compare.reference.expected import Progress, duration, expected, need_memory
 from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
 from compare.reference.memory import reset_peak
 from compare.reference.runs import Run, Task, bodies_path, compute_with_bodies, groups, load, path_in, save, with_bodies
 from compare.reference.variants import VARIANTS
+from compare.watch import reader_gone
 from meshes.condensed import CondensedBodies
 from meshes.parts import Scene
 
@@ -71,13 +74,14 @@ def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
     return left
 
 
-def perform(task: Task, store: Path) -> tuple[list[Run], CondensedBodies | None]:
+def perform(task: Task, store: Path, step: Step = lambda _: None) -> tuple[list[Run], CondensedBodies | None]:
     """Compute a task and store what it gives at once, so that an interrupted study loses only what was under way.
 
-    The record of peak memory starts anew, so that every run has its own.
+    The record of peak memory starts anew, so that every run has its own. step: hears of every stage.
     """
     reset_peak()
-    runs, bodies = compute_with_bodies(task)
+    start, progress = perf_counter(), Progress(task)
+    runs, bodies = compute_with_bodies(task, lambda text: step(progress.line(text, perf_counter() - start)))
     keep(store, task, runs, bodies)
     return runs, bodies
 
@@ -100,7 +104,10 @@ def keep(store: Path, task: Task, runs: Sequence[Run], bodies: CondensedBodies |
 def ensure(
     tasks: Sequence[Task], store: Path, engine: Engine, step: Step, stores: Sequence[Path] = (), *, fresh: bool = False
 ) -> list[Run]:
-    """Compute what neither ``store`` nor ``stores`` hold, or, fresh, everything; returns the runs that did not converge."""
+    """Compute what neither ``store`` nor ``stores`` hold, or, fresh, everything; returns the runs that did not converge.
+
+    What it will take is said first. Raises InputError where this machine has too little memory for it.
+    """
     from compare.reference import parallel
 
     wanted = tasks if fresh else missing(tasks, (store, *stores))
@@ -109,8 +116,10 @@ def ensure(
     if not left:
         return failed
     start, done, total = perf_counter(), 0.0, sum(task.weight for task in left)
-    step(f"3D reference: {len(left)} set-ups to compute, stored in {store}")
-    jobs = [(perform, (task, store)) for task in left]
+    here = engine.backend == "joblib"
+    alone = here and (engine.workers or 1) == 1
+    step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=here))
+    jobs = [(perform, (task, store, step) if alone else (task, store)) for task in left]
     finished = 0
 
     def reached(index: int, made: tuple[list[Run], CondensedBodies | None]) -> None:
@@ -134,15 +143,35 @@ def ensure(
 
     def pulse() -> None:
         while not over.wait(HEARTBEAT):
+            if reader_gone():
+                interrupt_main()
+                return
             step(f"... {perf_counter() - start:.0f} s, {finished} of {len(left)} done")
 
     threading.Thread(target=pulse, daemon=True).start()
     try:
         for number, made in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
             reached(number, made)
+    except KeyboardInterrupt:
+        if reader_gone():
+            raise BrokenPipeError from None
+        stages = "" if engine.cache is None else f", finished stages of the one under way in {engine.cache}"
+        step(f"interrupted: {finished} of {len(left)} set-ups are kept in {store}{stages}; the same command goes on there")
+        raise
     finally:
         over.set()
     return failed
+
+
+def _announced(left: Sequence[Task], stored: int, store: Path, workers: int, *, here: bool) -> str:
+    """What is said before set-ups are computed. Raises InputError where this machine has too little memory."""
+    there = f", {stored} are stored" if stored > 0 else ""
+    head = f"3D reference: {len(left)} set-ups to compute{there}"
+    if not here:
+        return f"{head}; stored in {store}"
+    memory = need_memory(left, workers)
+    time = duration(sum(expected(task).seconds for task in left) / workers)
+    return f"{head}; expected: about {time}, up to {memory:.1f} GB of memory; stored in {store}"
 
 
 def all_variants() -> tuple[str, ...]:

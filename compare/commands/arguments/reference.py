@@ -103,7 +103,8 @@ def compare(
     scenes
         Names of shipped scenes, or scene files.
     model
-        Low-order models of rollbench list, but for condensed; those that the report compares unless given.
+        Low-order models of rollbench list, but for condensed. Unless given: refined, the default of every command, whose
+        error is the verdict, and beside it the others that the report compares.
     levels
         Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given.
     store

@@ -197,4 +197,4 @@ def condense(scene: str, *, out: Path | None = None, level: int = 1) -> int:
     from compare.commands.condense import run_condense
     from compare.scenes import catalogue
 
-    return run_condense(catalogue.scene(scene), out, level, cache=cache_folder(), show=show)
+    return run_condense(catalogue.scene(scene), scene, out, level, cache=cache_folder(), show=show)

@@ -20,9 +20,11 @@ if TYPE_CHECKING:
 
 app = App(
     name="rollbench",
-    help="Validation workbench for ball screws and rolling bearings: low-order models and their references.",
+    help="Validation workbench for ball screws and rolling bearings: low-order models and their references.\n\nStart here: "
+    "rollbench new my.toml --like 40x10, then rollbench solve my.toml; rollbench compare my.toml says how far off it is.",
     version=__version__,
     help_format="plaintext",
+    suppress_keyboard_interrupt=False,
 )
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print exactly one JSON value.")]

@@ -20,17 +20,21 @@ def report(
     stored: Annotated[bool, Parameter(negative="")] = False,
     store: Path = Path("rollbench-reference"),
     fresh: Annotated[bool, Parameter(negative="")] = False,
+    everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
     backend: str = "joblib",
     scheduler: str | None = None,
     workers: int | None = None,
     tls: Tls | None = None,
 ) -> int:
-    """Regenerate the validation report: one HTML file, its tables as CSV, its figures as SVG.
+    """Regenerate the validation report: HTML, its tables as CSV, its figures as SVG.
+
+    Shipped runs of the 3D reference are used; one is computed anew, and the agreement printed. What cannot be made on this
+    machine is left out and named at the end, with what to install. Exit code 1 where the run computed anew does not agree.
 
     Parameters
     ----------
     only
-        Names of the sections to make; all of them unless given.
+        Names of the sections to make; all but the costly ones unless given.
     out
         Folder to write to.
     quick
@@ -41,7 +45,9 @@ def report(
         Folder of the runs of the 3D reference that are computed; an interrupted report goes on from there. Runs of the
         package are used where the key of all that they depend on holds.
     fresh
-        Compute all runs anew, whatever the folder and the package hold.
+        Compute all runs anew, whatever the folder and the package hold, and make all sections.
+    everything
+        Make the sections too that take most of the time: pictures, friction, verification, stability, timing.
     backend
         joblib (this machine) or dask (a cluster), for the 3D reference.
     scheduler
@@ -52,7 +58,9 @@ def report(
     from compare.commands.report import make_report
 
     where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
-    return make_report(only or (), out, quick=quick, stored=stored, store=store, engine=where, fresh=fresh)
+    return make_report(
+        only or (), out, quick=quick, stored=stored, store=store, engine=where, fresh=fresh, everything=everything
+    )
 
 
 @app.command

@@ -182,3 +182,37 @@ def test_report_of_one_section(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     page = (tmp_path / "r" / "index.html").read_text()
     assert "reproduced as printed" in page
     assert (tmp_path / "r" / "tables" / "hertz-B1.csv").exists()
+
+
+def test_help_begins_with_what_one_starts_with(capsys: pytest.CaptureFixture[str]) -> None:
+    from compare.commands.arguments import app
+    from compare.commands.arguments.order import ORDER
+
+    _, out, _ = run(capsys, "--help")
+    places = [out.index(heading) for heading in ORDER]
+    assert places == sorted(places)
+    assert "rollbench new my.toml --like 40x10" in out
+    assert out.index("new ") < out.index("solve ") < out.index("mesh-study ") < out.index("audit ")
+    listed = {name for names in ORDER.values() for name in names}
+    assert listed <= {*app}
+    _, out, _ = run(capsys, "compare", "--help")
+    assert "refined, the default" in " ".join(out.split())
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_knows_commands_and_options(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "completion", shell)
+    assert code == 0
+    for words in ("mesh-study", "stiffness-at", "rollbench"):
+        assert words in out
+
+
+def test_an_interrupt_is_said(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    from compare.commands import listing
+
+    def stopped() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(listing, "shipped_lines", stopped)
+    code, _, err = run(capsys, "list")
+    assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")

@@ -239,7 +239,7 @@ def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.
     scenes = [catalogue.scene("lin-case1")]
     said: list[str] = []
 
-    def fake(task: Task) -> tuple[list[Run], CondensedBodies]:
+    def fake(task: Task, _: object) -> tuple[list[Run], CondensedBodies]:
         if task.level == 2:
             raise KeyboardInterrupt
         return [run_of("lin-case1", task.level, np.ones((32, 4)))], bodies_of(scenes[0], task.level)
@@ -260,7 +260,7 @@ def test_a_run_that_did_not_converge_is_told_and_computed_again(tmp_path: Path, 
     said: list[str] = []
     reason = "a contact reaches the rim of its patch: it needs 1.6 mm,\nhas 1.5 mm"
     failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status=reason)
-    monkeypatch.setattr(jobs, "compute_with_bodies", lambda _: ([failed], None))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([failed], None))
     found = jobs.ensure([Task((scene,), 1)], tmp_path, jobs.Engine(), said.append)
     assert [run.status for run in found] == [reason]
     assert list(tmp_path.iterdir()) == []
@@ -277,7 +277,7 @@ def test_fresh_computes_what_is_stored(tmp_path: Path, monkeypatch: pytest.Monke
     task, old = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
     jobs.keep(tmp_path, task, [old], bodies_of(scene, 1))
     fresh = run_of("lin-case1", 1, np.full((32, 4), 2.0))
-    monkeypatch.setattr(jobs, "compute_with_bodies", lambda _: ([fresh], bodies_of(scene, 1)))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([fresh], bodies_of(scene, 1)))
     jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None)
     assert load(scene, 1, stores=(tmp_path,)).load.max() == 1.0
     jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None, fresh=True)

@@ -1,0 +1,174 @@
+"""Results with units: the values that the command line prints as JSON, by path, as tables in a notebook, as arrays."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meshes.parts import SIDES
+
+Array = NDArray[np.float64]
+
+#: How keys of results end, and the unit that this says, for people and for pint; the longest fits first.
+UNITS = {
+    "N_per_um": ("N/um", "newton / micrometer"),
+    "Nmm": ("N mm", "newton * millimeter"),
+    "Nm": ("N m", "newton * meter"),
+    "rad_s": ("rad/s", "radian / second"),
+    "percent": ("%", "percent"),
+    "million_revolutions": ("million revolutions", "1e6 * revolution"),
+    "hours": ("h", "hour"),
+    "MPa": ("MPa", "megapascal"),
+    "mrad": ("mrad", "milliradian"),
+    "deg": ("deg", "degree"),
+    "mW": ("mW", "milliwatt"),
+    "um": ("um", "micrometer"),
+    "mm": ("mm", "millimeter"),
+    "N": ("N", "newton"),
+    "W": ("W", "watt"),
+}
+
+
+def split_unit(key: str) -> tuple[str, str]:
+    """Words and unit of a key; no unit where it names none.
+
+    >>> split_unit("rigidity_N_per_um"), split_unit("worst_ball")
+    (('rigidity', 'N/um'), ('worst ball', ''))
+    """
+    for ending, (unit, _) in UNITS.items():
+        if key.endswith(f"_{ending}"):
+            return key.removesuffix(f"_{ending}").replace("_", " "), unit
+    return key.replace("_", " "), ""
+
+
+@dataclass(frozen=True)
+class Result:
+    """Values of a result by path: ``result["axial.displacement_um"]`` is a number or what JSON has in its place,
+    ``result.quantity("axial.displacement_um")`` the same with its unit, as pint has it.
+
+    data: all that the command prints with ``--json``; shown: what the table shows, by its path in data ("": all); notes:
+    sentences below the table.
+    """
+
+    data: Mapping[str, Any]
+    shown: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __getitem__(self, path: str) -> Any:
+        """The value at a path of keys with dots between. Raises KeyError with the keys that there are."""
+        value: Any = self.data
+        for key in path.split(".") if path else ():
+            if not isinstance(value, Mapping) or key not in value:
+                there = ", ".join(map(str, value)) if isinstance(value, Mapping) else "none, this is a value"
+                raise KeyError(f"{path}: no {key!r}; keys here: {there}")
+            value = value[key]
+        return value
+
+    def quantity(self, path: str) -> Any:
+        """The number, or the list of numbers, at a path with the unit that its key ends with: a quantity of pint.
+
+        Raises KeyError for a path that is not there, ValueError for one that names no unit or holds no number.
+        """
+        import pint
+
+        value = self[path]
+        keys = reversed(path.split("."))  # a table of one unit has it in its own name
+        unit = next((name for key in keys for ending, (_, name) in UNITS.items() if key.endswith(f"_{ending}")), None)
+        if unit is None or value is None or isinstance(value, (str, bool, Mapping)):
+            raise ValueError(f"{path}: {'no value' if value is None else 'no number with a unit'}")
+        return pint.application_registry.get().Quantity(value, unit)
+
+    def rows(self) -> list[tuple[str, str, str]]:
+        """Name, value and unit of every single value that the table shows."""
+        return [(name, _text(value), unit) for name, value, unit in _flat(self[self.shown], "")]
+
+    def __str__(self) -> str:
+        """The table as aligned text."""
+        rows = self.rows()
+        width = max((len(name) for name, *_ in rows), default=0)
+        return "\n".join([*(f"{name:<{width}}  {value} {unit}".rstrip() for name, value, unit in rows), *self.notes])
+
+    def _repr_html_(self) -> str:
+        """The table for a notebook."""
+        cells = "".join(
+            f"<tr><td>{html.escape(name)}</td><td style='text-align:right'>{html.escape(value)}</td>"
+            f"<td style='text-align:left'>{html.escape(unit)}</td></tr>"
+            for name, value, unit in self.rows()
+        )
+        notes = "".join(f"<p>{html.escape(note)}</p>" for note in self.notes)
+        head = "<thead><tr><th>quantity</th><th>value</th><th>unit</th></tr></thead>"
+        return f"<table>{head}<tbody>{cells}</tbody></table>{notes}"
+
+
+@dataclass(frozen=True)
+class Solution(Result):
+    """A solved scene. load: contact loads ``(balls, 4)`` [N] of the flanks SL, SR, NL, NR; angle: contact angles
+    ``(balls, 4)`` [deg], nan without load; both empty for a shaft with several sets, whose balls are in ``data``."""
+
+    load: Array = field(default_factory=lambda: np.zeros((0, 4)))
+    angle: Array = field(default_factory=lambda: np.zeros((0, 4)))
+
+    @property
+    def converged(self) -> bool:
+        """Whether the model found an equilibrium; ``data["status"]`` says what happened if not."""
+        return bool(self.data["status"] == "converged")
+
+    def balls(self) -> str:
+        """Loads of all balls [N] as text, one line each."""
+        lines = ["ball " + "".join(f"{side:>10}" for side in SIDES)]
+        return "\n".join([*lines, *(f"{i + 1:<5}" + "".join(f"{x:10.1f}" for x in row) for i, row in enumerate(self.load))])
+
+
+@dataclass(frozen=True)
+class Friction(Result):
+    """Friction of a scene: torques, efficiencies, losses."""
+
+    @property
+    def converged(self) -> bool:
+        """Whether loads and friction balance; ``data["status"]`` says what happened if not."""
+        return bool(self.data["converged"])
+
+
+@dataclass(frozen=True)
+class Judged(Result):
+    """Verdicts on a scene: ``word`` is pass, fail, undecided or not covered."""
+
+    @property
+    def word(self) -> str:
+        """The gravest of the verdicts."""
+        return str(self.data["verdict"])
+
+    @property
+    def passed(self) -> bool:
+        """Whether all pass."""
+        return self.word == "pass"
+
+
+def _flat(value: Any, name: str, of_all: str = "") -> Iterator[tuple[str, Any, str]]:
+    """Single values below a value, with the words and the unit of their keys (or of what holds them: ``of_all``); None,
+    and lists of records, left out."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            words, own = split_unit(str(key))
+            unit = own or of_all
+            whole = f"{name}: {words}" if name else words
+            if isinstance(inner, Mapping):
+                yield from _flat(inner, whole, unit)
+            elif inner is not None and not (isinstance(inner, list) and any(isinstance(x, (Mapping, list)) for x in inner)):
+                yield whole, inner, unit
+    elif isinstance(value, list):
+        for number, inner in enumerate(value, start=1):
+            yield from _flat(inner, f"{name} {number}".strip())
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.5g}"
+    if isinstance(value, list):
+        return ", ".join(map(_text, value))
+    return str(value)

@@ -1,0 +1,43 @@
+"""The machine that rollbench runs on: doctor, completion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from compare.commands.arguments.terminal import Json, app, print_json, show
+
+
+@app.command
+def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) -> int:
+    """Check this machine: packages, system libraries, drawing, folders, memory; what lacks, what that costs, licences.
+
+    Exit codes: 0 nothing is missing (programs marked optional may be), 1 something is.
+
+    Parameters
+    ----------
+    store
+        Folder of the reference's runs.
+    """
+    from compare.commands.doctor import run_doctor
+
+    return run_doctor(store, show, print_json if as_json else None)
+
+
+@app.command
+def completion(shell: Literal["bash", "zsh", "fish"], *, install: Annotated[bool, Parameter(negative="")] = False) -> None:
+    """Print what makes a shell complete commands and options, or install it.
+
+    For this session alone: eval "$(rollbench completion bash)".
+
+    Parameters
+    ----------
+    shell
+        bash, zsh or fish.
+    install
+        Write it where the shell looks for it in the home folder, and print where that is.
+    """
+    text = app.generate_completion(prog_name="rollbench", shell=shell)
+    show(f"{app.install_completion(shell=shell)} written; open a new shell" if install else text)

@@ -1,0 +1,27 @@
+"""The order of commands in ``rollbench --help``: by what one wants, the first steps first."""
+
+from __future__ import annotations
+
+from cyclopts import App, Group
+
+#: Headings and the commands below them, in order.
+ORDER = {
+    "Start here": ("new", "solve", "friction", "report", "doctor"),
+    "How far to trust it": ("compare", "check", "mesh-study"),
+    "Many scenes": ("sweep",),
+    "To and from other programs": ("export", "condense", "crosscheck", "schema"),
+    "This program and its sources": ("list", "audit", "stability", "bench", "completion"),
+}
+
+
+def arrange(app: App) -> None:
+    """Put the commands of ``app`` under headings; one that `ORDER` does not name stays under "Commands"."""
+    for place, (heading, names) in enumerate(ORDER.items()):
+        group = Group(heading, sort_key=place)
+        for number, name in enumerate(names):
+            if name in app:
+                app[name].group = (group,)
+                app[name].sort_key = number
+    besides = Group("Besides", sort_key=len(ORDER))
+    for flag in ("--help", "--version"):
+        app[flag].group = (besides,)

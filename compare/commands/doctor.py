@@ -1,0 +1,217 @@
+"""``rollbench doctor``: what this machine has, what it lacks, and what that costs."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Literal
+
+from compare import __version__
+from compare.system import available_GB, cores, gmsh_fault
+from compare.writing import need_writable
+from meshes.libraries import MESHING, PICTURES, install
+
+State = Literal["ok", "missing", "optional"]
+#: Least version of Python.
+PYTHON = (3, 11)
+#: Packages without which some commands work, and what goes then; the others are needed by all.
+ONLY_FOR = {
+    "gmsh": "no 3D meshes: compare, mesh-study, condense and export compute no reference; shipped ones are used",
+    "meshio": "no export of meshes",
+    "scikit-fem": "no 3D reference is computed; shipped ones are used",
+    "cvxopt": "no 3D reference is computed; shipped ones are used",
+    "pymetis": "no 3D reference is computed; shipped ones are used",
+    "pyvista": "the report has no 3D pictures",
+}
+#: Licences that ask something of who passes the program on with what it imports.
+STRICT = {"gmsh": "GPL-2.0-or-later, with exceptions for linking", "cvxopt": "GPL-3.0-or-later"}
+LICENCES = (
+    "rollbench's own code is under the MIT licence. It imports gmsh and cvxopt, which are under the GNU GPL: who passes "
+    "the program on together with these keeps to the GPL. Only the 3D reference imports them."
+)
+#: Memory [GB] for one run of the reference on level 1 of a screw of 32 balls, and free disc [GB] for its caches.
+ENOUGH_GB, DISC_GB = 4.0, 2.0
+#: Other programs: what they are for, and the Debian package.
+PROGRAMS = {
+    "ccx": (("ccx",), "crosscheck --run solves with CalculiX", "calculix-ccx"),
+    "chromium": (("chromium", "chromium-browser", "google-chrome"), "tests look at the report in a browser", "chromium"),
+}
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing that was looked at: whether it is there (optional: it is not, and need not be), what was found, what its
+    lack costs and what to do; empty where it is there."""
+
+    name: str
+    state: State
+    found: str
+    cost: str = ""
+    advice: str = ""
+
+    def line(self) -> str:
+        """The check as one line."""
+        parts = (f"{self.name}: {self.found}", self.cost, self.advice)
+        return f"{self.state:8}  " + "; ".join(part for part in parts if part)
+
+
+def run_doctor(store: Path, show: Callable[..., None], print_json: Callable[[Any], None] | None) -> int:
+    """Look at the machine and print it; 1 where something is missing that is not optional."""
+    checks = [*_python(), *_packages(), *_graphics(), *_programs(), *_folders(store), *_size(), *_shipped()]
+    lacking = [check for check in checks if check.state == "missing"]
+    if print_json is not None:
+        rows = [asdict(check) for check in checks]
+        print_json({"rollbench": __version__, "complete": not lacking, "checks": rows, "licences": LICENCES})
+    else:
+        end = f"{len(lacking)} missing" if lacking else "nothing is missing"
+        show(f"rollbench {__version__}", *(check.line() for check in checks), end, LICENCES)
+    return 1 if lacking else 0
+
+
+def _python() -> Iterator[Check]:
+    found, least = platform.python_version(), ".".join(map(str, PYTHON))
+    good = tuple(map(int, platform.python_version_tuple()[:2])) >= PYTHON
+    yield (
+        Check("Python", "ok", f"{found}, at least {least}")
+        if good
+        else Check("Python", "missing", found, "not supported", f"take {least} or newer")
+    )
+
+
+def requirements() -> dict[str, str]:
+    """Least versions of the packages that are needed, by name; empty where rollbench is not installed."""
+    try:
+        lines = metadata.requires("rollbench") or []
+    except metadata.PackageNotFoundError:
+        return {}
+    own = (re.fullmatch(r"([\w.-]+)\s*>=\s*([\d.]+)", line.strip()) for line in lines if ";" not in line)
+    return {found[1]: found[2] for found in own if found}
+
+
+def _packages() -> Iterator[Check]:
+    needed = requirements()
+    if not needed:
+        yield Check(
+            "rollbench", "missing", "not installed", "versions of packages are not known", "pip install . installs it"
+        )
+    for name, least in needed.items():
+        cost = ONLY_FOR.get(name, "rollbench does not run")
+        advice = f"pip install '{name}>={least}'"
+        try:
+            found = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            yield Check(name, "missing", "not installed", cost, advice)
+            continue
+        if _numbers(found) < _numbers(least):
+            yield Check(name, "missing", f"{found}, older than {least}", cost, advice)
+        else:
+            licence = f" ({STRICT[name]})" if name in STRICT else ""
+            yield Check(name, "ok", f"{found}, at least {least}{licence}")
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    """Leading numbers of a version.
+
+    >>> _numbers("4.15.2rc1") > _numbers("4.13")
+    True
+    """
+    return tuple(int(part) for part in re.findall(r"\d+", re.split(r"[^\d.]", version)[0]))
+
+
+def _graphics() -> Iterator[Check]:
+    from reports.offscreen import fault
+
+    meshing, drawing = gmsh_fault(), fault()
+    yield (
+        Check("meshing", "missing", meshing, ONLY_FOR["gmsh"], install(MESHING))
+        if meshing
+        else Check("meshing", "ok", "gmsh loads")
+    )
+    yield (
+        Check("off-screen rendering", "missing", drawing.split(";")[0], ONLY_FOR["pyvista"], install(PICTURES))
+        if drawing
+        else Check("off-screen rendering", "ok", "a picture was drawn")
+    )
+
+
+def _programs() -> Iterator[Check]:
+    for name, (commands, purpose, package) in PROGRAMS.items():
+        found = next(filter(None, map(shutil.which, commands)), None)
+        yield (
+            Check(name, "ok", found)
+            if found
+            else Check(name, "optional", "not found", f"needed only so that {purpose}", f"apt-get install {package}")
+        )
+
+
+def _folders(store: Path) -> Iterator[Check]:
+    from lowfi.jit import cached, code_folder
+    from meshes.cache import default_root
+
+    folder = code_folder()
+    if folder is None:
+        yield Check(
+            "compiled kernels", "missing", "not kept", "every process compiles for some 20 s", "see ROLLBENCH_CACHE"
+        )
+    else:
+        first = "" if cached() else "; the first use compiles for some 20 s"
+        yield Check("compiled kernels", "ok", f"kept in {folder.parent}{first}")
+    root = default_root()
+    if root is None:
+        yield Check(
+            "cache of meshes", "optional", "switched off", "meshes are made anew every time", "unset ROLLBENCH_CACHE"
+        )
+    else:
+        yield _folder("cache of meshes", root, "meshes are made anew every time", "name another by ROLLBENCH_CACHE")
+    yield _folder("store of references", store, "no run of the 3D reference can be kept", "name another by --store")
+
+
+def _folder(name: str, folder: Path, cost: str, advice: str) -> Check:
+    from compare.errors import InputError
+
+    near = folder
+    while not near.exists() and near != near.parent:
+        near = near.parent
+    try:
+        if not near.is_dir():
+            return Check(name, "missing", f"{near} is no folder", cost, advice)
+        need_writable(near / "rollbench-probe")
+    except InputError as error:
+        return Check(name, "missing", f"{folder}: {error.value}", cost, advice)
+    free = 1e-9 * shutil.disk_usage(near).free
+    if free < DISC_GB:
+        return Check(name, "missing", f"{folder}: {free:.1f} GB free", cost, f"make room for {DISC_GB:g} GB")
+    return Check(name, "ok", f"{folder} can be written to, {free:.0f} GB free")
+
+
+def _size() -> Iterator[Check]:
+    yield Check("cores", "ok", f"{cores()} of {os.cpu_count()} for this process")
+    free = available_GB()
+    if free is None:
+        yield Check("memory", "optional", "not known on this system", "3D runs start without a look at it")
+    elif free < ENOUGH_GB:
+        cost = f"less than the {ENOUGH_GB:g} GB of a 3D run of 64 contacts"
+        yield Check("memory", "missing", f"{free:.1f} GB free", cost, "close other programs, or take a larger machine")
+    else:
+        yield Check("memory", "ok", f"{free:.1f} GB free; a 3D run of 64 contacts takes up to {ENOUGH_GB:g} GB")
+
+
+def _shipped() -> Iterator[Check]:
+    from compare.reference.runs import reference, versions
+    from compare.scenes import catalogue
+
+    names = catalogue.with_role("referenced")
+    held = [name for name in names if reference(catalogue.scene(name)) is not None]
+    here = ", ".join(f"{name} {version or 'none'}" for name, version in versions().items())
+    if len(held) == len(names):
+        yield Check("shipped references", "ok", f"the keys of all {len(names)} scenes hold with {here}")
+    else:
+        found = f"those of {len(held)} of {len(names)} scenes hold with {here}"
+        cost = "the others are computed anew, in hours"
+        yield Check("shipped references", "optional", found, cost, "take the versions of .ci/constraints.txt")

@@ -1,0 +1,92 @@
+"""The first report of a machine: what it leaves out and what brings that back, and one shipped run computed anew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from compare.measure import error_percent
+from compare.reference.runs import Task, compute, load
+from compare.scenes import catalogue
+from compare.system import gmsh_fault
+from meshes.libraries import MESHING, PICTURES, install
+
+if TYPE_CHECKING:
+    from compare.commands.report import Part
+
+#: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
+COSTLY = frozenset({"pictures", "friction", "friction-screw", "verification", "stability", "timing"})
+#: Scene and level of the shipped run that is computed anew: a quarter of a minute on one core.
+CHECKED, LEVEL = "unseen-four-point", 1
+#: Largest difference [% of the mean load] that another processor's round-off explains.
+AGREES = 1e-3
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Sections that a report leaves out, why, and the command that brings them back."""
+
+    names: tuple[str, ...]
+    why: str
+    remedy: str
+
+    def line(self) -> str:
+        """The same as one line."""
+        return f"left out: {', '.join(self.names)}: {self.why}; {self.remedy}"
+
+
+def kept_parts(parts: Sequence[Part], *, named: bool, everything: bool) -> tuple[list[Part], list[LeftOut]]:
+    """Sections that can be made here, and those left out: costly ones unless named or everything is asked for, those that
+    mesh where gmsh cannot be loaded."""
+    left: list[LeftOut] = []
+    out = {part.name for part in parts if part.name in COSTLY} if not (named or everything) else set()
+    if out:
+        names = tuple(part.name for part in parts if part.name in out)
+        left.append(LeftOut(names, "they take most of the time", "rollbench report --all makes them too"))
+    fault = gmsh_fault() if any(part.meshes and part.name not in out for part in parts) else ""
+    if fault:
+        names = tuple(part.name for part in parts if part.meshes and part.name not in out)
+        left.append(LeftOut(names, f"gmsh cannot be loaded ({fault})", install(MESHING, PICTURES)))
+        out |= set(names)
+    return [part for part in parts if part.name not in out], left
+
+
+@dataclass(frozen=True)
+class LiveCheck:
+    """A shipped run computed anew: scene, level, largest difference of a contact load [% of the mean load], seconds."""
+
+    scene: str
+    level: int
+    percent: float
+    seconds: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the difference is round-off."""
+        return self.percent <= AGREES
+
+    def line(self) -> str:
+        """The same as one line."""
+        verdict = "agrees" if self.agrees else "DOES NOT AGREE"
+        return (
+            f"live check: {self.scene}, level {self.level}, computed anew in {self.seconds:.0f} s, {verdict} with the "
+            f"shipped run: contact loads differ by up to {self.percent:.1g} % of the mean load"
+        )
+
+
+def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> LiveCheck | None:
+    """Compute one stored run anew, without any cache; None where no store has it under this machine's key."""
+    scene = catalogue.scene(CHECKED)
+    stored = load(scene, LEVEL, stores=stores)
+    if stored is None:
+        return None
+    start = perf_counter()
+    (run,) = compute(Task((scene,), LEVEL), step)
+    mean = float(stored.load[stored.load > 0.0].mean())
+    percent = float(np.abs(error_percent(run.load, stored.load, mean)).max()) if run.status == "converged" else float("inf")
+    return LiveCheck(CHECKED, LEVEL, percent, perf_counter() - start)

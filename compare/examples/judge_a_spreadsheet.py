@@ -1,0 +1,25 @@
+"""A gate on loads of another program, here 8 % too large on one contact: python -m compare.examples.judge_a_spreadsheet"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import rollbench
+
+
+def main(factor: float = 1.08) -> rollbench.Judged:
+    """Write loads as a colleague's spreadsheet would, and judge them against the shipped 3D reference."""
+    load = rollbench.solve("lin-case1").load
+    load[4] *= factor
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "colleague.csv"
+        rows = [f"{i + 1},{side},{load[i, s]:.3f}" for i in range(len(load)) for s, side in ((0, "SL"), (3, "NR"))]
+        path.write_text("\n".join(["ball,flank,newton", *rows]), encoding="utf-8")
+        judged = rollbench.check("lin-case1", loads=path, max_error=7, compute=False)
+    print(judged)
+    return judged
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,98 @@
+"""What a run of the 3D reference will take, from its scene: seconds, memory, stage by stage.
+
+Fitted to the stored runs of 24 screws and bearings (6 to 264 contacts, four levels) on one core of 2026, within
+a factor of two in time, and for memory to what the largest of each level took.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from compare.errors import InputError
+from compare.reference.runs import Task, needed_sides
+from compare.system import available_GB
+
+#: Seconds of the contact patches, by level: they do not depend on the number of contacts.
+PATCHES = {0: 3.0, 1: 20.0, 2: 30.0, 3: 60.0, 4: 190.0}
+#: Seconds a contact of the stages that do, on level 1, and how they grow with the level.
+A_CONTACT = {"meshes": 0.02, "shaft section": 0.05, "screw": 0.08, "nut": 0.06, "contact loads": 0.02}
+GROWTH = {0: 0.4, 1: 1.0, 2: 1.2, 3: 1.8, 4: 3.0}
+#: Memory [GB]: of all that does not grow with the contacts, by level, and a contact.
+BASE_GB = {0: 0.6, 1: 0.9, 2: 1.2, 3: 2.0, 4: 4.5}
+CONTACT_GB = 0.018
+#: The same beyond so many contacts, from where on the factors of bodies are not held (`hifi.solvers.LARGE`).
+HELD, BEYOND_GB = 128, 0.008
+#: Order of the stages, by the names that `hifi.setup.prepare` gives them.
+STAGES = ("meshes", "patches", "ball", "shaft section", "screw", "nut", "contact loads")
+
+
+@dataclass(frozen=True)
+class Expected:
+    """Seconds of each stage of a run, and its peak of memory [GB]."""
+
+    stages: dict[str, float]
+    memory_GB: float
+
+    @property
+    def seconds(self) -> float:
+        """Of all stages."""
+        return sum(self.stages.values())
+
+
+def expected(task: Task) -> Expected:
+    """What a task will take."""
+    sides = len({s for scene in task.scenes for s in needed_sides(scene)})
+    contacts = sides * task.scenes[0].ball_count
+    times = len(task.scenes) * (6 if task.ablate else 1)
+    stages = {name: GROWTH[task.level] * A_CONTACT.get(name, 0.0) * contacts for name in STAGES}
+    stages |= {"patches": PATCHES[task.level], "ball": 1.0}
+    stages["contact loads"] *= times
+    grown = CONTACT_GB * min(contacts, HELD) + BEYOND_GB * max(contacts - HELD, 0)
+    return Expected(stages, BASE_GB[task.level] + grown)
+
+
+def need_memory(tasks: Sequence[Task], workers: int) -> float:
+    """Peak of memory [GB] of so many of the tasks at the same time. Raises InputError where there is less."""
+    each = sorted((expected(task).memory_GB for task in tasks), reverse=True)
+    peak, free = sum(each[:workers]), available_GB()
+    if free is not None and peak > free:
+        largest = max(tasks, key=lambda task: expected(task).memory_GB)
+        fewer = f"--workers {workers - 1}, " if workers > 1 else ""
+        raise InputError(
+            "this machine",
+            "memory",
+            f"{free:.1f} GB free",
+            f"about {peak:.1f} GB for {largest.label}",
+            f"end other programs, take {fewer}a coarser level (--levels 1), or a cluster (--backend dask)",
+        )
+    return peak
+
+
+def duration(seconds: float) -> str:
+    """A duration in words of one number.
+
+    >>> duration(42.0), duration(600.0), duration(9000.0)
+    ('40 s', '10 min', '2.5 h')
+    """
+    if seconds < 90.0:
+        return f"{10 * max(round(seconds / 10), 1)} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400.0 else f"{seconds / 3600:.1f} h"
+
+
+class Progress:
+    """Stage, share and time left of one task, from what its stages were expected to take and have taken."""
+
+    def __init__(self, task: Task) -> None:
+        """Nothing is done yet."""
+        self.label, self.stages, self.done = task.label, expected(task).stages, 0.0
+
+    def line(self, text: str, spent: float) -> str:
+        """What is said when ``text`` (``stage: seconds``) is heard after ``spent`` seconds."""
+        name = text.split(":")[0]
+        if name not in self.stages:
+            return f"{self.label}: {text}"
+        self.done += self.stages.pop(name)
+        left = sum(self.stages.values())
+        pace = min(max(spent / self.done, 0.1), 10.0) if self.done else 1.0
+        return f"{self.label}: {text}; {self.done / (self.done + left):.0%}, about {duration(pace * left)} left"

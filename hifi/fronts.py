@@ -1,0 +1,90 @@
+"""B^T K^-1 B front by front (multifrontal elimination): the factor of K is never held, only the fronts under way.
+
+The freedoms are eliminated in the supernodes of CHOLMOD's symbolic factor. The front of a supernode is the dense matrix of
+its rows, with the columns of B that load its subtree as a border; what its elimination leaves goes to its parent, and the
+border's share, Y^T Y with Y = L^-1 B, straight into the result. (Duff and Reid 1983.) Memory is that of K, of the result
+and of the fronts of one branch, where a bordered factor holds L and Y whole.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.linalg.blas import dgemm, dtrsm
+from scipy.linalg.lapack import dpotrf
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class Supernodes(NamedTuple):
+    """Symbolic factor: ``order[i]`` is the i-th freedom to eliminate; supernode k has the columns ``first[k]`` to
+    ``first[k + 1]`` and the rows ``rows[start[k]:start[k + 1]]``, sorted, its own columns first."""
+
+    order: Index
+    first: Index
+    start: Index
+    rows: Index
+
+
+class Update(NamedTuple):
+    """What a front leaves its parent: rows, columns of B, and the block ``(rows + columns, rows)``."""
+
+    rows: Index
+    border: Index
+    block: Array
+
+
+def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Array:
+    """B^T K^-1 B ``(m, m)`` for symmetric positive definite K ``(n, n)``, stored whole, and sparse B ``(n, m)``.
+
+    Raises ArithmeticError where K is not positive definite.
+    """
+    n, m = B.shape
+    place = np.empty(n, dtype=np.int64)
+    place[nodes.order] = np.arange(n)
+    owner = np.repeat(np.arange(nodes.first.size - 1), np.diff(nodes.first))
+    waiting: dict[int, list[Update]] = {}
+    found = np.zeros((m, m))
+    for k in range(nodes.first.size - 1):
+        low, high = int(nodes.first[k]), int(nodes.first[k + 1])
+        own = nodes.order[low:high]
+        rows = nodes.rows[nodes.start[k] : nodes.start[k + 1]]
+        children = waiting.pop(k, [])
+        loads = B[own].tocoo()
+        border = np.unique(np.concatenate([loads.col.astype(np.int64), *(child.border for child in children)]))
+        front = np.zeros((rows.size + border.size, rows.size), order="F")
+        part = K[:, own].tocoo()
+        at = place[part.row]
+        kept = at >= low
+        front[np.searchsorted(rows, at[kept]), part.col[kept]] = part.data[kept]
+        front[rows.size + np.searchsorted(border, loads.col), loads.row] = loads.data
+        for child in children:
+            down = np.searchsorted(rows, child.rows)
+            all_ = np.concatenate([down, rows.size + np.searchsorted(border, child.border)])
+            front[np.ix_(all_, down)] += child.block
+        children.clear()
+        _eliminate(front, high - low, rows, border, found, waiting, owner)
+    return found
+
+
+def _eliminate(
+    front: Array, count: int, rows: Index, border: Index, found: Array, waiting: dict[int, list[Update]], owner: Index
+) -> None:
+    """Eliminate the first ``count`` columns of a front: its border's share into ``found``, the rest to its parent."""
+    L, fault = dpotrf(front[:count, :count], lower=1)
+    if fault:
+        raise ArithmeticError(int(rows[0]) + int(fault) - 1)
+    if front.shape[0] == count:
+        return
+    below = dtrsm(1.0, L, front[count:, :count], side=1, lower=1, trans_a=1)
+    inner = rows.size - count
+    share = below[inner:]
+    if border.size:
+        found[np.ix_(border, border)] += share @ share.T
+    if inner:
+        rest = dgemm(-1.0, below, below[:inner], 1.0, front[count:, count:], trans_b=1)
+        waiting.setdefault(int(owner[rows[count]]), []).append(Update(rows[count:], border, rest))

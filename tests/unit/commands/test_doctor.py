@@ -1,0 +1,103 @@
+"""``rollbench doctor``: one line for each thing, what lacks is named with its cost, exit code 0 or 1."""
+
+import json
+import re
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+from compare import system
+from compare.cli import main
+from compare.commands import doctor
+from meshes.libraries import MESHING, PICTURES, install, missing
+from reports import offscreen
+
+
+@pytest.fixture(autouse=True)
+def _drawn_already(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(offscreen, "fault", lambda: "")
+    monkeypatch.setattr(doctor, "gmsh_fault", lambda: "")
+    monkeypatch.setattr(doctor, "available_GB", lambda: 16.0)
+
+
+def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str]:
+    with pytest.raises(SystemExit) as stop:
+        main(["doctor", *tokens])
+    return int(stop.value.code or 0), capsys.readouterr().out
+
+
+def test_a_machine_with_everything(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, out = run(capsys, "--store", str(tmp_path / "runs"))
+    assert code == 0
+    assert "nothing is missing" in out
+    for words in (
+        "gmsh: ",
+        "off-screen rendering: a picture was drawn",
+        "memory: 16.0 GB",
+        "GPL-3.0-or-later",
+        "MIT licence",
+    ):
+        assert words in out
+    assert not (tmp_path / "runs").exists(), "looking changes nothing"
+
+
+def test_what_lacks_is_named_with_its_cost_and_remedy(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(doctor, "gmsh_fault", lambda: "libgomp.so.1: cannot open shared object file")
+    monkeypatch.setattr(doctor, "available_GB", lambda: 1.5)
+    code, out = run(capsys, "--json")
+    data = json.loads(out)
+    bad = {check["name"]: check for check in data["checks"] if check["state"] == "missing"}
+    assert (code, data["complete"], set(bad)) == (1, False, {"meshing", "memory"})
+    assert "libgomp.so.1" in bad["meshing"]["found"]
+    assert bad["meshing"]["advice"] == install(MESHING)
+    assert "no 3D meshes" in bad["meshing"]["cost"]
+    assert bad["memory"]["found"] == "1.5 GB free"
+
+
+def test_packages_that_are_absent_or_old(monkeypatch: pytest.MonkeyPatch) -> None:
+    def version(name: str) -> str:
+        if name == "gmsh":
+            raise metadata.PackageNotFoundError(name)
+        return "1.30" if name == "rich" else "9999"
+
+    monkeypatch.setattr(doctor, "requirements", lambda: {"gmsh": "4.13", "rich": "13.7", "scipy": "1.13"})
+    monkeypatch.setattr(doctor.metadata, "version", version)
+    found = {check.name: check for check in doctor._packages()}
+    assert [check.state for check in found.values()] == ["missing", "missing", "ok"]
+    assert found["gmsh"].advice == "pip install 'gmsh>=4.13'"
+    assert "shipped ones are used" in found["gmsh"].cost
+    assert found["rich"].found == "1.30, older than 13.7"
+
+
+def test_every_requirement_of_the_package_is_looked_at() -> None:
+    text = (Path(__file__).parents[3] / "pyproject.toml").read_text(encoding="utf-8")
+    listed = text.split("\ndependencies = [")[1].split("\n]")[0]
+    assert set(re.findall(r'"([\w.-]+)>=', listed)) == set(doctor.requirements())
+
+
+def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("no folder")
+    check = doctor._folder("store", tmp_path / "file" / "runs", "nothing is kept", "another")
+    assert (check.state, check.cost) == ("missing", "nothing is kept")
+
+
+def test_memory_is_what_the_system_and_the_control_group_leave(tmp_path: Path) -> None:
+    proc = tmp_path / "meminfo"
+    proc.write_text("MemTotal: 9 kB\nMemAvailable:    2000000 kB\n")
+    assert system.available_GB(proc, tmp_path) == pytest.approx(2.048)
+    (tmp_path / "memory.max").write_text("1000000000\n")
+    (tmp_path / "memory.current").write_text("400000000\n")
+    assert system.available_GB(proc, tmp_path) == pytest.approx(0.6)
+    (tmp_path / "memory.max").write_text("max\n")
+    assert system.available_GB(proc, tmp_path) == pytest.approx(2.048)
+    assert system.available_GB(tmp_path / "nothing", tmp_path / "nothing") is None
+
+
+def test_libraries_are_one_list() -> None:
+    assert missing({"libnothere.so.7": "nothing"}) == ["libnothere.so.7"]
+    assert missing({"libc.so.6": "libc6"}) == []
+    assert "libgomp1" in install(MESHING)
+    assert install(PICTURES) in offscreen.ADVICE

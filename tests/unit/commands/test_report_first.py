@@ -1,0 +1,64 @@
+"""The first report: short, checked by one run computed anew, and made on a machine without gmsh too."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare.cli import main
+from compare.commands import report, report_first
+from compare.commands.report import PARTS
+from compare.commands.report_first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
+from compare.reference.runs import Run, Task, load, shipped_store
+from compare.scenes import catalogue
+
+
+def test_costly_sections_come_by_name_or_all_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(report_first, "gmsh_fault", lambda: "")
+    assert {part.name for part in PARTS} >= COSTLY
+    kept, missed = kept_parts(PARTS, named=False, everything=False)
+    assert {part.name for part in PARTS} - {part.name for part in kept} == COSTLY
+    assert [gap.remedy for gap in missed] == ["rollbench report --all makes them too"]
+    for named, everything in ((True, False), (False, True)):
+        assert kept_parts(PARTS, named=named, everything=everything) == (list(PARTS), [])
+
+
+def test_without_gmsh_a_report_is_made_and_says_what_installs_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for module in (report, report_first):
+        monkeypatch.setattr(module, "gmsh_fault", lambda: "libGLU.so.1: cannot open shared object file")
+    with pytest.raises(SystemExit) as stop:
+        main(["report", "--only", "hertz", "--only", "verification", "--out", str(tmp_path / "out")])
+    last = capsys.readouterr().out.splitlines()[-2]
+    assert stop.value.code == 0
+    assert last.startswith("left out: verification: gmsh cannot be loaded (libGLU.so.1")
+    assert "apt-get install" in last
+    assert "libgomp1" in last
+    assert "libglu1-mesa" in (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (1.001, False)])
+def test_the_live_check_compares_a_run_with_the_shipped_one(
+    monkeypatch: pytest.MonkeyPatch, factor: float, agrees: bool
+) -> None:
+    shipped = load(catalogue.scene(CHECKED), LEVEL, stores=(shipped_store(),))
+    assert shipped is not None
+
+    def anew(task: Task, _: object) -> list[Run]:
+        assert (task.scenes[0].name, task.level, task.cache) == (CHECKED, LEVEL, None)
+        return [replace(shipped, load=factor * shipped.load)]
+
+    monkeypatch.setattr(report_first, "compute", anew)
+    found = live_check((shipped_store(),), lambda _: None)
+    assert found is not None
+    assert found.agrees is agrees
+    largest = 100.0 * (factor - 1.0) * shipped.load.max() / shipped.load[shipped.load > 0.0].mean()
+    assert found.percent == pytest.approx(largest, abs=1e-9)
+    assert ("DOES NOT AGREE" in found.line()) is not agrees
+
+
+def test_nothing_is_checked_where_no_run_is_stored(tmp_path: Path) -> None:
+    assert live_check((tmp_path,), lambda _: None) is None
+    assert not LiveCheck("x", 1, float(np.inf), 1.0).agrees

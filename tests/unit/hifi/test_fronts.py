@@ -1,0 +1,61 @@
+"""Elimination front by front: equal to dense algebra and to the bordered factor, to round-off."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from hifi import solvers
+from hifi.solvers import FactorError, gram
+
+
+def body(count: int, held: float = 0.1) -> sp.csc_matrix:
+    """Stiffness of a grid of count^3 nodes with three freedoms each, coupled, on soft ground."""
+    chain = sp.diags([-np.ones(count - 1), 2.0 * np.ones(count), -np.ones(count - 1)], [-1, 0, 1])
+    chain = chain.tolil()
+    chain[0, 0] = chain[-1, -1] = 1.0
+    one = sp.identity(count)
+    grid = sum(
+        sp.kron(sp.kron(*pair), last) for pair, last in (((chain, one), one), ((one, chain), one), ((one, one), chain))
+    )
+    coupled = np.array([[2.0, 0.3, 0.1], [0.3, 1.5, 0.2], [0.1, 0.2, 1.8]])
+    return sp.csc_matrix(sp.kron(grid, coupled) + held * sp.identity(3 * count**3))
+
+
+def loads(size: int, columns: int) -> sp.csc_matrix:
+    return sp.random(size, columns, 0.01, random_state=3, format="csc")
+
+
+@pytest.fixture
+def _streamed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(solvers, "LARGE", 0.0)
+
+
+@pytest.mark.usefixtures("_streamed")
+@pytest.mark.parametrize("columns", [1, 40])
+def test_it_is_dense_algebra(columns: int) -> None:
+    K, B = body(6), loads(648, columns)
+    dense = B.T @ np.linalg.solve(K.toarray(), B.toarray())
+    np.testing.assert_allclose(gram(K, B), dense, atol=1e-12 * np.abs(dense).max())
+
+
+def test_it_is_the_bordered_factor(monkeypatch: pytest.MonkeyPatch) -> None:
+    K, B = body(9), loads(2187, 120)
+    bordered = gram(K, B)
+    monkeypatch.setattr(solvers, "trailing", None)  # what follows must not take that way
+    monkeypatch.setattr(solvers, "LARGE", 0.0)
+    np.testing.assert_allclose(gram(K, B), bordered, atol=1e-12 * np.abs(bordered).max())
+
+
+@pytest.mark.usefixtures("_streamed")
+@pytest.mark.parametrize("held", [0.0, -0.5])
+def test_a_body_that_is_not_held_is_refused(held: float) -> None:
+    with pytest.raises(FactorError):
+        gram(body(5, held), loads(375, 10))
+
+
+@pytest.mark.usefixtures("_streamed")
+def test_where_the_supernodes_are_not_shown_the_bordered_factor_serves(monkeypatch: pytest.MonkeyPatch) -> None:
+    K, B = body(5), loads(375, 12)
+    expected = gram(K, B)
+    monkeypatch.setattr(solvers, "structure", lambda *_: None)
+    np.testing.assert_allclose(gram(K, B), expected, atol=1e-12 * np.abs(expected).max())

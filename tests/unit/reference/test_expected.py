@@ -1,0 +1,99 @@
+"""What a run of the 3D reference is expected to take, what is said while it runs, and what an interrupt leaves."""
+
+import json
+import os
+import stat
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare.errors import InputError
+from compare.reference import expected as module
+from compare.reference import jobs
+from compare.reference.expected import HELD, Progress, duration, expected, need_memory
+from compare.reference.runs import Task, load, shipped_store
+from compare.scenes import catalogue
+from compare.watch import reader_gone
+from compare.writing import replace_file
+from meshes.leftovers import for_group
+
+SCENES = ("unseen-hollow", "unseen-short-nut", "unseen-16x5", "unseen-40x10", "unseen-25x5")
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_the_estimate_is_near_what_stored_runs_took(name: str, level: int) -> None:
+    scene = catalogue.scene(name)
+    run = load(scene, level, stores=(shipped_store(),))
+    assert run is not None
+    assert run.peak_MB is not None
+    found = expected(Task((scene,), level))
+    assert 0.4 < found.seconds / (run.setup_seconds + run.solve_seconds) < 2.5
+    if scene.ball_count * len(run.sides) <= HELD:  # the larger ones were stored when factors were held
+        assert 1e-3 * run.peak_MB < 1.5 * found.memory_GB
+
+
+def test_a_machine_that_is_too_small_is_refused_before_anything_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = Task((catalogue.scene("lin-case1"),), 1)
+    monkeypatch.setattr(module, "available_GB", lambda: 1.0)
+    with pytest.raises(InputError, match=r"memory: got 1.0 GB free; allowed: about .* GB for lin-case1: level 1"):
+        jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None)
+    enough = expected(task).memory_GB
+    monkeypatch.setattr(module, "available_GB", lambda: 1.5 * enough)
+    assert need_memory([task, task], 1) == pytest.approx(enough)
+    with pytest.raises(InputError, match="--workers 1, "):
+        need_memory([task, task], 2)
+    monkeypatch.setattr(module, "available_GB", lambda: None)
+    assert need_memory([task, task], 2) == pytest.approx(2.0 * enough)
+
+
+def test_progress_says_stage_share_and_time_left() -> None:
+    task = Task((catalogue.scene("lin-case1"),), 1)
+    progress, stages = Progress(task), expected(task).stages
+    first = progress.line(f"meshes: {stages['meshes']:.1f} s, from the cache", stages["meshes"])
+    assert first.startswith("lin-case1: level 1: meshes: ")
+    assert f"about {duration(expected(task).seconds - stages['meshes'])} left" in first
+    second = progress.line("patches: 1 s", 2.0 * (stages["meshes"] + stages["patches"]))
+    left = 2.0 * (expected(task).seconds - stages["meshes"] - stages["patches"])
+    assert f"about {duration(left)} left" in second
+    assert progress.line("contact of side SL", 1.0) == "lin-case1: level 1: contact of side SL"
+
+
+def test_an_interrupt_says_what_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(jobs, "compute_with_bodies", stopped)
+    monkeypatch.setattr(jobs, "reader_gone", lambda: False)
+    task = Task((catalogue.scene("lin-case1"),), 1)
+    with pytest.raises(KeyboardInterrupt):
+        jobs.ensure([task], tmp_path, jobs.Engine(cache=tmp_path / "cache"), said.append)
+    assert said[-1].startswith(f"interrupted: 0 of 1 set-ups are kept in {tmp_path}, finished stages")
+    monkeypatch.setattr(jobs, "reader_gone", lambda: True)
+    with pytest.raises(BrokenPipeError):
+        jobs.ensure([task], tmp_path, jobs.Engine(), said.append)
+
+
+def test_a_reader_that_goes_away_is_seen() -> None:
+    read, write = os.pipe()
+    assert not reader_gone((write,))
+    os.close(read)
+    assert reader_gone((write,))
+    os.close(write)
+
+
+def test_stored_files_are_readable_by_the_group(tmp_path: Path) -> None:
+    before = os.umask(0o077)
+    try:
+        replace_file(tmp_path / "run.json", json.dumps({}))
+        (tmp_path / "own").write_text("")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "run.json").stat().st_mode) == 0o640
+    for_group(tmp_path / "own")
+    assert np.bitwise_and((tmp_path / "own").stat().st_mode, 0o040)
