@@ -54,6 +54,7 @@ PARTS = (
     Part("rolling", "rolling"),
     Part("smith", "smith"),
     Part("liu", "liu"),
+    Part("external", "external", runs=True),
     Part("audit", "audit", runs=True),
     Part("formulations", "formulations"),
     Part("verification", "verification", meshes=True),

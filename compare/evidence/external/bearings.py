@@ -90,7 +90,7 @@ def _pair(bearing: BallBearing, preload: float) -> BearingSet:
 
 @cache
 def gmn_rigidity(name: str, which: str, conformity: float) -> float:
-    """Rigidity [N/um] of a pair of the catalogue at its own preload, at a conformity of the series: both rows side by side."""
+    """Rigidity [N/um] of a pair of the catalogue at its preload, both rows side by side, at a conformity of the series."""
     row = inputs()["gmn"]["rows"][name]
     one = BallRow(_spindle("gmn", row, conformity))
     return 2e-6 * one.stiffness(one.deflection(float(row[3 + CLASSES.index(which)])))
@@ -147,7 +147,7 @@ def snfa(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table ta
 
 
 def frozen_rigidity(bearing: BallBearing, preload: float) -> float:
-    """Rigidity [N/m] of a pair at its preload [N] if the contact angle stood still: each row F ~ u^(3/2), so 2 (3/2) F/u."""
+    """Rigidity [N/m] of a pair at its preload [N] if the contact angle stood still: 3 F/u, as F ~ u^(3/2) in either row."""
     rest = thrust_state(bearing, 1e-9 * bearing.ball_diameter)
     sin = float(np.sin(bearing.free_angle))
     u = float(rest.inner.C + rest.outer.C) * (preload / (bearing.balls * sin)) ** (2.0 / 3.0) / sin

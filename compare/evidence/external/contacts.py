@@ -7,8 +7,8 @@ import numpy as np
 from compare.evidence.external.case import assembly, given, inputs
 from compare.evidence.record import Evidence, Sheet
 from compare.models.study import Study
-from hifi.rolling.verification import Creep, steady
 from hifi.rolling.patch import hertz_patch
+from hifi.rolling.verification import Creep, steady
 from lowfi.bearings.angular_contact import curvatures, of_angle
 from lowfi.hertz import contact_modulus, hertz_constants
 from meshes.parts import Scene
