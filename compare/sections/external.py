@@ -43,7 +43,7 @@ def summary(found: Sequence[Evidence]) -> str:
     frozen = sum(e.verdict == "reproduced as printed" for e in told)
     return (
         f"{good} of {len(told)} published values and claims come out: {exact} to the digits that the same theory must "
-        f"give, {bands} within a band whose origin is stated, {frozen} only if the catalogue's own simplification is repeated. "
+        f"give, {bands} within a band whose origin is stated, {frozen} only if the catalogue's simplification is repeated. "
         f"{len(found) - len(told)} more are shown and left open, because what they rest on is not printed."
     )
 
