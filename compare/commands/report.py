@@ -42,6 +42,7 @@ PARTS = (
     Part("ladder", "ladder", runs=True, meshes=True),
     Part("reference", "reference", runs=True, meshes=True),
     Part("reference-mesh", "reference_mesh", runs=True),
+    Part("u-val", "u_val", runs=True, meshes=True),
     Part("crosscheck", "crosscheck", runs=True, meshes=True),
     Part("pictures", "pictures", long=True, meshes=True),
     Part("hertz", "hertz"),

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +27,7 @@ from compare.models.comparison import Loads, from_result, from_run
 from compare.models.modelling import SPOKEN_FOR, VARIED, base_run
 from compare.models.study import Study
 from compare.reference.convergence import observe
-from compare.reference.runs import Reference, load, reference_of
+from compare.reference.runs import Reference, Run, load, reference_of
 from compare.reference.variants import VARIANTS
 from meshes.parts import Material, Scene
 
@@ -152,19 +151,30 @@ def grid_uncertainty(scene: Scene, found: Reference, quantity: Quantity) -> Arra
     return np.asarray(error_percent(np.full(base.shape, own), np.zeros(base.shape), base))
 
 
-def choice_uncertainty(scene: Scene, quantity: Quantity, stores: Sequence[Path] | None) -> Array | None:
+def variants_of(study: Study, name: str) -> tuple[tuple[str, Loads, Loads], ...]:
+    """Choice, answer with it changed and answer without, of every modelling choice that a store holds varied on a scene."""
+    scene, out = study.scene(name), []
+    bases: dict[int, Run | None] = {}
+    for key, variant in VARIANTS.items():
+        run = load(scene, variant.level, key, study.stores) if variant.kind == "modelling" else None
+        if run is None or run.status != "converged":
+            continue
+        if variant.level not in bases:
+            bases[variant.level] = base_run(scene, variant.level, study.stores)
+        base = bases[variant.level]
+        if base is not None:
+            out.append((variant.choice, from_run(run, key), from_run(base, "")))
+    return tuple(out)
+
+
+def choice_uncertainty(study: Study, name: str, quantity: Quantity) -> Array | None:
     """Root of squares over the modelling choices that were varied on a scene, the largest of the variants of one choice;
     None where none was."""
-    worst: dict[str, Array] = {}
-    for name, variant in VARIANTS.items():
-        if variant.kind != "modelling":
-            continue
-        run, base = load(scene, variant.level, name, stores), base_run(scene, variant.level, stores)
-        if run is None or base is None or run.status != "converged":
-            continue
-        own = [quantity.take(scene, from_run(r, "")) for r in (run, base)]
+    scene, worst = study.scene(name), dict[str, Array]()
+    for choice, changed, base in study.once(variants_of, name):
+        own = [quantity.take(scene, answer) for answer in (changed, base)]
         change = np.abs(percent(quantity, own[0], own[1], base.load))
-        worst[variant.choice] = np.maximum(worst.get(variant.choice, np.zeros_like(change)), change)
+        worst[choice] = np.maximum(worst.get(choice, np.zeros_like(change)), change)
     return np.asarray(np.sqrt(sum(x**2 for x in worst.values()))) if worst else None
 
 
@@ -203,7 +213,7 @@ def uncertainty(study: Study, name: str, quantity: Quantity) -> Uncertainty | No
 
 def choices_of(study: Study, quantity: Quantity) -> dict[str, Array]:
     """`choice_uncertainty` of every varied scene that a store holds."""
-    found = {name: choice_uncertainty(study.scene(name), quantity, study.stores) for name in VARIED}
+    found = {name: choice_uncertainty(study, name, quantity) for name in VARIED}
     return {name: own for name, own in found.items() if own is not None}
 
 

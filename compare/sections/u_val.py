@@ -68,10 +68,10 @@ def u_val_table(rows: Sequence[Validated]) -> Table:
         Column("varied", "choices varied on", "", "s"),
     )
     note = (
-        f"Of {CONTACTS}: the contact of the largest error, in per cent of the mean load; other quantities in per cent of the "
-        f"reference's value. Input tolerances, assumed: {'; '.join(x.name for x in INPUTS)}; each varied alone, by the model "
-        "lin. Choices were varied on two scenes: where another one's name stands in the last column, its largest effect stands "
-        "in. As ASME V&V 20: root of the sum of squares; nothing of it is deducted from an error."
+        f"Of {CONTACTS}: the contact of the largest error, in per cent of the mean load; other quantities in per cent of "
+        f"the reference's value. Input tolerances, assumed: {'; '.join(x.name for x in INPUTS)}; each varied alone, by the "
+        "model lin. Choices were varied on two scenes: where another one's name stands in the last column, its largest "
+        "effect stands in. As ASME V&V 20: root of the sum of squares; nothing of it is deducted from an error."
     )
     return Table("u-val", "Error and validation uncertainty by scene and quantity", columns, cells, note)
 
@@ -102,8 +102,8 @@ def scatter_table(found: Sequence[Scatter]) -> Table:
         Column("within_own", "within grid and choices", "%", ".0f"),
     )
     note = (
-        "Bias: geometric mean of model over reference, less one. Scatter: relative standard deviation of the model, that of "
-        "the grid taken out. Over all scenes with a reference, contacts above a tenth of the mean load."
+        "Bias: geometric mean of model over reference, less one. Scatter: relative standard deviation of the model, that "
+        "of the grid taken out. Over all scenes with a reference, contacts above a tenth of the mean load."
     )
     return Table("bias-scatter", "Bias and scatter of every model", columns, cells, note)
 
@@ -163,8 +163,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     found = scatter(rows)
     own = {s.model: s for s in found if s.quantity == CONTACTS}
     words = [
-        f"{name}: contact loads {s.bias:+.2f} % on average, scatter {s.scatter:.2f} %, {100.0 * s.within:.0f} % of them within "
-        f"u_val and {100.0 * s.within_own:.0f} % within the reference's own part of it"
+        f"{name}: contact loads {s.bias:+.2f} % on average, scatter {s.scatter:.2f} %, {100.0 * s.within:.0f} % of them "
+        f"within u_val and {100.0 * s.within_own:.0f} % within the reference's own part of it"
         for name, s in own.items()
         if name in (*SHOWN, "condensed")
     ]
