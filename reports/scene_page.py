@@ -50,8 +50,8 @@ def sha256(data: str | bytes) -> str:
 
 
 def manifest_of(page: ScenePage, html: str) -> dict[str, Any]:
-    """What the page rests on: provenance, and SHA-256 of the scene, the results, every file, and of the page itself, ``html``,
-    without a manifest."""
+    """What the page rests on: provenance, and SHA-256 of the scene, the results, every file, and of the page itself,
+    ``html``, without a manifest."""
     return {
         "provenance": dict(page.provenance),
         "scene": sha256(page.scene_text),

@@ -41,7 +41,7 @@ LIBRARIES = ("numpy", "scipy", "numba")
 
 
 def make_page(name: str, out: Path, store: Path) -> int:
-    """Solve a scene by the default model, set it beside a stored reference where there is one, and write ``out/index.html``.
+    """Solve a scene by the default model, set it beside a stored reference where there is one, and write the page.
 
     Returns 0. Raises InputError for a scene of another kind and a folder that holds what no report wrote, Refusal where
     the scene does not solve.
@@ -101,8 +101,8 @@ def verdict(found: Answers, worth: ModelForm, judged: Sequence[Validated], refer
     if worst is None or safety is None:
         return "No contact carries load."
     text = (
-        f"The most pressed contact (ball {worst.ball} {worst.side}) carries {worst.force:.0f} N at {1e-6 * worst.pressure:.0f} "
-        f"MPa, static safety {safety.factor:.2g}"
+        f"The most pressed contact (ball {worst.ball} {worst.side}) carries {worst.force:.0f} N at "
+        f"{1e-6 * worst.pressure:.0f} MPa, static safety {safety.factor:.2g}"
     )
     if judged and reference is not None:
         v = judged[0]

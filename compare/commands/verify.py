@@ -49,7 +49,7 @@ def read(report: Path) -> tuple[str, dict[str, Any]]:
 
 
 def checked(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterator[Checked]:
-    """Every hash of a manifest beside the one computed now: of the page, what it carries, sources and files of the stores."""
+    """Every hash of a manifest beside the one computed now: of the page, what it carries, sources, stored files."""
     manifest = blocks["manifest"]
     own = {
         "page": sha256(without_manifest(html)),
@@ -77,7 +77,7 @@ def run_verify(report: Path, store: Path) -> int:
 
 
 def run_page(scene: str, out: Path, store: Path, against: Path | None) -> int:
-    """Write the page of a scene, and list what moved against an earlier one. Raises InputError as `make_page` and `read`."""
+    """Write the page of a scene, and list what moved against an earlier one. Raises InputError as `make_page`, `read`."""
     before = None if against is None else read(against)[1]
     code = make_page(scene, out, store)
     if before is not None:
@@ -96,7 +96,7 @@ def _stable(results: dict[str, Any]) -> dict[str, Any]:
 
 
 def moved(old: Any, new: Any, path: str = "") -> Iterator[str]:
-    """What differs between two results, a line each: numbers beyond round-off with their change, everything else as it is."""
+    """What differs between two results, a line each: numbers beyond round-off with their change, and all else."""
     if isinstance(old, dict) and isinstance(new, dict):
         for key in dict.fromkeys((*old, *new)):
             yield from moved(old.get(key), new.get(key), f"{path}.{key}" if path else str(key))

@@ -78,7 +78,7 @@ def report(
 
 @app.command
 def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int:
-    """Compute the hashes of a scene's page again: page, scene, results, sources, runs of the reference; 1 where one differs.
+    """Compute the hashes of a scene's page again: page, scene, results, sources, reference runs; exit 1 where one differs.
 
     Parameters
     ----------
