@@ -31,7 +31,8 @@ class Descriptor:
 def _misalignment(scene: Scene) -> float:
     """Largest lateral displacement [um] that the supports are given between one another."""
     given = {axis: [0.0, *(v for s in scene.supports for k, v in s.fixed if k == axis)] for axis in ("ux", "uy")}
-    return 1e6 * float(np.hypot(*(max(v) - min(v) for v in given.values())))
+    across, up = (max(v) - min(v) for v in given.values())
+    return 1e6 * float(np.hypot(across, up))
 
 
 def _preload(scene: Scene) -> float:

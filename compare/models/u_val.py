@@ -79,8 +79,8 @@ class Input:
 
 def _conforming(scene: Scene) -> Scene:
     wider = 0.005 * 2.0 * scene.balls.radius
-    screw, nut = (replace(part, groove_radius=part.groove_radius + wider) for part in (scene.screw, scene.nut))
-    return replace(scene, screw=screw, nut=nut)
+    screw = replace(scene.screw, groove_radius=scene.screw.groove_radius + wider)
+    return replace(scene, screw=screw, nut=replace(scene.nut, groove_radius=scene.nut.groove_radius + wider))
 
 
 def _turned(scene: Scene) -> Scene:
@@ -91,8 +91,9 @@ def _stiffer(scene: Scene) -> Scene:
     def more(material: Material) -> Material:
         return replace(material, youngs_modulus=1.01 * material.youngs_modulus)
 
-    screw, nut, balls = (replace(part, material=more(part.material)) for part in (scene.screw, scene.nut, scene.balls))
-    return replace(scene, screw=screw, nut=nut, balls=balls)
+    screw = replace(scene.screw, material=more(scene.screw.material))
+    nut = replace(scene.nut, material=more(scene.nut.material))
+    return replace(scene, screw=screw, nut=nut, balls=replace(scene.balls, material=more(scene.balls.material)))
 
 
 def _larger(scene: Scene) -> Scene | None:
@@ -251,10 +252,12 @@ def validated(study: Study, name: str, model: str, quantity: Quantity, answer: L
     judged = ((value > 0.0) | (reference > 0.0)) if quantity.of_mean else np.ones(value.shape, dtype=bool)
     big = judged & (reference > floor) & (value > 0.0) if quantity.of_mean else reference * value > 0.0
     worst = int(np.argmax(np.where(judged, np.abs(error), -1.0)))
-    parts = [float(x.ravel()[worst]) for x in (error, own.grid, own.model, own.inputs, own.combined)]
+    off, grid, choices, inputs, whole = (
+        float(x.ravel()[worst]) for x in (error, own.grid, own.model, own.inputs, own.combined)
+    )
     within, within_own = (float((np.abs(error) <= u)[judged].mean()) for u in (own.combined, own.own))
     ratio = tuple(float(x) for x in (value[big] / reference[big]).ravel())
-    return Validated(name, model, quantity.name, *parts, within, within_own, ratio, own.varied)
+    return Validated(name, model, quantity.name, off, grid, choices, inputs, whole, within, within_own, ratio, own.varied)
 
 
 @dataclass(frozen=True)

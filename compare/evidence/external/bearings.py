@@ -150,7 +150,7 @@ def frozen_rigidity(bearing: BallBearing, preload: float) -> float:
     """Rigidity [N/m] of a pair at its preload [N] if the contact angle stood still: 3 F/u, as F ~ u^(3/2) in either row."""
     rest = thrust_state(bearing, 1e-9 * bearing.ball_diameter)
     sin = float(np.sin(bearing.free_angle))
-    u = float(rest.inner.C + rest.outer.C) * (preload / (bearing.balls * sin)) ** (2.0 / 3.0) / sin
+    u = float(rest.inner.C + rest.outer.C) * float(np.cbrt(preload / (bearing.balls * sin))) ** 2 / sin
     return 3.0 * preload / u
 
 
