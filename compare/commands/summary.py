@@ -145,8 +145,15 @@ def block(
     scene: Scene, result: StaticResult, found: Answers, worth: ModelForm | None, width: int, speed: float | None = None
 ) -> str:
     """Ten labelled entries, no line wider than ``width`` (40 or more); speed: of the turning part [rad/s], for hours."""
+    return "\n".join(entry(label, text, width) for label, text in entries(scene, result, found, worth, speed))
+
+
+def entries(
+    scene: Scene, result: StaticResult, found: Answers, worth: ModelForm | None, speed: float | None = None
+) -> tuple[tuple[str, str], ...]:
+    """The ten entries of the block: label and sentence."""
     data = answers_json(scene, result, found)
-    entries = (
+    return (
         ("loads", _loads(data)),
         ("axial", _axial(data)),
         *contact_entries(data, speed)[1:4],
@@ -156,7 +163,6 @@ def block(
         ("error", "not estimated" if worth is None else model_form_text(worth).removeprefix("model-form error ")),
         ("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"),
     )
-    return "\n".join(entry(label, text, width) for label, text in entries)
 
 
 def contact_entries(data: dict[str, Any], speed: float | None) -> tuple[tuple[str, str], ...]:

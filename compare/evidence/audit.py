@@ -31,8 +31,16 @@ VERDICTS: dict[Verdict, str] = {
 }
 #: Verdicts that are counted apart: they say nothing of a model.
 APART: tuple[Verdict, ...] = ("input", "identity")
+#: Other programs, makers and textbooks together; each table says which.
+EXTERNAL = "other programs, makers, textbooks"
 #: The sources, by the beginning of their tables' names.
-SOURCES = {"lin": "Lin (2019)", "smith": "Smith (1994)", "liu": "Liu et al. (2025)", "kalker": "Kalker (1990)"}
+SOURCES = {
+    "lin": "Lin (2019)",
+    "smith": "Smith (1994)",
+    "liu": "Liu et al. (2025)",
+    "kalker": "Kalker (1990)",
+    "external": EXTERNAL,
+}
 
 
 @dataclass(frozen=True)

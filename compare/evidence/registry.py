@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 from compare.evidence import rotary_linear, screw, steering_4_2
 from compare.evidence.errors_2_4_2 import section_2_4_2
 from compare.evidence.errors_4_3_2 import section_4_3_2
+from compare.evidence.external import bearings, contacts, screws
 from compare.evidence.hertz_b1 import table_b_1
 from compare.evidence.kalker import table_e3
 from compare.evidence.liu import drawn as liu_drawn
@@ -32,6 +33,7 @@ AXES = "tests/literature/test_lin_chapter4_axes.py"
 SMITH = "tests/literature/test_smith.py"
 LIU = "tests/literature/test_liu.py"
 KALKER = "tests/literature/test_kalker.py"
+EXTERNAL = "tests/literature/test_external.py"
 
 
 @dataclass(frozen=True)
@@ -173,6 +175,40 @@ COMPUTATIONS = (
     Computation("liu-4.2", liu_single.section_4_2, LIU),
     Computation("liu-4.3", liu_drawn.section_4_3, LIU),
     Computation("liu-4.4", liu_drawn.section_4_4, LIU),
+    Computation(
+        "external-masta",
+        bearings.masta,
+        EXTERNAL,
+        (
+            ("radial", ("external-masta-radial",)),
+            ("axial", ("external-masta-axial",)),
+            ("tilt", ("external-masta-moment",)),
+        ),
+    ),
+    Computation("external-nsk", contacts.ball_of_bearing, EXTERNAL, (("*", ("external-nsk-25bswz01",)),)),
+    Computation("external-harris", bearings.harris, EXTERNAL, (("*", ("external-harris-218",)),)),
+    Computation(
+        "external-sjovall",
+        bearings.half_zone,
+        EXTERNAL,
+        (("radial", ("external-sjovall-radial",)), ("thrust", ()), ("*", ("external-sjovall-combined",))),
+    ),
+    Computation("external-contact", contacts.rolling, EXTERNAL),
+    Computation("external-vm63", contacts.sphere, EXTERNAL),
+    Computation("external-snfa", bearings.snfa, EXTERNAL),
+    Computation("external-gmn", bearings.gmn, EXTERNAL),
+    Computation(
+        "external-thk",
+        screws.nuts,
+        EXTERNAL,
+        (
+            *((f"*_{size}", (screws.scene_name(size),)) for size in (*screws.THK, *screws.HIWIN)),
+            ("turns_5", ("external-thk-bnf-3205-5", "external-thk-bnf-3205-2p5")),
+            ("turns_7p5", ("external-thk-bnf-3205-7p5", "external-thk-bnf-3205-2p5")),
+            ("drag_formula", ()),
+            ("*", ("external-thk-bnf-4010-5",)),
+        ),
+    ),
 )
 BY_TABLE = {c.table: c for c in COMPUTATIONS}
 #: Printed tables that nothing is computed for, and why.

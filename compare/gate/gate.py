@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.evidence.external.case import PREFIX
 from compare.evidence.record import Evidence
-from compare.evidence.registry import evidence
+from compare.evidence.registry import BY_TABLE, evidence
 from compare.gate import closed_forms
 from compare.measure import error_percent, load_error
 from compare.models.comparison import REFERENCED, gate_points, known_exceedances
@@ -97,6 +98,23 @@ def printed_rows(study: Study, max_error: float) -> list[GateRow]:
     """Every hard or as-printed entry and every input of the printed tables."""
     gated = [e for e in evidence(study) if e.printed.cls in ("hard", "as-printed", "input") and e.agrees is not None]
     return [evidence_row(e, max_error) for e in gated]
+
+
+def external_rows(study: Study) -> list[GateRow]:
+    """Every number and claim of other programs, makers and textbooks that has a band, each within its own: the limit is the
+    end of the band on the value's side. Hard ones are among the printed rows; open ones decide nothing."""
+    tables = [name for name in BY_TABLE if name.startswith(PREFIX)]
+    return [band_row(e) for e in evidence(study, *tables) if e.printed.cls == "band"]
+
+
+def band_row(found: Evidence) -> GateRow:
+    """Row of an entry in a band."""
+    p, value = found.printed, found.compared
+    label, passed = f"{p.place}: {p.claim or p.label}", found.agrees is True
+    if p.value is None or value is None or p.low is None or p.high is None:
+        return GateRow(label, "external, band", None, None, None, None, passed, found.words)
+    limit = abs(float(error_percent(p.high if value >= p.value else p.low, p.value)))
+    return GateRow(label, "external, band", value, p.value, found.error_percent, limit, passed, found.words)
 
 
 def closed_form_rows(study: Study, max_error: float) -> list[GateRow]:
@@ -258,6 +276,7 @@ def run_gate(max_error: float) -> list[GateRow]:
     study = Study(members=0)
     return [
         *printed_rows(study, max_error),
+        *external_rows(study),
         *closed_form_rows(study, max_error),
         *solver_rows(study, max_error),
         *reference_rows(study, max_error),

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.models.applicability import outside
 from compare.models.registry import MODELS
 from compare.reference.runs import shipped_store
 from compare.writing import replace_file
@@ -138,7 +139,7 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     """The model-form error to expect of a result, or that it is not covered by what was compared.
 
     Not covered: models that were not compared (Mei's), kinds of scenes that were not (rings are compared with rings only),
-    and scenes further than one unit from every compared one.
+    scenes further than one unit from every compared one, and those beyond the range of what describes the compared ones.
     """
     model = MODELS[result.model]
     ring = scene.track.lead == 0.0
@@ -155,6 +156,7 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
         return uncovered(f"not comparable: {error}")
     if not own:
         return uncovered("no scene was compared with the 3D reference")
+    beyond = outside(scene)
     other = unlike_kind(scene) or ("" if like else f"no {'ring' if ring else 'screw'} was compared with the 3D reference")
     if other:
         return uncovered(other)
@@ -162,6 +164,8 @@ def estimate(scene: Scene, result: StaticResult, points: Iterable[Point] | None 
     away, unlike, nearest = ordered[0]
     if away > 1.0:
         return uncovered(f"unlike every compared scene, most in the {SCALES[unlike][0]}", away, nearest.scene)
+    if beyond:
+        return uncovered(f"beyond what was compared: {'; '.join(beyond)}", away, nearest.scene)
     near = [p for _, _, p in ordered[:NEAREST]]
     grow = 1.0 + away
     return ModelForm(

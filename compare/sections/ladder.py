@@ -36,7 +36,7 @@ def ladder_table(rungs: Sequence[Rung]) -> Table:
         Column("rms", "RMS error", "% of mean", ".2f"),
         Column("own", "largest", "% of own load", ".2f"),
         Column("bias", "sum of loads", "%", "+.2f"),
-        Column("bar", "reference's uncertainty", "% of mean", ".2f"),
+        Column("bar", "grid uncertainty", "% of mean", ".2f"),
         Column("seconds", "new geometry, interpreted", "s", "g3"),
     )
     note = (
@@ -62,7 +62,7 @@ def ladder_figure(rungs: Sequence[Rung], names: Sequence[str], key: str, title: 
         ]
         bar = own[0].uncertainty
         if bar is not None:
-            series.append(Series("reference's uncertainty (largest)", [1.0, float(len(order))], [bar, bar], "line"))
+            series.append(Series("grid uncertainty (largest)", [1.0, float(len(order))], [bar, bar], "line"))
         panels.append(Panel(name, "rung", "error / % of the mean load", tuple(series), log="y", integer_x=True))
     if not panels:
         return None

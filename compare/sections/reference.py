@@ -87,15 +87,16 @@ def error_table(study: Study, found: References) -> Table:
         Column("own_max", "largest", "% of own load", ".2f"),
         Column("own_rms", "RMS", "% of own load", ".2f"),
         Column("printed", "printed max / RMS", "%", "s"),
-        Column("bar", "reference's uncertainty", "% of mean", ".2f"),
+        Column("bar", "grid uncertainty", "% of mean", ".2f"),
         Column("modelling", "its modelling uncertainty", "% of mean", ".2f"),
         Column("load_ratio", "largest : smallest on SL", "", ".3f"),
     )
     note = (
         "Errors against the finest level of the 3D reference. Printed: the source's low-order model against its ANSYS "
-        "model, whose loads are not printed; its errors are of the own load. The reference's uncertainty is its grid's "
-        "(largest of any contact); its modelling uncertainty, what idealisations and unprinted dimensions change, is a "
-        "number of its own (section reference-mesh) and deducted nowhere."
+        "model, whose loads are not printed; its errors are of the own load. The grid uncertainty is the "
+        "reference's (largest of any contact); its modelling uncertainty, what idealisations and unprinted dimensions "
+        "change, is a number of its own (section reference-mesh), deducted nowhere; section u-val combines both with input "
+        "tolerances."
     )
     return Table("reference-errors", "Models against the 3D reference", columns, rows, note)
 
@@ -293,7 +294,7 @@ def exceedance_table(found: References, study: Study) -> Table:
         Column("side", "side", "", "s"),
         Column("ref", "reference", "N", ".1f"),
         Column("error", "error of the source's model", "%", "+.1f"),
-        Column("bar", "reference's uncertainty", "%", ".2f"),
+        Column("bar", "grid uncertainty", "%", ".2f"),
         Column("rigid", "the same, nut rigid in both", "%", "+.1f"),
         Column("cause", "cause", "", "s"),
     )

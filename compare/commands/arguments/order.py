@@ -6,7 +6,7 @@ from cyclopts import App, Group
 
 #: Headings and the commands below them, in order.
 ORDER = {
-    "Start here": ("new", "solve", "friction", "report", "doctor"),
+    "Start here": ("new", "solve", "friction", "report", "verify", "doctor"),
     "How far to trust it": ("compare", "check", "mesh-study"),
     "Many scenes": ("sweep",),
     "To and from other programs": ("export", "condense", "crosscheck", "schema"),

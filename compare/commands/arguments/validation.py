@@ -13,6 +13,8 @@ from compare.errors import InputError
 
 @app.command
 def report(
+    scene: str | None = None,
+    /,
     *,
     only: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
     out: Path = Path("rollbench-report"),
@@ -25,14 +27,20 @@ def report(
     scheduler: str | None = None,
     workers: int | None = None,
     tls: Tls | None = None,
+    against: Path | None = None,
 ) -> int:
-    """Regenerate the validation report: HTML, its tables as CSV, its figures as SVG.
+    """Regenerate the validation report: HTML, its tables as CSV, its figures as SVG; with a scene: one page on it.
 
     Shipped runs of the 3D reference are used; one is computed anew, and the agreement printed. What cannot be made on this
     machine is left out and named at the end, with what to install. Exit code 1 where the run computed anew does not agree.
+    The page of a scene carries the answers, the error to expect or measured, assumptions, and the hashes of all that it
+    rests on; see rollbench verify.
 
     Parameters
     ----------
+    scene
+        A shipped name or a scene file: write one self-contained page on it instead. The 3D reference is set beside it where
+        runs are stored; none is computed.
     only
         Names of the sections to make; all but the costly ones unless given.
     out
@@ -54,13 +62,41 @@ def report(
         Address of the Dask scheduler.
     workers
         Runs of the 3D reference at the same time, each of up to 4 GB; 2 here, or what the cluster has, unless given.
+    against
+        With a scene: an earlier page on it, to list what moved.
     """
+    if scene is not None:
+        from compare.commands.verify import run_page
+
+        given = {"--only": only, "--quick": quick, "--stored": stored, "--fresh": fresh, "--scheduler": scheduler}
+        for name, value in given.items():
+            if value:
+                raise InputError("command line", name, str(value), "without a scene", "leave it out")
+        return run_page(scene, out, store, against)
+    if against is not None:
+        raise InputError("command line", "--against", str(against), "with a scene", "name the scene of the page")
     from compare.commands.report import make_report
 
     where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
     return make_report(
         only or (), out, quick=quick, stored=stored, store=store, engine=where, fresh=fresh, everything=everything
     )
+
+
+@app.command
+def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int:
+    """Compute the hashes of a scene's page again: page, scene, results, sources, reference runs; exit 1 where one differs.
+
+    Parameters
+    ----------
+    report
+        The page, or its folder, as rollbench report SCENE wrote it.
+    store
+        Folder of the reference's runs, besides those shipped.
+    """
+    from compare.commands.verify import run_verify
+
+    return run_verify(report, store)
 
 
 @app.command

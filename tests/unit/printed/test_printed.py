@@ -14,7 +14,14 @@ from compare.sections import overview
 from lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
-SOURCES = {"lin": "Lin (2019), ", "smith": "Smith (1994), ", "liu": "Liu et al. (2025), ", "kalker": "Kalker (1990), "}
+MAKERS = ("MASTA, ", "NSK, ", "Jones and Harris, ", "CONTACT, ", "Ansys VM63, ", "SNFA, ", "GMN, ", "THK, ")
+SOURCES = {
+    "lin": "Lin (2019), ",
+    "smith": "Smith (1994), ",
+    "liu": "Liu et al. (2025), ",
+    "kalker": "Kalker (1990), ",
+    "external": MAKERS,
+}
 ROW = '[[row]]\nkey = "a"\nlabel = "b"\nprinted = "1.20"\nunit = "mm"\nclass = "hard"\n'
 
 
@@ -166,7 +173,7 @@ def test_faulty_rows_are_refused(text, key):
 
 
 def test_unknown_table():
-    with pytest.raises(InputError, match="lin-B1"):
+    with pytest.raises(InputError, match="external-contact"):
         printed_data.load_table("lin-B2")
 
 

@@ -56,7 +56,15 @@ def test_scenes_exist_and_every_pattern_is_needed():
 def test_only_what_needs_no_scene_has_none():
     """Choices, arithmetic on printed numbers, other programs and machines; Liu's chain; Smith's formulas but three."""
     lin = [t for t in TRACES if t.table.startswith("lin")]
-    assert [t.key for t in TRACES if t not in lin and t.scenes] == ["total_ball", "total_taper", "supported"]
+    external = [t for t in TRACES if t.table.startswith("external")]
+    assert [t.key for t in TRACES if t not in lin and t not in external and t.scenes] == [
+        "total_ball",
+        "total_taper",
+        "supported",
+    ]
+    formulas = {"external-contact", "external-vm63", "external-snfa", "external-gmn"}
+    assert {t.table for t in external if not t.scenes} == formulas | {"external-sjovall", "external-thk"}
+    assert {t.key for t in external if not t.scenes and t.table not in formulas} == {"thrust", "drag_formula"}
     without = {t.key for t in lin if not t.scenes and t.table not in NOT_COMPUTED}
     others = {"speed_ratio", "error_numerical", "reach", "pressure", "a_over_R", "eta", "difference_a", "difference_b"}
     elsewhere = {t.key for t in TRACES if t.table in ("lin-3.5", "lin-3.7") and ("ansys" in t.key or "time" in t.key)}

@@ -1,0 +1,1 @@
+"""External evidence: values of other programs, of makers' catalogues and of classic theory, computed with these models."""

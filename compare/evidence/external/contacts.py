@@ -1,0 +1,68 @@
+"""Single contacts of other programs: Hertz's constants, and rolling with creepage and spin on half spaces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compare.evidence.external.case import assembly, given, inputs
+from compare.evidence.record import Evidence, Sheet
+from compare.models.study import Study
+from hifi.rolling.patch import hertz_patch
+from hifi.rolling.verification import Creep, steady
+from lowfi.bearings.angular_contact import curvatures, of_angle
+from lowfi.hertz import contact_modulus, hertz_constants
+from meshes.parts import Scene
+
+#: Cells of the rolling contact along and across.
+GRID = (24, 16)
+
+
+def ball_of_bearing(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+    """One ball of NSK's screw-support bearing at the quoted load and contact angle."""
+    sheet = Sheet("external-nsk")
+    parts = assembly("nsk-25bswz01").sets[0].parts
+    assert isinstance(parts, Scene)
+    d, steel, track = 2.0 * parts.balls.radius, parts.nut.material, parts.track
+    grooves = (parts.screw.groove_radius / d, parts.nut.groove_radius / d)
+    young, poisson = steel.youngs_modulus, steel.poissons_ratio
+    bearing = of_angle(1, d, 2.0 * track.pitch_radius, grooves, track.contact_angle, young, poisson)
+    angle = np.arccos(inputs()["nsk"]["cosine"])
+    sheet.number("angle", float(np.degrees(angle)))
+    modulus = contact_modulus(young, poisson, young, poisson)
+    inner, outer = (hertz_constants(*pair, modulus) for pair in curvatures(bearing, np.array(angle)))
+    cube = float(np.cbrt(given("nsk", "normal_load", "force")))
+    sheet.number("approach_outer", 1e6 * float(outer.C) * cube**2)
+    sheet.number("approach_inner", 1e6 * float(inner.C) * cube**2)
+    sheet.number("a_outer", 1e3 * float(outer.C_a) * cube)
+    sheet.number("b_outer", 1e3 * float(outer.C_b) * cube)
+    return sheet.evidence()
+
+
+def sphere(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+    """Elastic sphere on a rigid plane."""
+    sheet = Sheet("external-vm63")
+    radius = given("vm63", "radius", "length")
+    modulus = given("vm63", "youngs_modulus", "pressure") / (1.0 - inputs()["vm63"]["poissons_ratio"] ** 2)
+    found = hertz_constants(np.array(1.0 / radius), np.array(1.0 / radius), modulus)
+    sheet.number("radius", 1e3 * float(found.C_a) * float(np.cbrt(given("vm63", "force", "force"))))
+    return sheet.evidence()
+
+
+def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
+    """CONTACT's example with lateral creepage and spin: Hertz's part, and the force and moment of exact half spaces."""
+    sheet, case = Sheet("external-contact"), inputs()["contact"]
+    load, poisson, mu = given("contact", "force", "force"), case["poissons_ratio"], case["friction"]
+    young = 2.0 * given("contact", "shear_modulus", "pressure") * (1.0 + poisson)
+    radii = (given("contact", "along", "length"), given("contact", "across", "length"))
+    modulus = contact_modulus(young, poisson, young, poisson)
+    hertz = hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
+    cube = float(np.cbrt(load))
+    sheet.number("a", 1e3 * float(hertz.C_a) * cube)
+    sheet.number("b", 1e3 * float(hertz.C_b) * cube)
+    sheet.number("approach", 1e3 * float(hertz.C) * cube**2)
+    sheet.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
+    patch = hertz_patch(load, radii, young, poisson, GRID)
+    found = steady(patch, Creep(0.0, case["creep_across"], case["spin"]), mu)
+    sheet.number("lateral", float(found.force[1]) / (mu * load), "exact half spaces")
+    sheet.number("moment", 1e3 * found.moment, "exact half spaces")
+    return sheet.evidence()

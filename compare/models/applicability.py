@@ -1,0 +1,113 @@
+"""What was compared with the 3D reference, and where another scene lies: a range for each of what describes a screw.
+
+Descriptors need no solution, so that a scene can be placed before it is solved. A scene is outside in a descriptor where it
+lies beyond the compared range by more than the descriptor's margin; `compare.models.model_form` adds what the loads say
+(preload, spread), and either makes a result "not covered".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from compare.scenes import catalogue
+from meshes.parts import Scene
+from meshes.solid import dimensions
+
+
+@dataclass(frozen=True)
+class Descriptor:
+    """Name, unit, how far beyond the compared range still counts as like it, and its value of a scene."""
+
+    name: str
+    unit: str
+    margin: float
+    of: Callable[[Scene], float]
+
+
+def _misalignment(scene: Scene) -> float:
+    """Largest lateral displacement [um] that the supports are given between one another."""
+    given = {axis: [0.0, *(v for s in scene.supports for k, v in s.fixed if k == axis)] for axis in ("ux", "uy")}
+    across, up = (max(v) - min(v) for v in given.values())
+    return 1e6 * float(np.hypot(across, up))
+
+
+def _preload(scene: Scene) -> float:
+    """Oversize of the balls over their diameter [1e-3]."""
+    return 1e3 * scene.errors.balls.oversize / (2.0 * scene.balls.radius)
+
+
+#: What describes a scene. Margins are of the order of the steps between the compared scenes: a choice, not a result.
+DESCRIPTORS = (
+    Descriptor("length of the nut over the pitch diameter", "", 0.8, lambda s: s.nut.length / (2.0 * s.track.pitch_radius)),
+    Descriptor(
+        "wall of the nut over the pitch radius",
+        "",
+        0.1,
+        lambda s: (s.nut.outer_diameter / 2.0 - dimensions(s).land) / s.track.pitch_radius,
+    ),
+    Descriptor("lead over the pitch diameter", "", 0.25, lambda s: s.track.lead / (2.0 * s.track.pitch_radius)),
+    Descriptor("ball over the pitch diameter", "", 0.06, lambda s: s.balls.radius / s.track.pitch_radius),
+    Descriptor("number of balls", "", 60.0, lambda s: float(s.ball_count)),
+    Descriptor("oversize over the ball's diameter", "1e-3", 1.0, _preload),
+    Descriptor(
+        "conformity, the tighter groove",
+        "",
+        0.02,
+        lambda s: min(s.screw.groove_radius, s.nut.groove_radius) / (2.0 * s.balls.radius),
+    ),
+    Descriptor("misalignment of the supports", "um", 300.0, _misalignment),
+)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a scene lies in one descriptor: its value, the compared range, and whether that is outside by more than the
+    margin."""
+
+    descriptor: Descriptor
+    value: float
+    low: float
+    high: float
+
+    @property
+    def outside(self) -> bool:
+        """Beyond the compared range by more than the margin."""
+        d = self.descriptor.margin * (1.0 + 1e-9)
+        return not self.low - d <= self.value <= self.high + d
+
+    @property
+    def words(self) -> str:
+        """Value and range in words."""
+        unit = f" {self.descriptor.unit}" if self.descriptor.unit else ""
+        return f"{self.descriptor.name} is {self.value:.4g}{unit}, compared were {self.low:.4g} to {self.high:.4g}{unit}"
+
+
+@cache
+def compared(*, ring: bool) -> tuple[Scene, ...]:
+    """The shipped screws, or rings, that were compared with the 3D reference."""
+    names = (*catalogue.with_role("referenced"), *catalogue.with_role("unseen"))
+    scenes = (catalogue.scene(name) for name in names)
+    return tuple(s for s in scenes if (s.track.lead == 0.0) == ring)
+
+
+def places(scene: Scene, among: Sequence[Scene] | None = None) -> tuple[Place, ...]:
+    """Where a scene lies among compared ones of its kind, screws or rings; empty where there is none of its kind.
+
+    Raises ValueError as `meshes.solid.dimensions`.
+    """
+    others = compared(ring=scene.track.lead == 0.0) if among is None else among
+    out = []
+    for d in DESCRIPTORS:
+        values = [d.of(s) for s in others]
+        if values:
+            out.append(Place(d, d.of(scene), min(values), max(values)))
+    return tuple(out)
+
+
+def outside(scene: Scene) -> tuple[str, ...]:
+    """In words, each descriptor in which a scene is outside what was compared. Raises ValueError as `places`."""
+    return tuple(place.words for place in places(scene) if place.outside)

@@ -1,0 +1,60 @@
+"""What was compared, drawn: a range for each descriptor, the compared scenes in it, and a scene's own place."""
+
+from __future__ import annotations
+
+from compare.models.applicability import DESCRIPTORS, Descriptor, compared, places
+from compare.models.study import Study
+from meshes.parts import Scene
+from reports.records import Cell, Column, Figure, Panel, Series, Table
+
+
+def range_table(scene: Scene | None = None) -> Table:
+    """Compared ranges, and the place of a scene where one is given."""
+    rows: list[dict[str, Cell]] = []
+    own = {} if scene is None else {p.descriptor.name: p for p in places(scene)}
+    ring = scene is not None and scene.track.lead == 0.0
+    for d in DESCRIPTORS:
+        values = [d.of(s) for s in compared(ring=ring)]
+        row: dict[str, Cell] = {"name": d.name, "unit": d.unit or "–", "low": min(values), "high": max(values)}
+        if d.name in own:
+            place = own[d.name]
+            inside = place.low <= place.value <= place.high
+            row |= {"own": place.value, "where": "inside" if inside else "OUTSIDE" if place.outside else "at the edge"}
+        rows.append(row)
+    columns = [
+        Column("name", "what describes a scene", "", "s"),
+        Column("unit", "unit", "", "s"),
+        Column("low", "compared from", "", "g4"),
+        Column("high", "to", "", "g4"),
+    ]
+    if scene is not None:
+        columns += [Column("own", scene.name, "", "g4"), Column("where", "where it lies", "", "s")]
+    kind = "rings" if ring else "screws"
+    note = (
+        f"Of {len(compared(ring=ring))} {kind} compared with the 3D reference. A scene at the edge is beyond the range by "
+        "no more than what still counts as like it; outside, results say that their error is not covered."
+    )
+    return Table("applicability", "What was compared with the 3D reference", columns, rows, note)
+
+
+def range_figure(scene: Scene | None = None) -> Figure:
+    """Compared scenes by pairs of descriptors, with a scene's own place."""
+    pairs = ((0, 1), (2, 4), (6, 3), (5, 7))
+    ring = scene is not None and scene.track.lead == 0.0
+    panels = []
+    for a, b in (tuple(DESCRIPTORS[k] for k in pair) for pair in pairs):
+        others = compared(ring=ring)
+        series = [Series("compared", [a.of(s) for s in others], [b.of(s) for s in others], "markers")]
+        if scene is not None:
+            series.append(Series(scene.name, [a.of(scene)], [b.of(scene)], "markers", emphasis=True))
+        panels.append(Panel("", _label(a), _label(b), tuple(series)))
+    return Figure("applicability", "What was compared with the 3D reference", tuple(panels))
+
+
+def _label(d: Descriptor) -> str:
+    return f"{d.name} / {d.unit}" if d.unit else d.name
+
+
+def items_of(study: Study) -> tuple[Table | Figure, ...]:  # noqa: ARG001 - as every part of a section
+    """Table and figure without a scene of one's own."""
+    return range_table(), range_figure()

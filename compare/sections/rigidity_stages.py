@@ -1,0 +1,89 @@
+"""The three rigidities of a nut as ISO 3408-4 separates them, beside the 3D reference and beside catalogues."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from compare.measure import error_percent
+from compare.models.loading import solve_scaled
+from compare.models.registry import DEFAULT, Options
+from compare.models.study import Study
+from compare.reference.runs import Reference
+from lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
+from meshes.parts import Scene
+from reports.records import Cell, Column, Table
+
+#: Displacement without loads over that with them up to which it is taken as none: the reference has no run without loads.
+STARTS = 0.01
+
+
+def displacement_3d(scene: Scene, found: Reference) -> float:
+    """Axial displacement [m] of the screw's section at the nut's centre in the finest run of the 3D reference."""
+    line = found.best.centreline
+    return float(np.interp(scene.nut.position, line[:, 0], line[:, 3]))
+
+
+def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
+    """Rigidities [N/um] of a scene with a stored 3D reference; None without one, without axial load, or where the screw is
+    displaced without loads, from where nothing of the reference counts."""
+    scene, found = study.scene(name), study.reference(name)
+    if found is None:
+        return None
+    result = study.solve(name, DEFAULT)
+    force, moved = axial_force(result), axial_displacement(scene, result)
+    bare = solve_scaled(scene, 0.0, DEFAULT, Options(discretisation=False))
+    if abs(axial_displacement(scene, bare)) > STARTS * abs(moved):
+        return None
+    try:
+        own = rigidities(scene, force, moved)
+    except ValueError:
+        return None
+    if own is None or own.bodies is None or own.unequal is None:
+        return None
+    return {
+        "scene": name,
+        "load": 1e-3 * abs(force),
+        "contacts": 1e-6 * own.contacts,
+        "bodies": 1e-6 * own.bodies,
+        "unequal": 1e-6 * own.unequal,
+        "reference": 1e-6 * force / displacement_3d(scene, found),
+    }
+
+
+def stages_table(
+    study: Study, catalogue: Sequence[tuple[str, float, dict[str, float | None]]], names: Sequence[str]
+) -> Table:
+    """Catalogue sizes with the printed rigidity, then scenes with a 3D reference."""
+    rows: list[dict[str, Cell]] = []
+    for name, force, own in catalogue:
+        row: dict[str, Cell] = {"scene": name, "load": 1e-3 * force, **own, "reference": None}
+        for key in ("contacts", "bodies", "unequal"):
+            value, printed = own[key], own["printed"]
+            if value and printed:
+                row[f"share_{key}"] = 1.0 + float(error_percent(printed, value)) / 100.0
+        rows.append(row)
+    rows += [row for row in (reference_row(study, name) for name in names) if row is not None]
+    columns = (
+        Column("scene", "scene", "", "s"),
+        Column("load", "axial load", "kN", "g3"),
+        Column("contacts", "contacts alone", "N/um", "g4"),
+        Column("bodies", "with the bodies", "N/um", "g4"),
+        Column("unequal", "with unequal loads", "N/um", "g4"),
+        Column("reference", "3D reference", "N/um", "g4"),
+        Column("printed", "catalogue", "N/um", "g4"),
+        Column("share_contacts", "catalogue over contacts", "", ".3f"),
+        Column("share_bodies", "over bodies", "", ".3f"),
+        Column("share_unequal", "over unequal", "", ".3f"),
+    )
+    note = (
+        "Axial load over axial displacement, as ISO 3408-4 separates it: equal balls between rigid bodies; with the "
+        "widening of the nut and the squeezing of the screw (thick tubes); with the unequal loads that the default model "
+        "finds, at the nut's centre. What a maker counts in besides is not printed: ISO 3408-4's factor of the tolerance "
+        "class, the nut's flange and its mounting lie between. Catalogue sizes as scenes have what is usual where the "
+        "catalogue is silent. Scenes that are displaced without loads are left out."
+    )
+    return Table(
+        "external-rigidities", "The three rigidities of a nut, beside 3D and beside catalogues", columns, rows, note
+    )

@@ -1,0 +1,184 @@
+"""Validation uncertainty in the report: error beside u_val, bias and scatter of every model, stated bounds that held."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from compare.models.comparison import REFERENCED, from_result
+from compare.models.ladder import RUNGS, UNSEEN, Rung, ladder, left_out_one
+from compare.models.registry import DEFAULT
+from compare.models.study import Study
+from compare.models.u_val import (
+    CONTACTS,
+    INPUTS,
+    QUANTITIES,
+    Scatter,
+    Validated,
+    bound_shares,
+    grid_bounds,
+    scatter,
+    validated,
+)
+from compare.sections.applicability import items_of
+from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
+
+#: Models whose rows are shown scene by scene; bias and scatter are of every one on the ladder.
+SHOWN = (DEFAULT, "lin")
+
+
+def rows_of(study: Study, rungs: Sequence[Rung]) -> list[Validated]:
+    """Every rung on every quantity."""
+    found = [validated(study, r.scene, r.model, q, from_result(r.result)) for r in rungs for q in QUANTITIES]
+    return [row for row in found if row is not None]
+
+
+def u_val_table(rows: Sequence[Validated]) -> Table:
+    """Error and u_val per scene and quantity."""
+    cells: list[dict[str, Cell]] = []
+    for row in rows:
+        if row.model not in SHOWN:
+            continue
+        beyond = abs(row.error) > row.combined
+        cells.append(
+            {
+                "scene": row.scene,
+                "quantity": row.quantity,
+                "model": row.model,
+                "error": row.error,
+                "grid": row.grid,
+                "choices": row.choices,
+                "inputs": row.inputs,
+                "u_val": row.combined,
+                "says": "E ± u_val is the model's" if beyond else "not told from u_val",
+                "within": 100.0 * row.within,
+                "varied": row.varied or "–",
+            }
+        )
+    columns = (
+        Column("scene", "scene", "", "s"),
+        Column("quantity", "quantity", "", "s"),
+        Column("model", "model", "", "s"),
+        Column("error", "error E", "%", "+.2f"),
+        Column("grid", "grid", "%", ".2f"),
+        Column("choices", "modelling choices", "%", ".2f"),
+        Column("inputs", "input tolerances", "%", ".2f"),
+        Column("u_val", "u_val", "%", ".2f"),
+        Column("says", "what E says", "", "s"),
+        Column("within", "values within u_val", "%", ".0f"),
+        Column("varied", "choices varied on", "", "s"),
+    )
+    note = (
+        f"Of {CONTACTS}: the contact of the largest error, in per cent of the mean load; other quantities in per cent of "
+        f"the reference's value. Input tolerances, assumed: {'; '.join(x.name for x in INPUTS)}; each varied alone, by the "
+        "model lin. Choices were varied on two scenes: where another one's name stands in the last column, its largest "
+        "effect stands in. As ASME V&V 20: root of the sum of squares; nothing of it is deducted from an error."
+    )
+    return Table("u-val", "Error and validation uncertainty by scene and quantity", columns, cells, note)
+
+
+def scatter_table(found: Sequence[Scatter]) -> Table:
+    """Bias and scatter by model and quantity."""
+    cells: list[dict[str, Cell]] = [
+        {
+            "model": s.model,
+            "quantity": s.quantity,
+            "scenes": s.scenes,
+            "values": s.values,
+            "bias": s.bias,
+            "scatter": s.scatter,
+            "within": 100.0 * s.within,
+            "within_own": 100.0 * s.within_own,
+        }
+        for s in found
+    ]
+    columns = (
+        Column("model", "model", "", "s"),
+        Column("quantity", "quantity", "", "s"),
+        Column("scenes", "scenes", "", "g4"),
+        Column("values", "values", "", "g4"),
+        Column("bias", "bias", "%", "+.2f"),
+        Column("scatter", "scatter", "%", ".2f"),
+        Column("within", "within u_val", "%", ".0f"),
+        Column("within_own", "within grid and choices", "%", ".0f"),
+    )
+    note = (
+        "Bias: geometric mean of model over reference, less one. Scatter: relative standard deviation of the model, that "
+        "of the grid taken out. Over all scenes with a reference, contacts above a tenth of the mean load."
+    )
+    return Table("bias-scatter", "Bias and scatter of every model", columns, cells, note)
+
+
+def scatter_figure(found: Sequence[Scatter]) -> Figure:
+    """Bias with its scatter, model by model, a panel for each quantity."""
+    panels = []
+    order = [m.name for m in RUNGS]
+    for quantity in dict.fromkeys(s.quantity for s in found):
+        own = [s for s in found if s.quantity == quantity]
+        x = [float(order.index(s.model) + 1) for s in own]
+        ends = ([s.bias - 2.0 * s.scatter for s in own], [s.bias + 2.0 * s.scatter for s in own])
+        series = (
+            Series("bias and two scatters", x, [s.bias for s in own], "markers", emphasis=True, bars=ends),
+            Series("none", [min(x), max(x)], [0.0, 0.0], "line"),
+        )
+        panels.append(Panel(quantity, "model", "model over reference, less one / %", series, integer_x=True))
+    caption = "Models: " + ", ".join(f"{k + 1} {name}" for k, name in enumerate(order)) + "."
+    return Figure("bias-scatter", "Bias and scatter of every model", tuple(panels), caption)
+
+
+def bounds_table(study: Study, rungs: Sequence[Rung]) -> Table:
+    """Stated bounds and how many of them held."""
+    rows = left_out_one(study, rungs)
+    cells: list[dict[str, Cell]] = [
+        {"bound": f"largest error to expect, model {name}, scene left out", "held": held, "all": total}
+        for name, (held, total) in bound_shares(rows).items()
+    ]
+    grids = [
+        found for name, ref in study.references((*REFERENCED, *UNSEEN)).items() if (found := grid_bounds(ref)) and name
+    ]
+    held, total = (sum(x[k] for x in grids) for k in (0, 1))
+    if total:
+        words = f"grid uncertainty of three levels, against the fourth, contact loads of {len(grids)} scenes"
+        cells.append({"bound": words, "held": held, "all": total})
+    for cell in cells:
+        cell["share"] = f"{cell['held']} of {cell['all']}"
+        cell["part"] = 100.0 * float(cell["held"] or 0) / float(cell["all"] or 1)
+    columns = (
+        Column("bound", "stated bound", "", "s"),
+        Column("share", "held", "", "s"),
+        Column("part", "share", "%", ".0f"),
+    )
+    note = "A bound of 95 % should hold 19 times in 20."
+    return Table("bounds-held", "Stated bounds, and how many held", columns, cells, note)
+
+
+def section(study: Study, step: Callable[[str], None]) -> Section:
+    """Section of the report."""
+    title = "How much of an error is the model's: u_val, bias and scatter, applicability"
+    step("every rung on every scene with a reference")
+    rungs = study.once(ladder)
+    if not rungs:
+        return Section("u-val", title, (Text(("No run of the 3D reference was found.",)),))
+    step("grid, choices and input tolerances of every scene")
+    rows = rows_of(study, rungs)
+    found = scatter(rows)
+    own = {s.model: s for s in found if s.quantity == CONTACTS}
+    words = [
+        f"{name}: contact loads {s.bias:+.2f} % on average, scatter {s.scatter:.2f} %, {100.0 * s.within:.0f} % of them "
+        f"within u_val and {100.0 * s.within_own:.0f} % within the reference's own part of it"
+        for name, s in own.items()
+        if name in (*SHOWN, "condensed")
+    ]
+    text = (
+        "An error against the reference is the model's only as far as it is beyond what the reference, its choices and the "
+        "inputs leave open. The three stand beside every error here, combined by the root of the sum of squares.",
+        f"{'; '.join(words)}.",
+    )
+    items: tuple[Text | Figure | Table, ...] = (
+        Text(text),
+        u_val_table(rows),
+        scatter_table(found),
+        scatter_figure(found),
+        bounds_table(study, rungs),
+        *items_of(study),
+    )
+    return Section("u-val", title, items)

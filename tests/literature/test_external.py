@@ -1,0 +1,110 @@
+"""Other programs, makers' catalogues and textbooks: every entry by its class, what was inferred, and what is left out."""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.evidence.external import bearings, case, screws
+from compare.evidence.left_out import left_out
+from compare.evidence.record import WITHIN
+from compare.evidence.registry import evidence
+from compare.gate.gate import band_row, external_rows
+from compare.printed.printed_data import tables
+from compare.scenes import catalogue
+from lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
+from lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
+from tests.literature.entries import STUDY, check, keys
+
+pytestmark = pytest.mark.xdist_group("external")
+
+TABLES = (
+    "external-contact",
+    "external-gmn",
+    "external-harris",
+    "external-masta",
+    "external-nsk",
+    "external-sjovall",
+    "external-snfa",
+    "external-thk",
+    "external-vm63",
+)
+
+
+@pytest.mark.parametrize("key", keys(*TABLES))
+def test_entry(key: str) -> None:
+    check(key)
+
+
+def test_counts_by_class_and_verdict() -> None:
+    assert Counter((e.printed.cls, e.verdict) for e in evidence(STUDY, *TABLES)) == {
+        ("hard", "reproduced"): 16,
+        ("as-printed", "reproduced as printed"): 2,
+        ("band", WITHIN): 76,
+        ("open", "open"): 13,
+    }
+
+
+def test_every_case_is_run_or_left_out_with_its_reason() -> None:
+    assert [name for name in tables() if name.startswith(case.PREFIX)] == list(TABLES)
+    assert [row["place"] for row in left_out() if row["source"] == "other programs, makers, textbooks"] == [
+        "eng-tools.dev, calculator of a 6206",
+        "GMN, series KH, 25 deg",
+        "SNFA, catalogue of spindle bearings",
+    ]
+
+
+def test_what_was_inferred_is_said_of_every_scene_and_case() -> None:
+    names = [name for name in catalogue.scene_names() if name.startswith(case.PREFIX)]
+    assert len(names) == 13
+    assert all(catalogue.shipped(name).assumed for name in names)
+    assert set(case.assumptions()) == {"vm63", "contact", "snfa", "thk", "gmn"}
+
+
+def test_the_gate_fails_for_a_value_beyond_its_band() -> None:
+    rows = external_rows(STUDY)
+    assert len(rows) == 76
+    assert all(row.passed for row in rows)
+    tilt = next(e for e in evidence(STUDY, "external-masta") if e.printed.key == "tilt")
+    high = tilt.printed.high or 0.0
+    row = band_row(replace(tilt, value=1.001 * high))
+    assert (row.verdict, row.limit_percent) == ("FAIL", pytest.approx(2.0))
+    assert band_row(replace(tilt, value=0.999 * high)).verdict == "ok"
+
+
+def test_masta_axial_load_by_the_formulas_of_a_bearing() -> None:
+    """From a contact angle of zero, as the scene of sets on a shaft has it."""
+    b = BallBearing(7, 11.5e-3, 32e-3, 55e-3, 5.98e-3, 6.095e-3, 210e9, 0.3)
+    assert b.free_angle == 0.0
+    assert displacement(b, 1000.0) * 1e6 == pytest.approx(133.5381, rel=2e-4)
+
+
+def test_gmn_series_by_one_inferred_number() -> None:
+    assert bearings.gmn_rms_percent() < 1.0
+    for conformity in bearings.ANY:
+        growth = bearings.gmn_growth(conformity)
+        assert np.median(growth) == pytest.approx(1.0, abs=0.02)
+        assert np.ptp(growth) < 0.05
+
+
+def test_snfa_catalogue_has_frozen_its_angles() -> None:
+    """Balls as good as rigid keep the angle: then rigidity grows as 6^(1/3), and a row opens at 2^1.5 times the preload."""
+    rigid = of_angle(12, 2.38e-3, 14.5e-3, (0.53, 0.53), np.radians(15.0), 208e15, 0.3)
+    light, heavy = (preloaded(BallRow(rigid), (1, -1), p) for p in (10.0, 60.0))
+    assert equilibrium(heavy).stiffness / equilibrium(light).stiffness == pytest.approx(6.0 ** (1 / 3), rel=1e-3)
+    assert lift_off_force(heavy) / 60.0 == pytest.approx(2.0**1.5, rel=1e-3)
+    assert equilibrium(heavy).stiffness == pytest.approx(bearings.frozen_rigidity(rigid, 60.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("size", [*screws.THK, *screws.HIWIN])
+def test_bodies_make_a_nut_softer_than_its_contacts(size: str) -> None:
+    scene = STUDY.scene(screws.scene_name(size))
+    alone, bodies = screws.stages(scene, scene.loads[0].force[2])
+    assert 0.85 * alone < bodies < alone
+
+
+def test_double_nut_of_contacts_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """2^(3/2)/3^(1/3): where the load that unloads one nut is 2^(3/2) times the preload."""
+    monkeypatch.setattr(screws, "body_compliance", lambda scene: 0.0)  # noqa: ARG005 - rigid bodies
+    assert screws.double_over_single(STUDY) == pytest.approx(2.0**1.5 / 3.0 ** (1 / 3), rel=1e-5)

@@ -1,0 +1,111 @@
+"""The page of one scene: what stands in it, that it needs nothing from outside, and that its hashes tell what changed."""
+
+import json
+import re
+from dataclasses import replace
+
+import pytest
+
+from compare.commands import scene_page, verify
+from compare.commands.arguments import app
+from compare.errors import InputError
+from reports.scene_page import read_page, render, sha256, without_manifest
+
+pytestmark = pytest.mark.xdist_group("scene page")
+
+#: Four balls: the least that a scene solves in, with stored runs of the reference.
+SCENE = "two-balls"
+
+
+@pytest.fixture(scope="module")
+def page():
+    found = scene_page.page_of(SCENE, (scene_page.shipped_store(),))
+    return replace(found, picture=None)
+
+
+@pytest.fixture(scope="module")
+def html(page) -> str:
+    return render(page)
+
+
+def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) -> None:
+    assert page.verdict.startswith("The most pressed contact (ball ")
+    assert page.verdict in html
+    assert html.index(page.verdict) < html.index("<table")
+    assert [label for label, _ in page.answers][:3] == ["loads", "axial", "contact"]
+    assert not re.search(r'(src|href)="(?!data:|#)', html)
+    assert {part.name for part in page.parts} == {"loads", "stiffness", "error", "assumptions"}
+    for name in ("contacts", "rigidity", "applicability"):
+        assert f'id="table-{name}"' in html
+    assert 'id="figure-loads"' in html
+
+
+def test_every_contact_is_there(page) -> None:
+    (table,) = (i for part in page.parts for i in part.items if getattr(i, "name", "") == "contacts")
+    loads = [load for ball in page.results["balls"] for load in ball["load_N"].values() if load]
+    assert [row["load"] for row in table.rows] == pytest.approx(loads)
+
+
+def test_manifest_holds_until_something_is_changed(html: str) -> None:
+    stores = (scene_page.shipped_store(),)
+    blocks = read_page(html)
+    assert blocks["manifest"]["page"] == sha256(without_manifest(html))
+    assert all(len(x) == 64 for x in blocks["manifest"]["files"].values())
+    assert {row.state for row in verify.checked(html, blocks, stores)} == {"ok"}
+    shown = html.replace("The most pressed contact", "The least pressed contact")
+    assert [row.name for row in verify.checked(shown, read_page(shown), stores) if row.state == "changed"] == ["page"]
+    lead = json.dumps(blocks["scene"])[1:40]
+    assert lead in html
+    other = html.replace(lead, lead[:-2] + "  ", 1)
+    wrong = {row.name for row in verify.checked(other, read_page(other), stores) if row.state == "changed"}
+    assert wrong == {"page", "scene"}
+    without = {**blocks, "manifest": {**blocks["manifest"], "files": {"x.json": "0"}}}
+    gone = list(verify.checked(html, without, ()))
+    assert gone[-1].state == "missing"
+
+
+def test_a_scene_text_cannot_end_its_block(page) -> None:
+    evil = replace(page, scene_text='title = "</script><script>alert(1)</script>"', parts=())
+    html = render(evil)
+    assert "<script>alert" not in html
+    assert read_page(html)["scene"] == evil.scene_text
+
+
+def test_verify_by_the_command_line(html: str, tmp_path, capsys) -> None:
+    (tmp_path / "index.html").write_text(html, encoding="utf-8")
+    assert app(["verify", str(tmp_path)], result_action="return_value") == 0
+    assert "hashes hold: the same inputs and code" in capsys.readouterr().out
+    (tmp_path / "index.html").write_text(html.replace("carries", "bears", 1), encoding="utf-8")
+    assert app(["verify", str(tmp_path / "index.html")], result_action="return_value") == 1
+    assert "changed  page" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("text", ["<html></html>", '<script type="application/json" id="manifest">{</script>'])
+def test_a_page_without_a_manifest_is_refused(text: str, tmp_path) -> None:
+    file = tmp_path / "page.html"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="manifest"):
+        verify.read(file)
+
+
+def test_what_moved() -> None:
+    old = {"a": 1.0, "b": [1.0, 2.0], "c": {"d": "x", "e": None}, "f": True}
+    assert list(verify.moved(old, old)) == []
+    new = {"a": 1.0 + 1e-12, "b": [1.0, 2.2], "c": {"d": "y", "e": 1.0}, "f": False}
+    assert list(verify.moved(old, new)) == [
+        "b[2]: 2 became 2.2 (+10 %)",
+        "c.d: x became y",
+        "c.e: nothing became 1.0",
+        "f: True became False",
+    ]
+
+
+@pytest.mark.parametrize("options", [["--quick"], ["--stored"], ["--only", "hertz"]])
+def test_options_of_the_whole_report_are_refused_with_a_scene(options: list[str]) -> None:
+    with pytest.raises(InputError, match="without a scene"):
+        app(["report", SCENE, *options], result_action="return_value")
+
+
+def test_against_needs_a_scene(tmp_path) -> None:
+    with pytest.raises(InputError, match="with a scene"):
+        app(["report", "--against", str(tmp_path)], result_action="return_value")

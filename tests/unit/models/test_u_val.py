@@ -1,0 +1,145 @@
+"""Validation uncertainty and applicability: parts add by the root of squares, bias and scatter of known ratios."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.models.applicability import compared, outside, places
+from compare.models.comparison import from_run
+from compare.models.model_form import estimate
+from compare.models.registry import Options, run_model
+from compare.models.study import Study
+from compare.models.u_val import (
+    CONTACTS,
+    INPUTS,
+    QUANTITIES,
+    Uncertainty,
+    Validated,
+    bound_shares,
+    grid_bounds,
+    scatter,
+    uncertainty,
+    validated,
+)
+from compare.sections.applicability import range_figure, range_table
+
+pytestmark = pytest.mark.xdist_group("u_val")
+
+STUDY = Study()
+SCENE = "lin-case1"
+
+
+def test_parts_combine_by_the_root_of_squares() -> None:
+    parts = Uncertainty(np.array([1.0]), np.array([2.0]), np.array([2.0]), "")
+    assert parts.combined == pytest.approx([3.0])
+    assert parts.own == pytest.approx([np.sqrt(5.0)])
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES, ids=lambda q: q.name)
+def test_every_part_is_there(quantity) -> None:
+    found = uncertainty(STUDY, SCENE, quantity)
+    assert found is not None
+    for part in (found.grid, found.model, found.inputs):
+        assert np.isfinite(part).all()
+        assert part.max() > 0.0
+    assert (found.combined >= np.maximum(np.maximum(found.grid, found.model), found.inputs)).all()
+
+
+def test_the_grid_s_part_of_loads_is_that_of_the_reference() -> None:
+    ref = STUDY.reference(SCENE)
+    found = uncertainty(STUDY, SCENE, QUANTITIES[0])
+    assert ref is not None
+    assert ref.uncertainty is not None
+    assert found is not None
+    mean = ref.load[ref.load > 0.0].mean()
+    assert found.grid == pytest.approx(100.0 * ref.uncertainty / mean)
+
+
+def test_the_reference_itself_has_no_error_and_a_known_shift_is_found() -> None:
+    ref = STUDY.reference(SCENE)
+    assert ref is not None
+    own = from_run(ref.best, "3D")
+    for quantity in QUANTITIES:
+        same = validated(STUDY, SCENE, "3D", quantity, own)
+        assert same is not None
+        assert (same.error, same.within) == (0.0, 1.0)
+    larger = replace(own, load=1.02 * own.load, line=1.05 * own.line)
+    found = {q.name: validated(STUDY, SCENE, "3D", q, larger) for q in QUANTITIES}
+    assert found["largest load"].error == pytest.approx(2.0)
+    assert found["axial displacement"].error == pytest.approx(5.0)
+    assert found[CONTACTS].ratio == pytest.approx([1.02] * 64)
+
+
+def row(ratio: tuple[float, ...], grid: float, within: float) -> Validated:
+    return Validated("s", "m", "q", 0.0, grid, 0.0, 0.0, grid, within, within, ratio, "")
+
+
+def test_bias_and_scatter_of_known_ratios() -> None:
+    (exact,) = scatter([row((1.1, 1.1, 1.1), 0.0, 1.0)])
+    assert (exact.bias, exact.scatter) == (pytest.approx(10.0), pytest.approx(0.0, abs=1e-9))
+    spread = tuple(np.exp([-0.03, 0.0, 0.03]))
+    (noisy,) = scatter([row(spread, 0.0, 0.5)])
+    assert (noisy.bias, noisy.scatter) == (pytest.approx(0.0, abs=1e-9), pytest.approx(3.0))
+    (less,) = scatter([row(spread, 2.0, 0.5)])
+    assert less.scatter == pytest.approx(np.sqrt(3.0**2 - 1.0**2))
+    (none,) = scatter([row(spread, 20.0, 0.5)])
+    assert none.scatter == 0.0
+
+
+def test_shares_of_stated_bounds() -> None:
+    rows = [{"model": "a", "measured": 1.0, "expected": 2.0}, {"model": "a", "measured": 3.0, "expected": 2.0}]
+    assert bound_shares(rows) == {"a": (1, 2)}
+    ref = STUDY.reference(SCENE)
+    assert ref is not None
+    assert grid_bounds(replace(ref, runs=ref.runs[:2])) is None
+    held, total = grid_bounds(ref) or (0, 0)
+    assert total == 64
+    assert held >= 0.9 * total
+
+
+def test_tolerances_change_what_they_name() -> None:
+    scene = STUDY.scene("lin-case3")
+    assert all(x.change(scene) not in (None, scene) for x in INPUTS)
+    assert INPUTS[-1].change(STUDY.scene(SCENE)) is None
+
+
+def test_compared_scenes_are_inside() -> None:
+    for ring in (False, True):
+        assert all(outside(scene) == () for scene in compared(ring=ring))
+    assert len(compared(ring=False)) + len(compared(ring=True)) == 15
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [
+        (lambda s: replace(s, nut=replace(s.nut, groove_radius=1.3 * s.nut.groove_radius)), ""),
+        (lambda s: replace(s, screw=replace(s.screw, groove_radius=1.3 * s.screw.groove_radius),
+                           nut=replace(s.nut, groove_radius=1.3 * s.nut.groove_radius)), "conformity"),
+        (lambda s: replace(s, errors=replace(s.errors, balls=replace(s.errors.balls, oversize=30e-6))), "oversize"),
+        (lambda s: replace(s, supports=(replace(s.supports[0], fixed=(("ux", 2e-3),)), *s.supports[1:])), "misalignment"),
+    ],
+)  # fmt: skip
+def test_solve_says_not_covered_where_a_scene_is_outside(change, name: str) -> None:
+    """The place that is drawn and the words of a result agree."""
+    base = STUDY.scene(SCENE)
+    result = run_model(base, "lin", Options(discretisation=False))
+    changed = change(base)
+    beyond = outside(changed)
+    made = estimate(changed, result)
+    if name:
+        assert any(text.startswith(name) for text in beyond)
+        assert made.percent is None
+        assert any("beyond what was compared" in w or "unlike every compared" in w for w in made.words)
+        cells = [r for r in range_table(changed).rows if r["where"] == "OUTSIDE"]
+        assert len(cells) == len(beyond)
+    else:
+        assert beyond == ()
+        assert made.percent is not None
+
+
+def test_a_scene_s_place_is_drawn() -> None:
+    scene = STUDY.scene(SCENE)
+    assert len(range_figure(scene).panels[0].series) == 2
+    assert len(range_figure().panels[0].series) == 1
+    assert all(p.low <= p.value <= p.high for p in places(scene))

@@ -1,0 +1,50 @@
+"""Sections on external evidence and on u_val: what their tables are made of."""
+
+import numpy as np
+
+from compare.evidence.record import Evidence
+from compare.models.study import Study
+from compare.models.u_val import Scatter, Validated
+from compare.printed.printed_data import load_table, tables
+from compare.sections.external import TITLES, assumed_table, summary
+from compare.sections.rigidity_stages import stages_table
+from compare.sections.u_val import scatter_figure, scatter_table, u_val_table
+from reports.figures import draw
+
+
+def test_every_external_table_has_a_title():
+    assert sorted(TITLES) == [name for name in tables() if name.startswith("external-")]
+
+
+def test_summary_counts_what_comes_out():
+    rows = {row.key: row for row in load_table("external-masta")}
+    found = [Evidence(rows["radial"], 15.1102), Evidence(rows["tilt"], 3.65), Evidence(rows["axial"], 140.0)]
+    assert summary(found).startswith("2 of 3 published values and claims come out: 1 to the digits")
+    assert "1 within a band" in summary(found)
+
+
+def test_what_was_inferred_is_listed():
+    study = Study()
+    study.uses(("external-masta-radial", "external-thk-bnf-4010-5"))
+    cases = {row["case"] for row in assumed_table(study).rows}
+    assert {"external-masta-radial", "external-thk-bnf-4010-5", "external-gmn", "external-snfa"} <= cases
+
+
+def test_catalogue_over_the_three_rigidities():
+    own = {"contacts": 1000.0, "bodies": 900.0, "unequal": 800.0, "printed": 600.0}
+    (row,) = stages_table(Study(stores=()), [("a", 5000.0, own)], ()).rows
+    shares = [row[f"share_{key}"] for key in ("contacts", "bodies", "unequal")]
+    assert np.allclose(shares, [0.6, 2.0 / 3.0, 0.75])
+
+
+def test_u_val_says_what_an_error_is_worth():
+    small = Validated("s", "refined", "contact loads", 0.5, 0.1, 0.3, 1.0, 1.05, 1.0, 0.8, (1.0,), "lin-case1")
+    large = Validated("s", "lin", "contact loads", -6.0, 0.1, 0.3, 1.0, 1.05, 0.5, 0.2, (0.9,), "lin-case1")
+    told = [row["says"] for row in u_val_table([small, large]).rows]
+    assert told == ["not told from u_val", "E ± u_val is the model's"]
+
+
+def test_bias_and_scatter_are_drawn():
+    found = [Scatter("lin", "contact loads", 15, 900, 0.3, 2.9, 0.8, 0.5)]
+    assert scatter_table(found).rows[0]["within_own"] == 50.0
+    assert "<svg" in draw(scatter_figure(found))
