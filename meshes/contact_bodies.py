@@ -43,11 +43,12 @@ class Zone:
 
 
 def _beyond(start: float, end: float, step: float, growth: float) -> Array:
-    """Boundaries after ``start`` to ``end`` of cells that grow from about ``step`` by ``growth``."""
-    widths = [step * growth]
-    while sum(widths) < end - start:
-        widths.append(widths[-1] * growth)
-    return np.asarray(start + np.cumsum(widths) * (end - start) / sum(widths))
+    """Boundaries after ``start`` to ``end``: cells that grow from ``step`` by ``growth``, the same for any end but the last."""
+    out, width = [start], step * growth
+    while out[-1] + 1.5 * width < end:
+        out.append(out[-1] + width)
+        width *= growth
+    return np.array([*out[1:], end])
 
 
 @dataclass(frozen=True)

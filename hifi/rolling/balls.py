@@ -145,18 +145,26 @@ def finite_patch(
 
 
 def patch_of(scene: Rolling, touch: Touch, choices: Choices) -> Patch:
-    """The contact's patch under its force. Raises ValueError for finite bodies where the groove's bottom is unknown."""
-    if choices.bodies is None:
+    """The contact's patch under its force. Raises ValueError as `kernel_of`."""
+    kernel = kernel_of(scene, touch, choices.bodies)
+    if kernel is None:
         unit = unit_patch(touch.radii, scene.young, scene.poisson, choices.shape)
         return unit.scaled(float(np.cbrt(touch.load)), touch.load)
+    return finite_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
+
+
+def kernel_of(scene: Rolling, touch: Touch, bodies: Sizes | None) -> Regular | None:
+    """What finite bodies add at a contact, in its axes; None for half spaces. Raises ValueError where the groove's bottom is
+    unknown."""
+    if bodies is None:
+        return None
     if touch.bottom is None:
         raise ValueError("a finite groove needs the direction of its bottom")
     largest = max(t.load for b in scene.balls for t in b.touches)
     angle = float(np.arccos(touch.normal @ touch.bottom))
-    kernel = contact_kernel(scene.radius, touch.radii, angle, largest, scene.young, scene.poisson, choices.bodies)
+    kernel = contact_kernel(scene.radius, touch.radii, angle, largest, scene.young, scene.poisson, bodies)
     axes = axes_of(touch, scene.track, scene.radius, scene.orbit)
-    own = kernel if axes[1] @ touch.bottom > 0.0 else kernel.mirrored
-    return finite_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, own)
+    return kernel if axes[1] @ touch.bottom > 0.0 else kernel.mirrored
 
 
 def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:

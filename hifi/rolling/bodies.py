@@ -39,8 +39,8 @@ class Sizes:
     """Numerical choices: cells of the contact zone along and across, ratio of cells beyond it, zone over the contact's
     semi-axes, degree of the kernel; size of the bars over the ball's radius, half of the grooves' opening [rad]."""
 
-    cells: tuple[int, int] = (6, 6)
-    growth: float = 2.0
+    cells: tuple[int, int] = (4, 4)
+    growth: float = 2.5
     margin: float = 1.1
     degree: int = 4
     bar: float = 5.0
@@ -67,12 +67,14 @@ def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Arra
 def tractions(body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float]) -> sp.csr_matrix:
     """Loads ``(3 k, 3 n)``: nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
 
-    Their work on a motion is the motion's coefficient of each monomial, by least squares over the zone. bends: curvatures
+    Their work on a motion is the motion's coefficient of each monomial, by least squares over the zone's area. bends: curvatures
     [1/m] along x and y of the surface that ball and groove share, positive towards the ball.
     """
     at = points_of(body.mesh)[body.contact, :2]
     c = len(at)
-    fit = np.linalg.pinv(monomials(at, zone.half, degree)) @ mean_weights(contact_weights(body.mesh, body.contact)).toarray()
+    hats = contact_weights(body.mesh, body.contact)
+    root = np.sqrt(np.asarray(hats.sum(axis=1)))
+    fit = np.linalg.pinv(root * monomials(at, zone.half, degree)) @ (root * mean_weights(hats).toarray())
     tilt = -body.sense * at * np.array(bends)  # rise of the surface into the body, per length
     frames = np.zeros((c, 3, 3))  # rows: local x, y, inward
     frames[:, 0, 0] = frames[:, 1, 1] = frames[:, 2, 2] = 1.0

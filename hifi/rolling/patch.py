@@ -25,6 +25,8 @@ Index = NDArray[np.int64]
 MARGIN = 1.08
 #: Step of the differences along the flow, in cells; a whole one sees the same place in every cell and is less exact.
 STEP = 0.5
+#: Points along each axis of Hertz's ellipse at which the displacement of finite bodies is taken.
+POINTS = 12
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,26 @@ def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
     return cells, (cells + 0.5 - 0.5 * np.array(shape)) * size
 
 
+def seen_radii(
+    load: float, radii: tuple[float, float], young: float, poisson: float, regular: Regular | None
+) -> tuple[float, float]:
+    """Relative radii [m] along x and y of half spaces that touch as finite bodies do: by the curvatures of the displacement
+    that these add under Hertz's pressure. Those of the bodies themselves without a kernel."""
+    if regular is None:
+        return radii
+    found = hertz(load, *radii, young, poisson)
+    unit = (np.arange(POINTS) + 0.5) / POINTS * 2.0 - 1.0
+    at = np.stack(np.meshgrid(unit * found.semi_x, unit * found.semi_y, indexing="ij"), axis=-1).reshape(-1, 2)
+    pressure = np.nan_to_num(found.pressure(at[:, 0], at[:, 1]))
+    force = load * pressure / pressure.sum()
+    added = regular.block(at, NORMAL, NORMAL) @ force
+    weight = np.sqrt(force)
+    rows = np.column_stack([np.ones(len(at)), at, 0.5 * at**2])
+    bend = np.linalg.lstsq(rows * weight[:, None], added * weight, rcond=None)[0][-2:]
+    one, two = 1.0 / (1.0 / np.array(radii) + bend)
+    return float(one), float(two)
+
+
 def hertz_patch(
     load: float,
     radii: tuple[float, float],
@@ -130,7 +152,7 @@ def hertz_patch(
     The pressure solves the contact on the grid: cells beyond its edge are dropped. Raises ValueError for what Hertz's
     formulas refuse, and where the active set does not settle.
     """
-    found = hertz(load, *radii, young, poisson)
+    found = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
     size = 2.0 * MARGIN * np.array([found.semi_x, found.semi_y]) / np.array(shape)
     cells, at = grid(shape, size)
     solids = Solids.same(young, poisson)
