@@ -61,7 +61,9 @@ class ContactBody:
     sense: int
 
 
-def _body(zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int) -> ContactBody:
+def _body(
+    zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
+) -> ContactBody:
     """A tensor grid with its nodes moved to ``points``; held: (axis, value) of the grid's faces."""
     flat = tensor_grid(x, y, z, "Q2")
     xi = points_of(flat)

@@ -32,7 +32,9 @@ def known_bodies(bodies: str, *, rolling: bool) -> str:
     if bodies not in BODIES:
         raise InputError("command line", "--bodies", bodies, " or ".join(BODIES), "half spaces are the faster ones")
     if bodies != HALF_SPACE and not rolling:
-        raise InputError("command line", "--bodies", bodies, "scenes of friction", "the static reference is of finite bodies")
+        raise InputError(
+            "command line", "--bodies", bodies, "scenes of friction", "the static reference is of finite bodies"
+        )
     return bodies
 
 
@@ -104,7 +106,19 @@ def _table(name: str, own: Sequence[RollingRow]) -> Any:
     from rich.table import Table
 
     table = Table(title=f"{name}: low-order model against the 3D model of rolling", title_justify="left")
-    for column in ("quantity", "low-order", "3D", "+-", "error %", "+- %", "printed", "ANSYS", "3D flat", "3D rigid", "3D half space"):
+    for column in (
+        "quantity",
+        "low-order",
+        "3D",
+        "+-",
+        "error %",
+        "+- %",
+        "printed",
+        "ANSYS",
+        "3D flat",
+        "3D rigid",
+        "3D half space",
+    ):
         table.add_column(column)
 
     def cell(value: float | None, form: str = ".5g") -> str:

@@ -26,12 +26,12 @@ SHAPE = LEVELS[1]
 @dataclass(frozen=True)
 class PatchField:
     """A contact: title, centres of cells across and along ``(n, 2)`` [m], slip over the rolling speed ``(n, 2)`` (across,
-    along), tangential force over the bound ``(n, 2)``, which cells stick, semi-axes across and along [m]."""
+    along), tangential traction ``(n, 2)`` [Pa], which cells stick, semi-axes across and along [m]."""
 
     title: str
     at: Array
     slip: Array
-    used: Array
+    traction: Array
     stick: NDArray[np.bool_]
     semi: tuple[float, float]
 
@@ -56,8 +56,8 @@ def _field(title: str, scene: Rolling, one: ContactOut) -> PatchField:
     touch = scene.balls[one.ball].touches[one.touch]
     speed = rolling_speed(touch, scene.track, scene.radius, scene.orbit)
     along, across = hertz_size(scene, touch)
-    bound = scene.mu * one.normal[:, None]
+    area = float(one.size.prod())
     turned = [1, 0]
     return PatchField(
-        title, one.at[:, turned], one.slip[:, turned] / speed, (one.tangential / bound)[:, turned], one.stick, (across, along)
+        title, one.at[:, turned], one.slip[:, turned] / speed, one.tangential[:, turned] / area, one.stick, (across, along)
     )

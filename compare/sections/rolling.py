@@ -184,32 +184,37 @@ def _beside(row: RollingRow) -> dict[str, str | float | None]:
 def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | PressureMap]:
     """Slip, and traction with the cells that stick."""
 
-    def panel(p: PatchField, what: NDArray[np.float64], factor: float, marked: bool) -> PressurePanel:
+    def panel(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
         size = np.linalg.norm(what, axis=1)
         unit = what / np.maximum(size, 1e-300)[:, None]
         x, y = (1e6 * p.at).T
         ellipse = (0.0, 0.0, 1e6 * p.semi[0], 1e6 * p.semi[1])
-        note = f"{int(p.stick.sum())} of {len(p.stick)} cells stick" if marked else f"largest {factor * size.max():.3g} %"
         arrows = (unit[:, 0].tolist(), unit[:, 1].tolist())
         stick = p.stick.tolist() if marked and p.stick.any() else None
-        return PressurePanel(p.title, x, y, factor * size, ellipse, note, arrows, 5, stick)
+        return PressurePanel(p.title, x, y, size / unit_of, ellipse, note, arrows, 5, stick)
 
-    axes = ("across the groove [um]", "along the groove, against the flow [um]")
+    axes = ("across the groove [um]", "along [um]")
+    fastest = [float(np.linalg.norm(p.slip, axis=1).max()) for p in patches]
+    sticking = [f"{int(p.stick.sum())} of {len(p.stick)} cells stick" for p in patches]
     return [
         PressureMap(
             "rolling-slip",
             "Slip in the contacts",
-            [panel(p, p.slip, 100.0, False) for p in patches],
+            [
+                panel(p, p.slip, most, f"largest: {100.0 * most:.3g} % of the rolling speed", marked=False)
+                for p, most in zip(patches, fastest, strict=True)
+            ],
             *axes,
-            "slip over rolling speed [%]",
-            caption="Two contacts of the first ball of the linear pair, and the ball of a ring in two-point contact.",
+            "slip over the contact's largest",
+            caption="Two contacts of the first ball of the linear pair, and the ball of a ring in two-point contact. Material "
+            "flows downwards.",
         ),
         PressureMap(
             "rolling-traction",
             "Tangential traction and stick zones",
-            [panel(p, p.used, 1.0, True) for p in patches],
+            [panel(p, p.traction, 1e6, note, marked=True) for p, note in zip(patches, sticking, strict=True)],
             *axes,
-            "traction on the ball over mu p",
+            "tangential traction on the ball [MPa]",
             marked_label="sticks",
             caption="Where traction is below mu p, ball and groove stick.",
         ),

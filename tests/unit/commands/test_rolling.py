@@ -41,7 +41,9 @@ def test_mesh_study_resumes_from_its_store(capsys, tmp_path, monkeypatch):
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
     computed = []
     real = rolling.compute
-    monkeypatch.setattr(rolling, "compute", lambda scene, level, bodies: computed.append(level) or real(scene, level, bodies))
+    monkeypatch.setattr(
+        rolling, "compute", lambda scene, level, bodies: computed.append(level) or real(scene, level, bodies)
+    )
     code, rows = call(capsys, "mesh-study", "lin-rotary-3", "--levels", "2", "--store", str(tmp_path))
     assert code == 0
     assert computed == [2]

@@ -7,15 +7,7 @@ import numpy as np
 import pytest
 
 from hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
-from hifi.rolling.bodies import (
-    Sizes,
-    ball_kernel,
-    bar_kernel,
-    contact_kernel,
-    free_answer,
-    half_space_kernel,
-    tractions,
-)
+from hifi.rolling.bodies import Sizes, ball_kernel, bar_kernel, contact_kernel, free_answer, half_space_kernel, tractions
 from hifi.rolling.elements import Solids, influence
 from hifi.rolling.patch import grid, hertz_patch, seen_radii
 from hifi.rolling.regular import NORMAL, TANGENTS, Regular, exponents, monomials
