@@ -1,7 +1,7 @@
 """Bodies around one contact as tensor grids of hexahedra: a whole ball, a grooved bar, and a block of a half space.
 
 Axes: x along the track, y across it towards the bottom of the groove, z into the body; the contact's middle is the origin.
-The cells of the contact zone are alike in all three, so that what a grid does to a contact's own answer cancels between them.
+The cells of the contact zone are alike in all three, so that what a grid does to a contact's own answer cancels.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Zone:
 
 
 def _beyond(start: float, end: float, step: float, growth: float) -> Array:
-    """Boundaries after ``start`` to ``end``: cells that grow from ``step`` by ``growth``, the same for any end but the last."""
+    """Boundaries after ``start`` to ``end``: cells grow from ``step`` by ``growth``; all but the last for any end."""
     out, width = [start], step * growth
     while out[-1] + 1.5 * width < end:
         out.append(out[-1] + width)

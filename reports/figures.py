@@ -146,7 +146,7 @@ def draw_map(item: PressureMap) -> str:
 
 
 def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:
-    """Contours of one contact, its nodes as dots, arrows and marks, the ellipse and the note; returns the filled contours."""
+    """Contours of one contact, its nodes as dots, arrows, marks, ellipse and note; returns the filled contours."""
     x, y = np.asarray(panel.x, float), np.asarray(panel.y, float)
     filled = axes.tricontourf(x, y, np.asarray(panel.values, float), levels=levels, cmap="viridis")
     filled.set_rasterized(True)

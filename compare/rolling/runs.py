@@ -42,10 +42,10 @@ SOURCE_SIZE = {"linear pair": 0.13e-3, "linear chain": 0.13e-3, "screw pair": 0.
 
 @dataclass(frozen=True)
 class RollingRun:
-    """A run: scene, level (0: the source's element size), cells, values by name, by the grid as it is, nearly rigid
-    bodies on it, the rigid limit, bodies on their tangent planes; what the bodies are (a key of `BODIES`); state of the solver; power lost by the differences
-    over that put in; largest remainder of the equations; processor seconds of the elastic solve and of all; cells that
-    stick."""
+    """A run: scene, level (0: the source's element size), cells, values by name, by the grid as it is, nearly rigid bodies
+    on it, the rigid limit, bodies on their tangent planes; state of the solver; power lost by the differences over that
+    put in; largest remainder of the equations; processor seconds of the elastic solve and of all; cells that stick; what
+    the bodies are (a key of `BODIES`)."""
 
     scene: str
     level: int

@@ -16,7 +16,7 @@ from compare.reference.runs import shipped_store
 from compare.rolling.body_sizes import NAMES, Variant, body_sizes
 from compare.rolling.from_rest import Series, from_rest
 from compare.rolling.patches import PatchField, fields
-from compare.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, split, stored_rows, within
+from compare.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, stored_rows, within
 from compare.rolling.runs import FINITE, LEVELS, SOURCE_LEVEL, RollingRun, load
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
@@ -138,8 +138,8 @@ def _finite(stores: Sequence[Path], sizes: Sequence[Variant]) -> list[Text | Tab
         Text(
             [
                 "Finite bodies: a whole ball and grooved bars from finite elements, normal and along tangents. What they "
-                "answer beyond a half space of the same cells is a smooth kernel, which is added to the half space's closed "
-                "form. It changes the pressure, adds a strain by the normal forces that half spaces of one material do not "
+                "answer beyond a half space of the same cells is a smooth kernel, added to the closed form of half spaces. "
+                "It changes the pressure, adds a strain by the normal forces that half spaces of one material do not "
                 "have, and the ball rolls on a radius shortened by half of the approach. Contact forces are the same, by "
                 "Hertz's law; contacts of one ball do not feel one another, and friction does not change pressures." + most
             ]
@@ -206,8 +206,8 @@ def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | Pressur
             ],
             *axes,
             "slip over the contact's largest",
-            caption="Two contacts of the first ball of the linear pair, and the ball of a ring in two-point contact. Material "
-            "flows downwards.",
+            caption="Two contacts of the first ball of the linear pair, and the ball of a ring in two-point contact. "
+            "Material flows downwards.",
         ),
         PressureMap(
             "rolling-traction",
@@ -236,8 +236,8 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
     out = [
         "The 3D model of rolling solves normal and tangential contact of elastic bodies on a grid in every contact. "
         "Coulomb's law holds in every cell to round-off, elastic displacements are carried along by the material, and each "
-        "ball moves so that its forces and moments balance. Bodies are elastic half spaces, beside them finite ones. What a grid does to rigid "
-        "bodies too, by its cells, its staircase edge and a spin pole inside a cell, is taken out by nearly rigid bodies "
+        "ball moves so that its forces and moments balance. Bodies are elastic half spaces, beside them finite ones. "
+        "What a grid does to rigid bodies too, by its cells, its staircase edge and a spin pole inside a cell, is taken out by nearly rigid bodies "
         "on the same grid and the rigid limit by quadrature.",
         f"{reached} of {len(proof)} known answers are met as closely as was to be reached.",
     ]

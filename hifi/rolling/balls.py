@@ -154,8 +154,10 @@ def patch_of(scene: Rolling, touch: Touch, choices: Choices) -> Patch:
 
 
 def kernel_of(scene: Rolling, touch: Touch, bodies: Sizes | None) -> Regular | None:
-    """What finite bodies add at a contact, in its axes; None for half spaces. Raises ValueError where the groove's bottom is
-    unknown."""
+    """What finite bodies add at a contact, in its axes; None for half spaces.
+
+    Raises ValueError where the groove's bottom is unknown.
+    """
     if bodies is None:
         return None
     if touch.bottom is None:

@@ -67,8 +67,8 @@ def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Arra
 def tractions(body: ContactBody, zone: Zone, degree: int, bends: tuple[float, float]) -> sp.csr_matrix:
     """Loads ``(3 k, 3 n)``: nodal forces of smooth tractions along x, y and into the body, in axes that follow the surface.
 
-    Their work on a motion is the motion's coefficient of each monomial, by least squares over the zone's area. bends: curvatures
-    [1/m] along x and y of the surface that ball and groove share, positive towards the ball.
+    Their work on a motion is the motion's coefficient of each monomial, by least squares over the zone's area. bends:
+    curvatures [1/m] along x and y of the surface that ball and groove share, positive towards the ball.
     """
     at = points_of(body.mesh)[body.contact, :2]
     c = len(at)

@@ -50,8 +50,8 @@ def motion_rows(track: Track, radius: float, at: Array) -> Array:
 @dataclass(frozen=True)
 class Touch:
     """Where a ball touches a groove: direction ``(3,)`` from its centre, contact force [N], relative radii [m] along and
-    across the groove, speed of the groove's body along the track, direction ``(3,)`` from the ball's centre to the bottom of
-    the groove (None: unknown, which half spaces do not need)."""
+    across the groove, speed of the groove's body along the track; bottom: direction ``(3,)`` from the ball's centre to the
+    bottom of the groove (None: unknown, which half spaces do not need)."""
 
     normal: Array
     load: float

@@ -28,7 +28,8 @@ def press(
 ) -> tuple[Array, float]:
     """Forces ``(n,)`` [N] >= 0 of sum ``load`` and the approach [m] that closes the ``gap`` ``(n,)`` [m] where they act.
 
-    more ``(n, n)`` [m/N]: compliance beyond that of half spaces. Primal-dual active set; open cells carry exactly nothing. Raises ValueError where the set does not settle.
+    more ``(n, n)`` [m/N]: compliance beyond that of half spaces. Primal-dual active set; open cells carry exactly nothing.
+    Raises ValueError where the set does not settle.
     """
     C = normal_matrix(cells, size, solids) + (0.0 if more is None else more)
     active = gap <= np.quantile(gap, 0.5)

@@ -82,8 +82,8 @@ def test_kernels_are_mirror_images_in_x():
 
 
 def test_large_bodies_are_half_spaces():
-    """Ball and bar of four times the size: what they add to the approach falls as one over their size, along tangents as that
-    times its logarithm."""
+    """Ball and bar of four times the size: what they add to the approach falls as one over their size, along
+    tangents as that times its logarithm."""
     whole = half_space_kernel(ZONE, R, E, NU, 1).diagonal()[[0, 3, 6]]
     added = []
     for factor in (1.0, 4.0):

@@ -44,7 +44,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
     monkeypatch.setattr(rolling, "proofs", lambda: proof)
     monkeypatch.setattr(rolling, "from_rest", lambda: series)
-    values = {name: 1.0 for name in NAMES}
+    values = dict.fromkeys(NAMES, 1.0)
     monkeypatch.setattr(rolling, "body_sizes", lambda: (Variant("as shipped", values),))
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
     field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
