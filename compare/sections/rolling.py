@@ -237,8 +237,8 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
         "The 3D model of rolling solves normal and tangential contact of elastic bodies on a grid in every contact. "
         "Coulomb's law holds in every cell to round-off, elastic displacements are carried along by the material, and each "
         "ball moves so that its forces and moments balance. Bodies are elastic half spaces, beside them finite ones. "
-        "What a grid does to rigid bodies too, by its cells, its staircase edge and a spin pole inside a cell, is taken out by nearly rigid bodies "
-        "on the same grid and the rigid limit by quadrature.",
+        "What a grid does to rigid bodies too, by its cells, its staircase edge and a spin pole inside a cell, is taken "
+        "out by nearly rigid bodies on the same grid and the rigid limit by quadrature.",
         f"{reached} of {len(proof)} known answers are met as closely as was to be reached.",
     ]
     if gated:
