@@ -94,8 +94,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     study.uses([name for name, own in found.items() if own])
     step("linear bearing from rest")
     series = from_rest()
-    step("finite bodies of other sizes")
-    sizes, patches = body_sizes(), fields()
+    step("slip and traction; finite bodies of other sizes")
+    sizes, patches = () if study.quick else body_sizes(), fields()
     missing = [name for name, own in found.items() if not own]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_words(found, proof)),
@@ -156,7 +156,7 @@ def _finite(stores: Sequence[Path], sizes: Sequence[Variant]) -> list[Text | Tab
             "Linear bearing, case (a): sizes and meshes of finite bodies",
             SIZES,
             [{"choice": v.choice, **v.values} for v in sizes],
-            "All on one grid of the contacts.",
+            "All on one grid of the contacts." + ("" if sizes else " Left out of a quick report."),
         ),
     ]
 
