@@ -129,12 +129,14 @@ def draw_map(item: PressureMap) -> str:
         for number, panel in enumerate(item.panels, start=1):
             first = canvas.axes[0] if canvas.axes else None
             axes = canvas.add_subplot(rows, columns, number, sharex=first, sharey=first)
-            filled = _draw_contours(axes, panel, levels, item.ellipse_label)
+            filled = _draw_contours(axes, panel, levels, item)
             axes.set_xlabel(item.xlabel)
             axes.set_ylabel(item.ylabel)
         canvas.colorbar(filled, ax=canvas.axes, label=item.label, aspect=14 * rows, pad=0.02)
-        handles, labels = canvas.axes[0].get_legend_handles_labels()
-        canvas.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        told = {
+            name: handle for axes in canvas.axes for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
+        }
+        canvas.legend(list(told.values()), list(told), loc="outside lower center", ncols=len(told))
         drawn = (_WIDTH[columns] - 1.1) / columns - 0.7
         canvas.set_size_inches(_WIDTH[columns], rows * (drawn * spans[1] / spans[0] + 1.0) + 0.3)
         stream = io.StringIO()
@@ -143,15 +145,23 @@ def draw_map(item: PressureMap) -> str:
     return _own_names(stream.getvalue(), item.name)
 
 
-def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, label: str) -> Any:
-    """Contours of one contact, its nodes as dots, the ellipse and the note; returns the filled contours."""
+def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:
+    """Contours of one contact, its nodes as dots, arrows, marks, ellipse and note; returns the filled contours."""
     x, y = np.asarray(panel.x, float), np.asarray(panel.y, float)
     filled = axes.tricontourf(x, y, np.asarray(panel.values, float), levels=levels, cmap="viridis")
     filled.set_rasterized(True)
     axes.plot(x, y, ".", markersize=1.6, color="#ffffff", alpha=0.7, rasterized=True)
+    if panel.marked is not None:
+        own = np.asarray(panel.marked, bool)
+        axes.plot(x[own], y[own], "s", markersize=4.0, markerfacecolor="none", color="#ff9db4", label=item.marked_label)
+    if panel.arrows is not None:
+        u, v = (np.asarray(part, float)[:: panel.skip] for part in panel.arrows)
+        axes.quiver(
+            x[:: panel.skip], y[:: panel.skip], u, v, color="#ffffff", angles="xy", pivot="mid", scale=24.0, width=0.003
+        )
     x0, y0, a, b = panel.ellipse
     around = np.linspace(0.0, 2.0 * np.pi, 181)
-    axes.plot(x0 + a * np.cos(around), y0 + b * np.sin(around), color="#ff5a36", linewidth=1.6, label=label)
+    axes.plot(x0 + a * np.cos(around), y0 + b * np.sin(around), color="#ff5a36", linewidth=1.6, label=item.ellipse_label)
     axes.set_aspect("equal")
     axes.grid(visible=False)
     axes.set_facecolor("#eceef1")

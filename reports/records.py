@@ -155,7 +155,8 @@ class FieldPicture:
 
 @dataclass(frozen=True)
 class PressurePanel:
-    """One contact: nodes x, y, their values, the ellipse (centre x, y, semi-axes along x, y) drawn on it, a note."""
+    """One contact: nodes x, y, their values, the ellipse (centre x, y, semi-axes along x, y) drawn on it, a note; arrows:
+    directions at the nodes (x, y), drawn at every ``skip``-th; marked: which nodes stand out."""
 
     title: str
     x: Numbers
@@ -163,11 +164,15 @@ class PressurePanel:
     values: Numbers
     ellipse: tuple[float, float, float, float]
     note: str = ""
+    arrows: tuple[Numbers, Numbers] | None = None
+    skip: int = 1
+    marked: Sequence[bool] | None = None
 
 
 @dataclass(frozen=True)
 class PressureMap:
-    """Filled contours of one to four contacts to one scale; labels with units; ``name`` is its SVG file's stem."""
+    """Filled contours of one to four contacts to one scale; labels with units; ``name`` is its SVG file's stem;
+    ``marked_label``: of nodes that stand out."""
 
     name: str
     title: str
@@ -176,6 +181,7 @@ class PressureMap:
     ylabel: str
     label: str
     ellipse_label: str = "Hertz"
+    marked_label: str = ""
     caption: str = ""
     columns: int = 2
 

@@ -10,7 +10,7 @@ from compare.commands.study import on_terminal
 from compare.errors import InputError, Refusal
 from compare.reference.runs import shipped_store
 from compare.rolling.rows import RollingRow, rows
-from compare.rolling.runs import LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
+from compare.rolling.runs import BODIES, HALF_SPACE, LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
 from compare.scenes import catalogue
 from compare.scenes.kinds.common import KindScene
 
@@ -27,15 +27,28 @@ def all_rolling(names: Sequence[str]) -> bool:
     return bool(kinds) and all(kinds)
 
 
-def runs_of(scene: KindScene, levels: Sequence[int], store: Path, workers: int | None, *, fresh: bool) -> list[RollingRun]:
+def known_bodies(bodies: str, *, rolling: bool) -> str:
+    """The name of bodies as it is. Raises InputError for an unknown one, and for half spaces under whole screws."""
+    if bodies not in BODIES:
+        raise InputError("command line", "--bodies", bodies, " or ".join(BODIES), "half spaces are the faster ones")
+    if bodies != HALF_SPACE and not rolling:
+        raise InputError(
+            "command line", "--bodies", bodies, "scenes of friction", "the static reference is of finite bodies"
+        )
+    return bodies
+
+
+def runs_of(
+    scene: KindScene, levels: Sequence[int], store: Path, workers: int | None, *, fresh: bool, bodies: str = HALF_SPACE
+) -> list[RollingRun]:
     """Runs of the levels in order, stored ones where there are; each is stored when it is done.
 
     Raises Refusal for a scene that is beyond the 3D model, and where a run did not converge.
     """
     stores = (store, shipped_store())
-    found = {} if fresh else {k: run for k in levels if (run := load(scene, k, stores)) is not None}
+    found = {} if fresh else {k: run for k in levels if (run := load(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
-    for level, run in _computed(scene, missing, workers):
+    for level, run in _computed(scene, missing, workers, bodies):
         save(store, scene, run)
         found[level] = run
         on_terminal(f"{scene.name}: level {level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
@@ -45,13 +58,13 @@ def runs_of(scene: KindScene, levels: Sequence[int], store: Path, workers: int |
     return [found[k] for k in levels]
 
 
-def _computed(scene: KindScene, levels: Sequence[int], workers: int | None) -> Any:
+def _computed(scene: KindScene, levels: Sequence[int], workers: int | None, bodies: str) -> Any:
     """Pairs of level and run, as they are done."""
     if workers is None or workers < 2 or len(levels) < 2:
-        return ((k, compute(scene, k)) for k in levels)
+        return ((k, compute(scene, k, bodies)) for k in levels)
     from joblib import Parallel, delayed
 
-    done = Parallel(n_jobs=workers)(delayed(compute)(scene, k) for k in levels)
+    done = Parallel(n_jobs=workers)(delayed(compute)(scene, k, bodies) for k in levels)
     return zip(levels, done, strict=True)
 
 
@@ -65,6 +78,7 @@ def run_rolling_compare(
     show: Show,
     print_json: Callable[[Any], None],
     fresh: bool,
+    bodies: str = HALF_SPACE,
 ) -> int:
     """Low-order models beside the 3D model of rolling; all its levels unless given."""
     wanted = sorted({k for k in levels or tuple(LEVELS) if k != SOURCE_LEVEL})
@@ -72,7 +86,9 @@ def run_rolling_compare(
     for name in names:
         scene = catalogue.any_scene(name)
         assert isinstance(scene, KindScene)
-        out += rows(scene, runs_of(scene, wanted, store, workers, fresh=fresh))
+        found = runs_of(scene, wanted, store, workers, fresh=fresh, bodies=bodies)
+        beside = None if bodies == HALF_SPACE else runs_of(scene, wanted[-1:], store, None, fresh=False)[0]
+        out += rows(scene, found, beside)
     if json_out:
         print_json([finite(row.as_json()) for row in out])
         return 0
@@ -90,7 +106,19 @@ def _table(name: str, own: Sequence[RollingRow]) -> Any:
     from rich.table import Table
 
     table = Table(title=f"{name}: low-order model against the 3D model of rolling", title_justify="left")
-    for column in ("quantity", "low-order", "3D", "+-", "error %", "+- %", "printed", "ANSYS", "3D flat", "3D rigid"):
+    for column in (
+        "quantity",
+        "low-order",
+        "3D",
+        "+-",
+        "error %",
+        "+- %",
+        "printed",
+        "ANSYS",
+        "3D flat",
+        "3D rigid",
+        "3D half space",
+    ):
         table.add_column(column)
 
     def cell(value: float | None, form: str = ".5g") -> str:
@@ -108,6 +136,7 @@ def _table(name: str, own: Sequence[RollingRow]) -> Any:
             cell(row.printed_ansys),
             cell(row.flat),
             cell(row.rigid),
+            cell(row.half_space),
         )
     table.caption = f"3D: {own[0].seconds:.2f} s on the finest grid; low-order: {1e3 * own[0].low_seconds:.2f} ms"
     return table
@@ -124,6 +153,7 @@ def run_rolling_study(
     show: Show,
     print_json: Callable[[Any], None],
     fresh: bool,
+    bodies: str = HALF_SPACE,
 ) -> int:
     """Every quantity on every grid, as it is and on top of the rigid limit."""
     if not 1 <= levels <= len(LEVELS):
@@ -133,7 +163,7 @@ def run_rolling_study(
         scene = catalogue.any_scene(name)
         assert isinstance(scene, KindScene)
         wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
-        runs = runs_of(scene, wanted, store, workers, fresh=fresh)
+        runs = runs_of(scene, wanted, store, workers, fresh=fresh, bodies=bodies)
         out += [study_row(scene.name, run, key) for key in runs[-1].values for run in runs]
     if json_out:
         print_json(out)

@@ -12,7 +12,7 @@ import numpy as np
 from compare.measure import error_percent
 from compare.printed.printed_data import entry
 from compare.rolling.low_order import low_order
-from compare.rolling.runs import LEVELS, RollingRun, load
+from compare.rolling.runs import HALF_SPACE, LEVELS, RollingRun, load
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
 
@@ -46,7 +46,8 @@ KNOWN = {
 class RollingRow:
     """One quantity of one scene: low-order, 3D and its uncertainty, printed low-order and ANSYS values (None: none),
     error of the low-order model against 3D [%] and that uncertainty [%] (None: of nothing); orders of the grids'
-    differences are in the mesh study. ablation: elastic bodies on flat contacts; rigid bodies on curved ones."""
+    differences are in the mesh study. ablation: elastic bodies on flat contacts; rigid bodies on curved ones; half spaces
+    beside finite bodies on the finest grid (None: not solved beside these)."""
 
     scene: str
     quantity: str
@@ -62,6 +63,7 @@ class RollingRow:
     uncertainty_percent: float | None
     low_seconds: float
     seconds: float
+    half_space: float | None = None
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -85,8 +87,8 @@ def uncertainty(runs: Sequence[RollingRun], name: str) -> float:
     return SAFETY * max(abs(v - values[-1]) for v in values[:-1]) + runs[-1].limit_spread[name]
 
 
-def rows(scene: KindScene, runs: Sequence[RollingRun]) -> list[RollingRow]:
-    """Rows of a scene from runs of rising level, the last one the reference."""
+def rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None = None) -> list[RollingRow]:
+    """Rows of a scene from runs of rising level, the last one the reference; beside: half spaces on its grid."""
     low, low_seconds, _ = low_order(scene)
     finest = runs[-1]
     table = PRINTED.get(scene.name.removesuffix(".toml"))
@@ -118,6 +120,7 @@ def rows(scene: KindScene, runs: Sequence[RollingRun]) -> list[RollingRow]:
                 share if np.isfinite(share) else None,
                 low_seconds,
                 finest.seconds,
+                None if beside is None else beside.values[name],
             )
         )
     return out
@@ -130,10 +133,11 @@ def within(row: RollingRow) -> bool:
     return abs(row.error_percent) - min(row.uncertainty_percent or 0.0, LIMIT) <= LIMIT
 
 
-def stored_rows(name: str, stores: Sequence[Path]) -> list[RollingRow]:
+def stored_rows(name: str, stores: Sequence[Path], bodies: str = HALF_SPACE) -> list[RollingRow]:
     """Rows of a shipped scene from the stored runs of all levels; none where one is missing."""
     scene = shipped(name)
     assert isinstance(scene, KindScene)
-    found = [load(scene, level, stores) for level in LEVELS]
+    found = [load(scene, level, stores, bodies) for level in LEVELS]
     runs = [run for run in found if run is not None and run.converged]
-    return rows(scene, runs) if len(runs) == len(LEVELS) else []
+    beside = None if bodies == HALF_SPACE else load(scene, max(LEVELS), stores)
+    return rows(scene, runs, beside) if len(runs) == len(LEVELS) else []

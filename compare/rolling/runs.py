@@ -1,5 +1,7 @@
 """Runs of the 3D model of rolling: three grids of a scene, each with nearly rigid bodies beside it, and their store.
 
+Bodies are half spaces, or finite: a ball and grooved bars (`hifi.rolling.bodies`).
+
 A run is a plain record. The answer of a grid is that of its elastic bodies less that of nearly rigid ones on the same
 grid, on top of the rigid limit by quadrature (`hifi.rolling.rigid_limit`).
 """
@@ -16,16 +18,21 @@ from typing import Any
 
 import numpy as np
 
+from compare.errors import Refusal
 from compare.rolling.cases import Case, case_of
 from compare.scenes.kinds.common import KindScene
 from compare.writing import replace_file
 from hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, RollingResult, hertz_size, solve_rolling
+from hifi.rolling.bodies import Sizes
 from hifi.rolling.patch import MARGIN
 from hifi.rolling.rigid_limit import RigidResult, solve_rigid_rolling
 
 #: Cells along and across the grooves of the levels; bump SCHEMA when the mechanics or the record change.
 LEVELS = {1: (16, 24), 2: (20, 30), 3: (24, 36)}
 SCHEMA = 1
+#: Bodies by name, and those of a scene unless others are asked for.
+HALF_SPACE, FINITE = "half-space", "finite"
+BODIES = {HALF_SPACE: None, FINITE: Sizes()}
 #: Points of the two quadratures of the rigid limit, whose difference is its uncertainty.
 QUADRATURES = (160, 187)
 #: Level of the source's own element size, and that size [m] by kind of scene.
@@ -35,10 +42,10 @@ SOURCE_SIZE = {"linear pair": 0.13e-3, "linear chain": 0.13e-3, "screw pair": 0.
 
 @dataclass(frozen=True)
 class RollingRun:
-    """A run: scene, level (0: the source's element size), cells, values by name, by the grid as it is, nearly rigid
-    bodies on it, the rigid limit, bodies on their tangent planes; state of the solver; power lost by the differences
-    over that put in; largest remainder of the equations; processor seconds of the elastic solve and of all; cells that
-    stick."""
+    """A run: scene, level (0: the source's element size), cells, values by name, by the grid as it is, nearly rigid bodies
+    on it, the rigid limit, bodies on their tangent planes; state of the solver; power lost by the differences over that
+    put in; largest remainder of the equations; processor seconds of the elastic solve and of all; cells that stick; what
+    the bodies are (a key of `BODIES`)."""
 
     scene: str
     level: int
@@ -54,6 +61,7 @@ class RollingRun:
     seconds: float
     all_seconds: float
     sticking: int
+    bodies: str = HALF_SPACE
 
     @property
     def converged(self) -> bool:
@@ -66,9 +74,12 @@ class RollingRun:
         return {k: self.limit[k] + self.elastic[k] - self.near_rigid[k] for k in self.elastic}
 
 
-def key_of(scene: KindScene, level: int) -> str:
+def key_of(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
     """Digest of all that a run's numbers depend on."""
     told = [SCHEMA, asdict(scene), level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, NEARLY_RIGID]
+    sizes = BODIES[bodies]
+    if sizes is not None:
+        told.append(asdict(sizes))
     return hashlib.sha256(json.dumps(told, default=_plain).encode()).hexdigest()[:16]
 
 
@@ -76,16 +87,17 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray) else repr(value)
 
 
-def path_in(store: Path, scene: KindScene, level: int) -> Path:
+def path_in(store: Path, scene: KindScene, level: int, bodies: str = HALF_SPACE) -> Path:
     """File of a run."""
-    return store / f"rolling-{Path(scene.name).stem}-level{level}-{key_of(scene, level)}.json"
+    what = "" if bodies == HALF_SPACE else f"-{bodies}"
+    return store / f"rolling-{Path(scene.name).stem}{what}-level{level}-{key_of(scene, level, bodies)}.json"
 
 
-def load(scene: KindScene, level: int, stores: Sequence[Path]) -> RollingRun | None:
+def load(scene: KindScene, level: int, stores: Sequence[Path], bodies: str = HALF_SPACE) -> RollingRun | None:
     """The stored run, from the first store that has it."""
     for store in stores:
         try:
-            told = json.loads(path_in(store, scene, level).read_text(encoding="utf-8"))
+            told = json.loads(path_in(store, scene, level, bodies).read_text(encoding="utf-8"))
         except (OSError, ValueError):
             continue
         return RollingRun(**(told | {"shape": tuple(told["shape"])}))
@@ -94,7 +106,7 @@ def load(scene: KindScene, level: int, stores: Sequence[Path]) -> RollingRun | N
 
 def save(store: Path, scene: KindScene, run: RollingRun) -> Path:
     """Write a run. Returns its file."""
-    path = path_in(store, scene, run.level)
+    path = path_in(store, scene, run.level, run.bodies)
     replace_file(path, json.dumps(asdict(run), indent=1) + "\n")
     return path
 
@@ -109,16 +121,25 @@ def shape_of(case: Case, level: int) -> tuple[int, int]:
     return along, across
 
 
-def compute(scene: KindScene, level: int) -> RollingRun:
-    """Run a level. Raises Refusal for a scene that is beyond the 3D model."""
-    begin = process_time()
+def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> RollingRun:
+    """Run a level. Raises Refusal for a scene that is beyond the 3D model, or whose bodies cannot be meshed."""
+    try:
+        return _compute(scene, level, bodies)
+    except ValueError as error:
+        if bodies == HALF_SPACE:
+            raise
+        raise Refusal(scene.name, "bodies", str(error), f'take bodies = "{HALF_SPACE}"') from error
+
+
+def _compute(scene: KindScene, level: int, bodies: str) -> RollingRun:
+    begin, sizes = process_time(), BODIES[bodies]
     case = case_of(scene, Choices(LEVELS.get(level, LEVELS[1])))
     shape = shape_of(case, level)
     pairs = {
-        name: _both(case, Choices(shape, share, curved))
+        name: _both(case, Choices(shape, share, curved, sizes))
         for name, share, curved in (("elastic", 1.0, True), ("near", NEARLY_RIGID, True), ("flat", 1.0, False))
     }
-    limits = [[solve_rigid_rolling(s, n) for s in (case.apart, case.touching)] for n in QUADRATURES]
+    limits = [[solve_rigid_rolling(s, n, bodies=sizes) for s in (case.apart, case.touching)] for n in QUADRATURES]
     measured = {name: measures(case, *pair) for name, pair in pairs.items()}
     fine, other = (measures(case, *pair) for pair in limits)
     apart, touching = pairs["elastic"]
@@ -138,6 +159,7 @@ def compute(scene: KindScene, level: int) -> RollingRun:
         apart.seconds + touching.seconds,
         process_time() - begin,
         int(sum(int(c.stick.sum()) for c in touching.contacts)),
+        bodies,
     )
 
 

@@ -7,17 +7,20 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compare.evidence.rolling_proof import Proof, proofs
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.reference.runs import shipped_store
+from compare.rolling.body_sizes import NAMES, Variant, body_sizes
 from compare.rolling.from_rest import Series, from_rest
+from compare.rolling.patches import PatchField, fields
 from compare.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, stored_rows, within
-from compare.rolling.runs import LEVELS, SOURCE_LEVEL, RollingRun, load
+from compare.rolling.runs import FINITE, LEVELS, SOURCE_LEVEL, RollingRun, load
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
-from reports.records import Column, Figure, Panel, Section, Table, Text
+from reports.records import Column, Figure, Panel, PressureMap, PressurePanel, Section, Table, Text
 from reports.records import Series as Curve
 
 PROOF = (
@@ -60,6 +63,18 @@ GRIDS = (
     Column("stick", "cells that stick", "", "d"),
     Column("seconds", "processor time", "s", "g3"),
 )
+BODIES = (
+    Column("scene", "scene", "", "s"),
+    Column("quantity", "quantity", "", "s"),
+    Column("unit", "unit", "", "s"),
+    Column("rigid", "rigid bodies", "", "g5"),
+    Column("half", "half spaces", "", "g5"),
+    Column("finite", "finite bodies", "", "g5"),
+    Column("uncertainty", "+-", "", "g2"),
+    Column("change", "change by finite bodies", "%", ".3f"),
+    Column("error", "low-order against finite bodies", "%", ".2f"),
+)
+SIZES = (Column("choice", "choice", "", "s"), *(Column(name, name, "", "g6") for name in NAMES))
 REST = (
     Column("steps", "steps", "", "d"),
     Column("force", "force at the end", "N", "g5"),
@@ -79,8 +94,10 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     study.uses([name for name, own in found.items() if own])
     step("linear bearing from rest")
     series = from_rest()
+    step("slip and traction; finite bodies of other sizes")
+    sizes, patches = () if study.quick else body_sizes(), fields()
     missing = [name for name, own in found.items() if not own]
-    items: list[Text | Table | Figure] = [
+    items: list[Text | Table | Figure | PressureMap] = [
         Text(_words(found, proof)),
         Table("rolling-verification", "Contacts with known answers on three grids", PROOF, [_proof(p) for p in proof]),
         Table(
@@ -98,6 +115,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             COMPARISON,
             [_compared(row) for name in RINGS for row in found[name]],
         ),
+        *_finite(stores, sizes),
+        *_maps(patches),
         Table("rolling-grids", "What the grids do", GRIDS, _grid_rows(stores)),
         Table("rolling-from-rest", "Linear bearing, case (a), from rest", REST, [_rest(s) for s in series]),
         _figure(series),
@@ -106,6 +125,100 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     if times is not None:
         items.append(times)
     return Section("rolling", "Rolling in 3D: balls that touch", items, _headline(found))
+
+
+def _finite(stores: Sequence[Path], sizes: Sequence[Variant]) -> list[Text | Table | Figure | PressureMap]:
+    """What finite bodies change, and how far that depends on the choices behind them."""
+    found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
+    missing = [name for name, own in found.items() if not own]
+    shown = [row for own in found.values() for row in own if row.half_space is not None]
+    changes = [abs(c) for row in shown if row.quantity in ("force 1-2", "torque") and (c := _change(row)) is not None]
+    most = f" They change forces and torques by up to {max(changes):.2f} %." if changes else ""
+    return [
+        Text(
+            [
+                "Finite bodies: a whole ball and grooved bars from finite elements, normal and along tangents. What they "
+                "answer beyond a half space of the same cells is a smooth kernel, added to the closed form of half spaces. "
+                "It changes the pressure, adds a strain by the normal forces that half spaces of one material do not "
+                "have, and the ball rolls on a radius shortened by half of the approach. Contact forces are the same, by "
+                "Hertz's law; contacts of one ball do not feel one another, and friction does not change pressures." + most
+            ]
+        ),
+        Table(
+            "rolling-bodies",
+            "What finite bodies change",
+            BODIES,
+            [_beside(row) for row in shown],
+            f"No stored runs: {', '.join(missing)}." if missing else "",
+        ),
+        Table(
+            "rolling-body-sizes",
+            "Linear bearing, case (a): sizes and meshes of finite bodies",
+            SIZES,
+            [{"choice": v.choice, **v.values} for v in sizes],
+            "All on one grid of the contacts." + ("" if sizes else " Left out of a quick report."),
+        ),
+    ]
+
+
+def _change(row: RollingRow) -> float | None:
+    change = None if row.half_space is None else float(error_percent(row.reference, row.half_space))
+    return change if change is not None and np.isfinite(change) and row.error_percent != 0.0 else None
+
+
+def _beside(row: RollingRow) -> dict[str, str | float | None]:
+    finite = np.isfinite(row.uncertainty)
+    return {
+        "scene": row.scene,
+        "quantity": row.quantity,
+        "unit": row.unit,
+        "rigid": row.rigid,
+        "half": row.half_space,
+        "finite": row.reference,
+        "uncertainty": row.uncertainty if finite else None,
+        "change": _change(row),
+        "error": row.error_percent,
+    }
+
+
+def _maps(patches: Sequence[PatchField]) -> list[Text | Table | Figure | PressureMap]:
+    """Slip, and traction with the cells that stick."""
+
+    def panel(p: PatchField, what: NDArray[np.float64], unit_of: float, note: str, *, marked: bool) -> PressurePanel:
+        size = np.linalg.norm(what, axis=1)
+        unit = what / np.maximum(size, 1e-300)[:, None]
+        x, y = (1e6 * p.at).T
+        ellipse = (0.0, 0.0, 1e6 * p.semi[0], 1e6 * p.semi[1])
+        arrows = (unit[:, 0].tolist(), unit[:, 1].tolist())
+        stick = p.stick.tolist() if marked and p.stick.any() else None
+        return PressurePanel(p.title, x, y, size / unit_of, ellipse, note, arrows, 5, stick)
+
+    axes = ("across the groove [um]", "along [um]")
+    fastest = [float(np.linalg.norm(p.slip, axis=1).max()) for p in patches]
+    sticking = [f"{int(p.stick.sum())} of {len(p.stick)} cells stick" for p in patches]
+    return [
+        PressureMap(
+            "rolling-slip",
+            "Slip in the contacts",
+            [
+                panel(p, p.slip, most, f"largest: {100.0 * most:.3g} % of the rolling speed", marked=False)
+                for p, most in zip(patches, fastest, strict=True)
+            ],
+            *axes,
+            "slip over the contact's largest",
+            caption="Two contacts of the first ball of the linear pair, and the ball of a ring in two-point contact. "
+            "Material flows downwards.",
+        ),
+        PressureMap(
+            "rolling-traction",
+            "Tangential traction and stick zones",
+            [panel(p, p.traction, 1e6, note, marked=True) for p, note in zip(patches, sticking, strict=True)],
+            *axes,
+            "tangential traction on the ball [MPa]",
+            marked_label="sticks",
+            caption="Where traction is below mu p, ball and groove stick.",
+        ),
+    ]
 
 
 def _headline(found: dict[str, list[RollingRow]]) -> tuple[tuple[str, str], ...]:
@@ -123,9 +236,9 @@ def _words(found: dict[str, list[RollingRow]], proof: Sequence[Proof]) -> list[s
     out = [
         "The 3D model of rolling solves normal and tangential contact of elastic bodies on a grid in every contact. "
         "Coulomb's law holds in every cell to round-off, elastic displacements are carried along by the material, and each "
-        "ball moves so that its forces and moments balance. Bodies are elastic half spaces. What a grid does to rigid "
-        "bodies too, by its cells, its staircase edge and a spin pole inside a cell, is taken out by nearly rigid bodies "
-        "on the same grid and the rigid limit by quadrature.",
+        "ball moves so that its forces and moments balance. Bodies are elastic half spaces, beside them finite ones. "
+        "What a grid does to rigid bodies too, by its cells, its staircase edge and a spin pole inside a cell, is taken "
+        "out by nearly rigid bodies on the same grid and the rigid limit by quadrature.",
         f"{reached} of {len(proof)} known answers are met as closely as was to be reached.",
     ]
     if gated:

@@ -16,10 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hifi.hertz import hertz
+from hifi.rolling.bodies import Sizes, contact_kernel
 from hifi.rolling.friction import Contact, Friction, solve_friction
 from hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact, surface
 from hifi.rolling.neighbours import Meeting, Together
 from hifi.rolling.patch import Patch, hertz_patch
+from hifi.rolling.regular import Regular
 
 Array = NDArray[np.float64]
 
@@ -56,11 +58,13 @@ class Rolling:
 @dataclass(frozen=True)
 class Choices:
     """Numerical choices: cells of every contact's grid along and across the groove; share of the tangential compliance
-    (1, or `NEARLY_RIGID`); curved: contacts on the surface that ball and groove share, not on its tangent plane."""
+    (1, or `NEARLY_RIGID`); curved: contacts on the surface that ball and groove share, not on its tangent plane; bodies:
+    meshes of finite ones (None: half spaces)."""
 
     shape: tuple[int, int] = (24, 24)
     elastic: float = 1.0
     curved: bool = True
+    bodies: Sizes | None = None
 
 
 @dataclass(frozen=True)
@@ -132,10 +136,37 @@ def unit_patch(radii: tuple[float, float], young: float, poisson: float, shape: 
     return patch
 
 
-def patch_of(scene: Rolling, touch: Touch, shape: tuple[int, int]) -> Patch:
-    """The contact's patch under its force."""
-    unit = unit_patch(touch.radii, scene.young, scene.poisson, shape)
-    return unit.scaled(float(np.cbrt(touch.load)), touch.load)
+@lru_cache(maxsize=64)
+def finite_patch(
+    load: float, radii: tuple[float, float], material: tuple[float, float], shape: tuple[int, int], kernel: Regular
+) -> Patch:
+    """Contact of finite bodies under a force [N]; material: Young's modulus [Pa] and Poisson's ratio."""
+    return hertz_patch(load, radii, *material, shape, kernel)
+
+
+def patch_of(scene: Rolling, touch: Touch, choices: Choices) -> Patch:
+    """The contact's patch under its force. Raises ValueError as `kernel_of`."""
+    kernel = kernel_of(scene, touch, choices.bodies)
+    if kernel is None:
+        unit = unit_patch(touch.radii, scene.young, scene.poisson, choices.shape)
+        return unit.scaled(float(np.cbrt(touch.load)), touch.load)
+    return finite_patch(touch.load, touch.radii, (scene.young, scene.poisson), choices.shape, kernel)
+
+
+def kernel_of(scene: Rolling, touch: Touch, bodies: Sizes | None) -> Regular | None:
+    """What finite bodies add at a contact, in its axes; None for half spaces.
+
+    Raises ValueError where the groove's bottom is unknown.
+    """
+    if bodies is None:
+        return None
+    if touch.bottom is None:
+        raise ValueError("a finite groove needs the direction of its bottom")
+    largest = max(t.load for b in scene.balls for t in b.touches)
+    angle = float(np.arccos(touch.normal @ touch.bottom))
+    kernel = contact_kernel(scene.radius, touch.radii, angle, largest, scene.young, scene.poisson, bodies)
+    axes = axes_of(touch, scene.track, scene.radius, scene.orbit)
+    return kernel if axes[1] @ touch.bottom > 0.0 else kernel.mirrored
 
 
 def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:
@@ -152,7 +183,7 @@ def contacts_of(scene: Rolling, choices: Choices) -> list[Contact]:
     return [
         ball_contact(
             t,
-            patch_of(scene, t, choices.shape),
+            patch_of(scene, t, choices),
             scene.track,
             scene.radius,
             scene.orbit,
@@ -209,8 +240,9 @@ def _result(
     outs, power, wrench = [], 0.0, np.zeros((count, 6))
     for k, (b, i, t) in enumerate(touching(scene)):
         c, q, s = contacts[k], found.forces[k], found.slips[k]
-        patch, axes = patch_of(scene, t, choices.shape), axes_of(t, scene.track, scene.radius, scene.orbit)
-        points, tangents = surface(axes, scene.radius, t.radii, patch.at, curved=choices.curved)
+        patch, axes = patch_of(scene, t, choices), axes_of(t, scene.track, scene.radius, scene.orbit)
+        sunk = choices.elastic * patch.sunk
+        points, tangents = surface(axes, scene.radius, t.radii, patch.at, curved=choices.curved, sunk=sunk)
         on_ball = np.einsum("nck,cn->nk", tangents, q.reshape(2, -1))
         wrench[b, :3] += on_ball.sum(axis=0)
         wrench[b, 3:] += np.cross(points, on_ball).sum(axis=0)

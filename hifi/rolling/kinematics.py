@@ -50,12 +50,14 @@ def motion_rows(track: Track, radius: float, at: Array) -> Array:
 @dataclass(frozen=True)
 class Touch:
     """Where a ball touches a groove: direction ``(3,)`` from its centre, contact force [N], relative radii [m] along and
-    across the groove, speed of the groove's body along the track."""
+    across the groove, speed of the groove's body along the track; bottom: direction ``(3,)`` from the ball's centre to the
+    bottom of the groove (None: unknown, which half spaces do not need)."""
 
     normal: Array
     load: float
     radii: tuple[float, float]
     ride: float
+    bottom: Array | None = None
 
 
 def axes_of(touch: Touch, track: Track, radius: float, orbit: float) -> Array:
@@ -73,14 +75,17 @@ def axes_of(touch: Touch, track: Track, radius: float, orbit: float) -> Array:
     return np.stack([x, np.cross(touch.normal, x), touch.normal])
 
 
-def surface(axes: Array, radius: float, radii: tuple[float, float], local: Array, *, curved: bool) -> tuple[Array, Array]:
+def surface(
+    axes: Array, radius: float, radii: tuple[float, float], local: Array, *, curved: bool, sunk: float = 0.0
+) -> tuple[Array, Array]:
     """Points ``(n, 3)`` [m] from the ball's centre and tangents ``(n, 2, 3)`` at local x, y ``(n, 2)``.
 
     curved: on the surface that ball and groove share, its curvature the mean of both; otherwise on the tangent plane.
+    sunk: depth [m] of its middle inside the undeformed ball.
     """
     bend = (1.0 / radius - 0.5 / np.array(radii)) * (1.0 if curved else 0.0)
     fall = 0.5 * (local**2 @ bend)
-    points = radius * axes[2] + local @ axes[:2] - fall[:, None] * axes[2]
+    points = (radius - sunk) * axes[2] + local @ axes[:2] - fall[:, None] * axes[2]
     tangents = axes[None, :2] - (local * bend)[:, :, None] * axes[2]
     return points, tangents / np.linalg.norm(tangents, axis=2, keepdims=True)
 
@@ -107,8 +112,9 @@ def ball_contact(
     elastic: share of the bodies' compliance along tangents.
     """
     axes = axes_of(touch, track, radius, orbit)
-    points, tangents = surface(axes, radius, touch.radii, patch.at, curved=curved)
+    points, tangents = surface(axes, radius, touch.radii, patch.at, curved=curved, sunk=elastic * patch.sunk)
     rows = np.einsum("nck,nkm->cnm", tangents, motion_rows(track, radius, points)).reshape(-1, MOTIONS)
     given = -touch.ride * np.einsum("nck,nk->cn", tangents, track.field(points)).ravel()
     speed = elastic * rolling_speed(touch, track, radius, orbit)
+    given += speed * patch.strain
     return Contact(mu * patch.normal, speed * patch.transport, rows, first + np.arange(MOTIONS), given)

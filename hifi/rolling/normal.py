@@ -23,12 +23,15 @@ def normal_matrix(cells: Index, size: Array, solids: Solids) -> Array:
     return np.asarray(table[apart[..., 0], apart[..., 1]])
 
 
-def press(cells: Index, size: Array, gap: Array, load: float, solids: Solids) -> tuple[Array, float]:
+def press(
+    cells: Index, size: Array, gap: Array, load: float, solids: Solids, more: Array | None = None
+) -> tuple[Array, float]:
     """Forces ``(n,)`` [N] >= 0 of sum ``load`` and the approach [m] that closes the ``gap`` ``(n,)`` [m] where they act.
 
-    Primal-dual active set; open cells carry exactly nothing. Raises ValueError where the set does not settle.
+    more ``(n, n)`` [m/N]: compliance beyond that of half spaces. Primal-dual active set; open cells carry exactly nothing.
+    Raises ValueError where the set does not settle.
     """
-    C = normal_matrix(cells, size, solids)
+    C = normal_matrix(cells, size, solids) + (0.0 if more is None else more)
     active = gap <= np.quantile(gap, 0.5)
     for _ in range(MOST):
         i = np.flatnonzero(active)

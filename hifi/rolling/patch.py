@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from hifi.hertz import hertz
 from hifi.rolling.elements import Solids, influence
 from hifi.rolling.normal import press
+from hifi.rolling.regular import NORMAL, TANGENTS, Regular
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -24,12 +25,15 @@ Index = NDArray[np.int64]
 MARGIN = 1.08
 #: Step of the differences along the flow, in cells; a whole one sees the same place in every cell and is less exact.
 STEP = 0.5
+#: Points along each axis of Hertz's ellipse at which the displacement of finite bodies is taken.
+POINTS = 12
 
 
 @dataclass(frozen=True)
 class Patch:
     """A contact of n cells: columns and rows of the cells ``(n, 2)`` on a grid, centres x, y ``(n, 2)`` [m], size of a cell
-    ``(2,)`` [m], normal forces ``(n,)`` [N], the bodies, the approach [m]."""
+    ``(2,)`` [m], normal forces ``(n,)`` [N], the bodies, the approach [m]; what finite bodies add to half spaces (None:
+    half spaces)."""
 
     cells: Index
     at: Array
@@ -37,6 +41,7 @@ class Patch:
     normal: Array
     solids: Solids
     approach: float
+    regular: Regular | None = None
 
     @property
     def load(self) -> float:
@@ -49,7 +54,22 @@ class Patch:
 
         Of unit tangential forces, each uniform over its cell.
         """
-        return _matrix(self, shift)
+        half_space = _matrix(self, shift)
+        return half_space if self.regular is None else half_space + self.regular.block(self.at, TANGENTS, TANGENTS, shift)
+
+    @property
+    def strain(self) -> Array:
+        """Rate ``(2 n,)`` of tangential displacement, per length of rolling, by the normal forces: like half spaces have
+        none."""
+        if self.regular is None:
+            return np.zeros(2 * len(self.at))
+        return np.asarray(-self.regular.slope(self.at, TANGENTS, NORMAL) @ self.normal)
+
+    @property
+    def sunk(self) -> float:
+        """How far the contact's middle lies inside the undeformed ball [m]: half of the approach; with half spaces, whose
+        radius of rolling is the ball's own, nothing."""
+        return 0.0 if self.regular is None else 0.5 * self.approach
 
     @cached_property
     def transport(self) -> Array:
@@ -64,7 +84,9 @@ class Patch:
         return np.asarray((3.0 * now - 4.0 * before + first) / (2.0 * step))
 
     def scaled(self, length: float, force: float) -> Patch:
-        """The patch of a similar contact: lengths and normal forces multiplied."""
+        """The patch of a similar contact: lengths and normal forces multiplied. Raises ValueError for finite bodies."""
+        if self.regular is not None:
+            raise ValueError("contacts of finite bodies are not similar")
         square = length * length
         out = replace(
             self, at=self.at * length, size=self.size * length, normal=self.normal * force, approach=self.approach * square
@@ -95,17 +117,47 @@ def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:
     return cells, (cells + 0.5 - 0.5 * np.array(shape)) * size
 
 
-def hertz_patch(load: float, radii: tuple[float, float], young: float, poisson: float, shape: tuple[int, int]) -> Patch:
+def seen_radii(
+    load: float, radii: tuple[float, float], young: float, poisson: float, regular: Regular | None
+) -> tuple[float, float]:
+    """Relative radii [m] along x and y of half spaces that touch as finite bodies do: by the curvatures of the displacement
+    that these add under Hertz's pressure. Those of the bodies themselves without a kernel."""
+    if regular is None:
+        return radii
+    found = hertz(load, *radii, young, poisson)
+    unit = (np.arange(POINTS) + 0.5) / POINTS * 2.0 - 1.0
+    at = np.stack(np.meshgrid(unit * found.semi_x, unit * found.semi_y, indexing="ij"), axis=-1).reshape(-1, 2)
+    pressure = np.nan_to_num(found.pressure(at[:, 0], at[:, 1]))
+    force = load * pressure / pressure.sum()
+    added = regular.block(at, NORMAL, NORMAL) @ force
+    weight = np.sqrt(force)
+    rows = np.column_stack([np.ones(len(at)), at, 0.5 * at**2])
+    bend = np.linalg.lstsq(rows * weight[:, None], added * weight, rcond=None)[0][-2:]
+    one, two = 1.0 / (1.0 / np.array(radii) + bend)
+    return float(one), float(two)
+
+
+def hertz_patch(
+    load: float,
+    radii: tuple[float, float],
+    young: float,
+    poisson: float,
+    shape: tuple[int, int],
+    regular: Regular | None = None,
+) -> Patch:
     """Contact of two bodies of one material with relative radii [m] along x and y under ``load`` [N] on a grid.
+
+    regular: what finite bodies add to half spaces; of their pressure, what tangential forces do to it is left out.
 
     The pressure solves the contact on the grid: cells beyond its edge are dropped. Raises ValueError for what Hertz's
     formulas refuse, and where the active set does not settle.
     """
-    found = hertz(load, *radii, young, poisson)
+    found = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
     size = 2.0 * MARGIN * np.array([found.semi_x, found.semi_y]) / np.array(shape)
     cells, at = grid(shape, size)
     solids = Solids.same(young, poisson)
     gap = 0.5 * (at[:, 0] ** 2 / radii[0] + at[:, 1] ** 2 / radii[1])
-    forces, approach = press(cells, size, gap, load, solids)
+    more = None if regular is None else regular.block(at, NORMAL, NORMAL)
+    forces, approach = press(cells, size, gap, load, solids, more)
     inside = forces > 0.0
-    return Patch(cells[inside], at[inside], size, forces[inside], solids, approach)
+    return Patch(cells[inside], at[inside], size, forces[inside], solids, approach, regular)

@@ -16,9 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hifi.hertz import hertz
-from hifi.rolling.balls import Rolling, balance_of, start_of, touching
+from hifi.rolling.balls import Rolling, balance_of, kernel_of, start_of, touching
+from hifi.rolling.bodies import Sizes
 from hifi.rolling.friction import PATH, Contact, full_slip, solve_rigid
 from hifi.rolling.kinematics import MOTIONS, axes_of, motion_rows, surface
+from hifi.rolling.patch import seen_radii
 
 Array = NDArray[np.float64]
 
@@ -53,21 +55,29 @@ def quadrature(points: int) -> tuple[Array, Array]:
     return np.stack([x.ravel(), (v * np.sqrt(1.0 - x**2)).ravel()], axis=1), weight.ravel()
 
 
-def solve_rigid_rolling(scene: Rolling, points: int = POINTS, *, curved: bool = True) -> RigidResult:
-    """Steady rolling of rigid bodies under Hertz's pressures. Raises ValueError where no balance is found."""
+def solve_rigid_rolling(
+    scene: Rolling, points: int = POINTS, *, curved: bool = True, bodies: Sizes | None = None
+) -> RigidResult:
+    """Steady rolling of rigid bodies under Hertz's pressures. Raises ValueError where no balance is found.
+
+    bodies: finite ones, by the half spaces that touch as they do (`hifi.rolling.patch.seen_radii`); None: half spaces.
+    """
     y = start_of(scene)
     for count in (FIRST, points):
-        contacts = _contacts(scene, count, curved)
+        contacts = _contacts(scene, count, curved, bodies)
         path = PATH if count == FIRST else PATH[-2:]
         y, remainder = solve_rigid(contacts, balance_of(scene, contacts), y, path)
     return _result(scene, contacts, y, remainder)
 
 
-def _contacts(scene: Rolling, points: int, curved: bool) -> list[Contact]:
+def _contacts(scene: Rolling, points: int, curved: bool, bodies: Sizes | None) -> list[Contact]:
     unit, weight = quadrature(points)
     contacts = []
     for b, _, touch in touching(scene):
-        found = hertz(touch.load, *touch.radii, scene.young, scene.poisson)
+        material = scene.young, scene.poisson
+        found = hertz(
+            touch.load, *seen_radii(touch.load, touch.radii, *material, kernel_of(scene, touch, bodies)), *material
+        )
         semi = np.array([found.semi_x, found.semi_y])
         local = unit * semi
         normal = found.pressure(local[:, 0], local[:, 1]) * weight * semi.prod()

@@ -52,7 +52,13 @@ def scene_of(layout: Layout, material: Material, normals: Array, loads: Array) -
     balls = []
     for frame, n, force in zip(layout.frames, normals, loads, strict=True):
         touches = [
-            Touch(n[k] @ layout.section, float(force[k]), (layout.radii[k, 0], layout.radii[k, 1]), float(layout.ride[k]))
+            Touch(
+                n[k] @ layout.section,
+                float(force[k]),
+                (layout.radii[k, 0], layout.radii[k, 1]),
+                float(layout.ride[k]),
+                _bottom(n, layout.ride, k) @ layout.section,
+            )
             for k in range(force.size)
         ]
         balls.append(Ball(frame, tuple(touches)))
@@ -60,6 +66,12 @@ def scene_of(layout: Layout, material: Material, normals: Array, loads: Array) -
     return Rolling(
         layout.track, layout.radius, m.young, m.poisson, m.mu, m.mu_balls, layout.orbit, tuple(balls), layout.meetings
     )
+
+
+def _bottom(normals: Array, ride: Array, k: int) -> Array:
+    """Direction ``(2,)`` to the bottom of groove k: between the contacts with both arcs of its body."""
+    both = normals[ride == ride[k]].sum(axis=0)
+    return np.asarray(both / np.linalg.norm(both))
 
 
 def hertz_constants(layout: Layout, material: Material) -> Array:

@@ -91,7 +91,7 @@ def run_from_rest(
 def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
     out = []
     for (_, _, touch), contact in zip(touching(scene), contacts_of(scene, choices), strict=True):
-        patch = patch_of(scene, touch, choices.shape)
+        patch = patch_of(scene, touch, choices)
         shift = rolling_speed(touch, scene.track, scene.radius, scene.orbit) * dt
         share = choices.elastic / dt
         out.append(_Carried(contact, share * patch.tangential(), share * patch.tangential(shift)))

@@ -20,6 +20,7 @@ def mesh_study(
     spread: Annotated[bool, Parameter(negative="")] = False,
     source_mesh: Annotated[bool, Parameter(negative="")] = False,
     fresh: Annotated[bool, Parameter(negative="")] = False,
+    bodies: str = "half-space",
     as_json: Json = False,
     backend: str = "joblib",
     scheduler: str | None = None,
@@ -42,6 +43,8 @@ def mesh_study(
         Also run the source's mesh: first-order tetrahedra of 0.08 mm around every contact.
     fresh
         Compute runs even where they are stored.
+    bodies
+        Of scenes of friction: half-space, or finite (a ball and grooved bars from finite elements: minutes).
     backend
         joblib (this machine) or dask (a cluster).
     scheduler
@@ -49,10 +52,12 @@ def mesh_study(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.commands.rolling import all_rolling, run_rolling_study
+    from compare.commands.rolling import all_rolling, known_bodies, run_rolling_study
     from compare.commands.study import run_mesh_study
 
-    if all_rolling(scenes):
+    rolling = all_rolling(scenes)
+    bodies = known_bodies(bodies, rolling=rolling)
+    if rolling:
         return run_rolling_study(
             scenes,
             levels,
@@ -63,6 +68,7 @@ def mesh_study(
             show=show,
             print_json=print_json,
             fresh=fresh,
+            bodies=bodies,
         )
     return run_mesh_study(
         scenes,
@@ -87,6 +93,7 @@ def compare(
     store: Path = Path("rollbench-reference"),
     fresh: Annotated[bool, Parameter(negative="")] = False,
     balls: Annotated[bool, Parameter(negative="")] = False,
+    bodies: str = "half-space",
     as_json: Json = False,
     backend: str = "joblib",
     scheduler: str | None = None,
@@ -113,6 +120,8 @@ def compare(
         Compute runs even where they are stored or shipped.
     balls
         Also print every contact.
+    bodies
+        Of scenes of friction: half-space, or finite (a ball and grooved bars from finite elements: minutes).
     backend
         joblib (this machine) or dask (a cluster).
     scheduler
@@ -120,13 +129,15 @@ def compare(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.commands.rolling import all_rolling, run_rolling_compare
+    from compare.commands.rolling import all_rolling, known_bodies, run_rolling_compare
     from compare.commands.study import parse_levels, run_compare
 
     wanted = None if levels is None else parse_levels(levels)
-    if all_rolling(scenes):
+    rolling = all_rolling(scenes)
+    bodies = known_bodies(bodies, rolling=rolling)
+    if rolling:
         return run_rolling_compare(
-            scenes, wanted, store, workers, json_out=as_json, show=show, print_json=print_json, fresh=fresh
+            scenes, wanted, store, workers, json_out=as_json, show=show, print_json=print_json, fresh=fresh, bodies=bodies
         )
     return run_compare(
         scenes,

@@ -10,6 +10,7 @@ from compare.errors import InputError, Refusal
 from compare.rolling import runs
 from compare.rolling.rows import RollingRow, uncertainty, within
 from compare.scenes import catalogue
+from hifi.rolling.bodies import Sizes
 
 
 @pytest.fixture(autouse=True)
@@ -41,7 +42,9 @@ def test_mesh_study_resumes_from_its_store(capsys, tmp_path, monkeypatch):
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
     computed = []
     real = rolling.compute
-    monkeypatch.setattr(rolling, "compute", lambda scene, level: computed.append(level) or real(scene, level))
+    monkeypatch.setattr(
+        rolling, "compute", lambda scene, level, bodies: computed.append(level) or real(scene, level, bodies)
+    )
     code, rows = call(capsys, "mesh-study", "lin-rotary-3", "--levels", "2", "--store", str(tmp_path))
     assert code == 0
     assert computed == [2]
@@ -83,3 +86,23 @@ def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():
 def test_one_grid_has_no_uncertainty(tmp_path):
     run = rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, None, fresh=False)
     assert uncertainty(run, "torque N mm") == float("inf")
+
+
+def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(capsys, tmp_path, monkeypatch):
+    monkeypatch.setitem(runs.BODIES, "finite", Sizes(cells=(2, 2), growth=3.0, degree=2))
+    code, rows = call(capsys, "compare", "lin-pair-a", "--levels", "1", "--bodies", "finite", "--store", str(tmp_path))
+    assert code == 0
+    (force,) = (r for r in rows if r["quantity"] == "force 1-2")
+    assert force["half_space"] == pytest.approx(force["reference"], rel=0.02)
+    assert force["half_space"] != force["reference"]
+    assert sorted(p.name.rsplit("-", 1)[0] for p in tmp_path.glob("*.json")) == [
+        "rolling-lin-pair-a-finite-level1",
+        "rolling-lin-pair-a-level1",
+    ]
+
+
+def test_unknown_bodies_and_a_choice_of_them_under_a_whole_screw_are_refused():
+    with pytest.raises(InputError, match="--bodies"):
+        app(["compare", "lin-pair-a", "--bodies", "rubber"], exit_on_error=False, print_error=False)
+    with pytest.raises(InputError, match="finite bodies"):
+        app(["compare", "lin-case1", "--bodies", "finite"], exit_on_error=False, print_error=False)

@@ -1,14 +1,19 @@
 """Section on rolling in 3D and its gate rows, from the stored runs; the solves behind the rest are replaced."""
 
+import numpy as np
 import pytest
 
 from compare.evidence.rolling_proof import Proof
 from compare.gate import gate
 from compare.models.study import Study
 from compare.rolling import rows as rolling_rows
+from compare.rolling.body_sizes import NAMES, Variant
 from compare.rolling.from_rest import Series
+from compare.rolling.patches import PatchField
 from compare.rolling.rows import KNOWN
 from compare.sections import rolling
+from reports.figures import draw_map
+from reports.records import PressureMap
 
 #: Ball-to-ball forces and torques of the low-order models.
 LOW = {
@@ -39,6 +44,11 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
     monkeypatch.setattr(rolling, "proofs", lambda: proof)
     monkeypatch.setattr(rolling, "from_rest", lambda: series)
+    values = dict.fromkeys(NAMES, 1.0)
+    monkeypatch.setattr(rolling, "body_sizes", lambda: (Variant("as shipped", values),))
+    at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
+    field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
+    monkeypatch.setattr(rolling, "fields", lambda: (field,))
     made = rolling.section(Study(), lambda _: None)
     tables = {item.name: item for item in made.items if hasattr(item, "rows")}
     assert tables["rolling-verification"].rows[0]["verdict"] == "reached"
@@ -49,6 +59,16 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     assert abs(forces["lin-pair-a"]["error"]) < 2.0
     assert {row["scene"] for row in tables["rolling-ring"].rows} == {"lin-rotary-1", "lin-rotary-2", "lin-rotary-3"}
     assert made.headline
+    finite = {row["scene"]: row for row in tables["rolling-bodies"].rows if row["quantity"] in ("force 1-2", "torque")}
+    assert set(finite) == set(LOW)
+    assert finite["lin-pair-a"]["change"] == pytest.approx(-0.21, abs=0.03)
+    assert finite["lin-pair-b"]["change"] is None  # of nothing
+    assert all(abs(row["change"] or 0.0) < 0.25 for row in finite.values())
+    grids = {row["scene"] for row in tables["rolling-grids"].rows if row["level"] == "source's size"}
+    assert grids == {name for name in LOW if "pair" in name}
+    maps = {item.name: item for item in made.items if isinstance(item, PressureMap)}
+    assert "sticks" in draw_map(maps["rolling-traction"])
+    assert max(maps["rolling-slip"].panels[0].values) == 1.0
 
 
 @pytest.mark.usefixtures("_low")

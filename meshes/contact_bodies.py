@@ -1,0 +1,159 @@
+"""Bodies around one contact as tensor grids of hexahedra: a whole ball, a grooved bar, and a block of a half space.
+
+Axes: x along the track, y across it towards the bottom of the groove, z into the body; the contact's middle is the origin.
+The cells of the contact zone are alike in all three, so that what a grid does to a contact's own answer cancels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import Mesh
+
+from meshes.fem import moved, named, points_of, tensor_grid
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Zone:
+    """Contact zone: half lengths along x and y ``(2,)`` [m], cells along each axis, ratio of neighbouring cells beyond."""
+
+    half: tuple[float, float]
+    cells: tuple[int, int]
+    growth: float
+
+    def lines(self, axis: int, low: float, high: float) -> Array:
+        """Boundaries of cells along x (0) or y (1) from ``low`` < 0 to ``high`` > 0 [m]. Raises ValueError where the zone
+        does not fit between them."""
+        half = self.half[axis]
+        if not (low < -half and half < high):
+            raise ValueError(f"a contact zone of {half:.3g} m does not fit between {low:.3g} and {high:.3g} m")
+        core = np.linspace(-half, half, self.cells[axis] + 1)
+        step = float(core[1] - core[0])
+        return np.concatenate([-_beyond(half, -low, step, self.growth)[::-1], core, _beyond(half, high, step, self.growth)])
+
+    def depths(self, deep: float) -> Array:
+        """Boundaries of cells from the surface to ``deep`` [m], the first as large as the zone's smaller ones."""
+        first = min(2.0 * h / n for h, n in zip(self.half, self.cells, strict=True))
+        return np.concatenate([[0.0, first], _beyond(first, deep, first, self.growth)])
+
+
+def _beyond(start: float, end: float, step: float, growth: float) -> Array:
+    """Boundaries after ``start`` to ``end``: cells grow from ``step`` by ``growth``; all but the last for any end."""
+    out, width = [start], step * growth
+    while out[-1] + 1.5 * width < end:
+        out.append(out[-1] + width)
+        width *= growth
+    return np.array([*out[1:], end])
+
+
+@dataclass(frozen=True)
+class ContactBody:
+    """Mesh with boundaries "contact" (the zone) and "held" (where a body is held or cut off; a ball has none); nodes of the
+    zone ``(c,)``; sense of z along the normal from ball to groove: -1 for the ball, 1 for a groove."""
+
+    mesh: Mesh
+    contact: Index
+    sense: int
+
+
+def _body(
+    zone: Zone, x: Array, y: Array, z: Array, points: Array, held: list[tuple[int, float]], sense: int
+) -> ContactBody:
+    """A tensor grid with its nodes moved to ``points``; held: (axis, value) of the grid's faces."""
+    flat = tensor_grid(x, y, z, "Q2")
+    xi = points_of(flat)
+    mesh = moved(flat, points)
+    outer = mesh.boundary_facets()
+    corners = xi[mesh.facets[:, outer]]  # (4, faces, 3)
+    top = np.all(np.abs(corners[..., 2]) < 1e-12, axis=0)
+    inside = np.all(np.abs(corners[..., :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=(0, 2))
+    names = {"contact": outer[top & inside]}
+    if held:
+        on = [np.all(np.abs(corners[..., k] - value) < 1e-12, axis=0) for k, value in held]
+        names["held"] = outer[np.any(on, axis=0)]
+    own = (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=1)
+    return ContactBody(named(mesh, names), np.flatnonzero(own), sense)
+
+
+def whole_ball(radius: float, zone: Zone) -> ContactBody:
+    """A ball of ``radius`` [m], free: a cube whose faces are mapped onto the sphere."""
+    root = np.sqrt(0.5)
+    x, y = (zone.lines(k, -root * radius, root * radius) for k in (0, 1))
+    half = zone.depths(radius)
+    z = np.concatenate([half, radius + radius * np.array([0.5, 1.0])])
+    grid = points_of(tensor_grid(x, y, z, "Q2"))
+    u = np.column_stack([grid[:, :2] / (root * radius), 1.0 - grid[:, 2] / radius])
+    s = u**2
+    out = np.empty_like(u)
+    for k in range(3):
+        a, b = s[:, (k + 1) % 3], s[:, (k + 2) % 3]
+        out[:, k] = radius * u[:, k] * np.sqrt(1.0 - 0.5 * a - 0.5 * b + a * b / 3.0)
+    out[:, 2] = radius - out[:, 2]
+    return _body(zone, x, y, z, out, [], -1)
+
+
+@dataclass(frozen=True)
+class Groove:
+    """A groove of two arcs: radii of ball and arcs [m], contact angle [rad] from the bottom of the groove, half of its
+    opening [rad], curvature of its surface along the track at the contact [1/m] (positive: concave, 0: straight)."""
+
+    ball: float
+    arc: float
+    angle: float
+    opening: float
+    bend: float
+
+    def surface(self, theta: Array) -> Array:
+        """Distance [m] of the groove's surface from the ball's centre, ``theta`` [rad] from the contact to the bottom."""
+        c = self.arc - self.ball
+        cos = np.cos(np.where(theta > self.angle, 2.0 * self.angle - theta, theta))
+        return np.asarray(-c * cos + np.sqrt(c**2 * cos**2 + self.arc**2 - c**2))
+
+
+def grooved_bar(groove: Groove, size: float, zone: Zone) -> ContactBody:
+    """A bar around a groove: round outside at ``size`` [m] from the ball's centre, where it is held, as long to both sides
+    of the contact; lands beside the groove, its other flank and its ends are free.
+
+    Bent into a ring where the groove is. Raises ValueError where the groove's opening leaves no room for the zone, or a
+    ring has none for the bar.
+    """
+    R = groove.ball
+    low, high = groove.angle - groove.opening, groove.angle + groove.opening
+    bottom = groove.angle * R
+    y = np.concatenate([zone.lines(1, low * R, bottom), np.linspace(bottom, high * R, 5)[1:]])
+    x, z = zone.lines(0, -size, size), zone.depths(size - R)
+    grid = points_of(tensor_grid(x, y, z, "Q2"))
+    theta = grid[:, 1] / R
+    inner = groove.surface(theta)
+    r = inner + (size - inner) * grid[:, 2] / (size - R)
+    across, along = r * np.sin(theta), r * np.cos(theta) - R
+    return _body(zone, x, y, z, _bent(groove, grid[:, 0], across, along), [(2, float(z[-1]))], 1)
+
+
+def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
+    """Points of the section y, z carried by x [m] along the track: straight, or round the axis of its ring."""
+    if groove.bend == 0.0:
+        return np.column_stack([x, y, z])
+    down = np.array([np.sin(groove.angle), np.cos(groove.angle)])  # to the bottom of the groove, in the section
+    outward = 1.0 if groove.bend > 0.0 else -1.0
+    pitch = np.cos(groove.angle) / abs(groove.bend) - outward * groove.ball * np.cos(groove.angle)
+    depth = np.column_stack([y, z + groove.ball]) @ down
+    radius = pitch + outward * depth
+    if radius.min() <= 0.0:
+        raise ValueError("a bar is thicker than its ring: make it smaller")
+    middle = pitch + outward * groove.ball * np.cos(groove.angle)
+    turn = x / middle
+    lost = outward * radius * (1.0 - np.cos(turn))  # towards the axis
+    return np.column_stack([radius * np.sin(turn), y - lost * down[0], z - lost * down[1]])
+
+
+def half_space(size: float, zone: Zone) -> ContactBody:
+    """A block of a half space, cut off at ``size`` [m] from the contact's middle."""
+    x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.depths(size)
+    cut = [(0, -size), (0, size), (1, -size), (1, size), (2, size)]
+    return _body(zone, x, y, z, points_of(tensor_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1)
