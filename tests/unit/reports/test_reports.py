@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from reports import figures, html, scene3d
+from reports import cells, figures, html, scene3d
 from reports.records import Column, Figure, LoadedScrew, Panel, Report, Section, Series, Table, Text
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -93,7 +93,7 @@ def report(*items):
         ),
     )
     provenance = {"Version": "1.2.3", "Machine": "<unknown>"}
-    return Report("Report <1>", "Sub & title", [("Errors", "< 1 %")], provenance, sections, {"case.toml": "abc123"})
+    return Report("Report <1>", "Sub & title", provenance, sections, {"case.toml": "abc123"})
 
 
 class Page(HTMLParser):
@@ -317,7 +317,7 @@ class TestPage:
         ],
     )
     def test_verdicts(self, text, kind):
-        assert html._verdict(text) == kind
+        assert cells.verdict(text) == kind
 
     def test_a_picture_that_cannot_be_drawn_is_left_out_and_said_so(self, tmp_path):
         lines = []
