@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from reports.cells import micro
 from reports.figures import PALETTE, drawing
 from reports.records import Figure, Panel, Series
 
@@ -76,6 +77,7 @@ def _element(group: Any, defs: Sequence[Any], view: tuple[float, ...], title: st
     """One SVG element of a page."""
     inner = "".join(ElementTree.tostring(e, encoding="unicode") for e in (*defs, group))
     inner = re.sub(r' xmlns(:\w+)?="[^"]+"', "", inner).replace("xlink:href", "href")
+    inner = re.sub(r"<[^>]*>", lambda tag: re.sub(r"(\.\d\d)\d+", r"\1", tag[0]), re.sub(r"\s*\n\s*", "\n", inner))
     box = " ".join(f"{v:.1f}" for v in view)
     size = f'width="{view[2] / 0.75:.0f}" height="{view[3] / 0.75:.0f}"'
     head = f'<svg xmlns="{_SVG}" viewBox="{box}" {size} role="img" aria-label="{escape(title)}">'
@@ -83,9 +85,10 @@ def _element(group: Any, defs: Sequence[Any], view: tuple[float, ...], title: st
 
 
 def _values(axes: Any, panel: Panel, height: float) -> Iterator[str]:
-    """Unseen circles over the points of the curves, each with its values as title."""
+    """Unseen circles over the points of the curves, each with curve, abscissa and ordinate as the lines of its title."""
     box = axes.get_window_extent()
-    yield '<g class="values" fill="transparent">'
+    names = f'data-x="{escape(micro(panel.xlabel))}" data-y="{escape(micro(panel.ylabel))}"'
+    yield f'<g class="values" fill="transparent" {names}>'
     for series in panel.series:
         x, y = np.asarray(series.x, float), np.asarray(series.y, float)
         for k in _some(len(x), series):
@@ -95,11 +98,9 @@ def _values(axes: Any, panel: Panel, height: float) -> Iterator[str]:
                 at = axes.transData.transform((x[k], y[k]))
             if not (box.x0 - 1.0 <= at[0] <= box.x1 + 1.0 and box.y0 - 1.0 <= at[1] <= box.y1 + 1.0):
                 continue
-            text = f"{_name(series, int(k))}{panel.xlabel}: {x[k]:.4g}\n{panel.ylabel}: {y[k]:.4g}{_bars(series, int(k))}"
-            yield (
-                f'<circle cx="{at[0]:.1f}" cy="{height - at[1]:.1f}" r="4"><title>{escape(text)}</title>'
-                "</circle>"
-            )
+            text = f"{_name(series, int(k))}\n{x[k]:.4g}\n{y[k]:.4g}{_bars(series, int(k))}"
+            place = f'cx="{at[0]:.1f}" cy="{height - at[1]:.1f}"'
+            yield f'<circle {place} r="4"><title>{escape(micro(text))}</title></circle>'
     yield "</g>"
 
 
@@ -111,8 +112,7 @@ def _some(count: int, series: Series) -> Any:
 
 
 def _name(series: Series, k: int) -> str:
-    words = ", ".join(word for word in (series.label, series.names[k] if series.names else "") if word)
-    return f"{words}\n" if words else ""
+    return series.names[k] if series.names else series.label
 
 
 def _bars(series: Series, k: int) -> str:

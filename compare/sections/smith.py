@@ -10,7 +10,6 @@ from compare.evidence.record import Evidence
 from compare.evidence.registry import evidence
 from compare.evidence.smith import ball, case, screw, taper
 from compare.models.study import Study
-from compare.sections import notes
 from compare.sections.finding_table import printed_table
 from lowfi.bearings.axis import axis_stiffness
 from reports.records import Figure, Panel, Section, Series, Table, Text
@@ -87,8 +86,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     step("support bearings and axis")
     found = evidence(study, *TITLES)
     tables = [printed_table(name, title, [f for f in found if f.printed.table == name]) for name, title in TITLES.items()]
-    title = "Misprints and faults of Smith (1994)"
-    tables.append(Table("smith-misprints", title, notes.MISPRINT_COLUMNS, notes.misprints("smith")))
     return Section(
         "smith", "Support bearings and the axis (Smith 1994)", (Text(ABOUT, bullets=True), figure(found), *tables)
     )

@@ -59,8 +59,9 @@
   tip.setAttribute("role", "status");
   document.querySelectorAll("svg .values").forEach((group) => {
     const points = [...group.children].map((circle) => {
-      const title = circle.firstElementChild, text = title.textContent;
-      title.remove();
+      const title = circle.firstElementChild, [name, x, y] = title.textContent.split("\n");
+      const text = `${name}\n${group.dataset.x}: ${x}\n${group.dataset.y}: ${y}`;
+      title.remove(); // the browser would show it too, later
       return { x: +circle.getAttribute("cx"), y: +circle.getAttribute("cy"), text, circle };
     });
     const svg = group.ownerSVGElement;
