@@ -47,7 +47,9 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
     )
     environment.filters["micro"] = micro
     writer = _Writer(folder, say)
-    sections = [_section(section, number, len(report.sections), writer) for number, section in enumerate(report.sections, 1)]
+    sections = [
+        _section(section, number, len(report.sections), writer) for number, section in enumerate(report.sections, 1)
+    ]
     common = {"report": report, "sections": sections, "marker": Markup(MARKER)}
     turns = zip(sections, [None, *sections[:-1]], [*sections[1:], None], strict=True)
     for section, before, after in turns:

@@ -88,6 +88,9 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 assumptions(study),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),
-            *(Table(name, f"Misprints and faults of {of}", MISPRINT_COLUMNS, misprints(key)) for name, key, of in MISPRINTS),
+            *(
+                Table(name, f"Misprints and faults of {of}", MISPRINT_COLUMNS, misprints(key))
+                for name, key, of in MISPRINTS
+            ),
         ),
     )

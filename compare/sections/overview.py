@@ -24,7 +24,10 @@ LINE = 7.0
 #: Families that share a colour, by models: the refined one, the source's and steps from it, axial bars, condensed bodies.
 FAMILIES = (
     ("refined", ("refined",)),
-    ("the source's model and steps from it", ("lin", "lin-source-partition", "lin-printed-hertz", "lin-cell", "lin-nut", "source")),
+    (
+        "the source's model and steps from it",
+        ("lin", "lin-source-partition", "lin-printed-hertz", "lin-cell", "lin-nut", "source"),
+    ),
     ("axial bars", ("mei", "mei-nut")),
     ("bodies from 3D", ("condensed",)),
 )
@@ -61,7 +64,9 @@ def named(label: str) -> tuple[str, str]:
     """Short name and family of the label of a model or mesh."""
     model = next((m for m in MODELS.values() if m.label == label), None)
     if model is None:
-        return label.removeprefix("3D reference, ").replace("level", "3D level").replace("the source's mesh", "3D, source's mesh"), SOLID
+        return label.removeprefix("3D reference, ").replace("level", "3D level").replace(
+            "the source's mesh", "3D, source's mesh"
+        ), SOLID
     return model.name, next((family for family, names in FAMILIES if model.name in names), model.label)
 
 
@@ -154,8 +159,8 @@ def time_figure(
     series = [s for s in series if len(s.x)]
     panel = Panel("", "run time of a cold start / s", "largest error / % of the mean load", tuple(series), log="xy")
     caption = (
-        f"Light points: {len(points)} scenes. Marked: medians, with what the reference's grid uncertainty leaves of them as "
-        "bars. A level that is itself the best estimate stands at its uncertainty."
+        f"Light points: {len(points)} scenes. Marked: medians, with what the reference's grid uncertainty leaves of them "
+        "as bars. A level that is itself the best estimate stands at its uncertainty."
     )
     return Figure(name, TITLE, (panel,), caption, columns=1, size=size)
 
@@ -181,7 +186,9 @@ def answer(points: Mapping[str, Sequence[TimePoint]], bars: Sequence[float]) -> 
         if name in found:
             s = found[name]
             count = "" if s.scenes == len(points) else f"{s.scenes} scenes, "
-            words.append(f"{s.worst:.1f} % with {label} ({count}RMS up to {s.worst_rms:.1f} %, {seconds(s.cold)} from a cold start)")
+            words.append(
+                f"{s.worst:.1f} % with {label} ({count}RMS up to {s.worst_rms:.1f} %, {seconds(s.cold)} from a cold start)"
+            )
     several = f"{len(points)} screws and bearings" if len(points) > 1 else "one scene"
     return (
         f"On {several} the largest error of a contact load is, in per cent of the mean load, {', '.join(words[:-1])} and "
@@ -216,22 +223,22 @@ def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> lis
     contacts = [int((ref.load > 0.0).sum()) for ref in found.values()]
     screws = [s for s in every if s.track.lead != 0.0]
     return [
-        f"{cases} case studies of the source, and {unseen} screws and bearings fixed before any of them was solved in 3D: no "
-        "model was made with them.",
-        f"{len(screws)} screws of lead {span([1e3 * abs(s.track.lead) for s in screws], 'mm')}, bearings: {len(every) - len(screws)}; "
-        f"pitch diameters {span([2e3 * s.track.pitch_radius for s in every], 'mm')}, "
+        f"{cases} case studies of the source, and {unseen} screws and bearings fixed before any of them was solved in 3D: "
+        "no model was made with them.",
+        f"{len(screws)} screws of lead {span([1e3 * abs(s.track.lead) for s in screws], 'mm')}, bearings: "
+        f"{len(every) - len(screws)}; pitch diameters {span([2e3 * s.track.pitch_radius for s in every], 'mm')}, "
         f"{span([s.ball_count for s in every], 'balls')}, {span(contacts, 'loaded contacts')}.",
-        "Friction, ball motion, support bearings, chains of balls and several rolling sets are held against printed numbers, "
-        "closed forms and second solvers, each on its page.",
+        "Friction, ball motion, support bearings, chains of balls and several rolling sets are held against printed "
+        "numbers, closed forms and second solvers, each on its page.",
     ]
 
 
 LIMITS = (
-    "The reference is linear elastic, frictionless and of nominal shape but for the errors of a scene; its uncertainty is its "
-    "grid's. What unprinted dimensions and idealisations change is a number of its own (page on its meshes).",
+    "The reference is linear elastic, frictionless and of nominal shape but for the errors of a scene; its uncertainty is "
+    "its grid's. What unprinted dimensions and idealisations change is a number of its own (page on its meshes).",
     "A screw unlike these is answered by the models, and their result then says that its error is not covered.",
-    "A cold start is a new process with empty caches, libraries included; a further solve takes thousandths of that. Times are "
-    "those of the machine named below.",
+    "A cold start is a new process with empty caches, libraries included; a further solve takes a small part of that. "
+    "Times are those of the machine named below.",
 )
 
 
@@ -265,8 +272,9 @@ def standing_table(found: Sequence[Standing]) -> Table:
         Column("cold", "cold start, median", "s", "g3"),
     )
     note = (
-        "Against the best estimate of the 3D reference of each scene; every point is in the table of error against run time. "
-        "The error of a level that is itself the best estimate is its grid uncertainty, and its RMS error is zero by definition."
+        "Against the best estimate of the 3D reference of each scene; every point is in the table of error against run "
+        "time. The error of a level that is itself the best estimate is its grid uncertainty, and its RMS error is zero by "
+        "definition."
     )
     return Table("overview-models", "Models and meshes over all scenes", columns, rows, note)
 

@@ -12,7 +12,7 @@ from compare.evidence.smith import ball, case, screw, taper
 from compare.models.study import Study
 from compare.sections.finding_table import printed_table
 from lowfi.bearings.axis import axis_stiffness
-from reports.records import Figure, Panel, Section, Series, Table, Text
+from reports.records import Figure, Panel, Section, Series, Text
 
 #: Titles of the tables.
 TITLES = {
