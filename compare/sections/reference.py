@@ -132,10 +132,10 @@ def load_tables(study: Study, found: References) -> list[Table]:
         for k, a in enumerate(answers):
             label = MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model)
             columns.append(Column(f"m{k}", label, "N", ".1f"))
-        columns.append(Column("bar", "uncertainty", "N", ".2f"))
+        columns.append(Column("bar", "uncertainty of the reference", "N", ".2f"))
         columns.append(Column("error", "error of the refined model", "% of own load", "+.2f"))
         columns.append(Column("angle", "contact angle, reference", "deg", ".2f"))
-        columns.append(Column("low_angle", "refined model", "deg", ".2f"))
+        columns.append(Column("low_angle", "contact angle, refined model", "deg", ".2f"))
         rows: list[dict[str, Cell]] = []
         for i, s in np.ndindex(ref.load.shape):
             if not any(a.load[i, s] > 0.0 for a in answers):

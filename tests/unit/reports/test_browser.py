@@ -64,7 +64,8 @@ async function look(page, width, height) {
 }
 (async () => {
   for (const page of PAGES) for (const [width, height] of WIDTHS) await look(page, width, height);
-  const end = document.createElement("pre"); end.id = "found"; end.textContent = JSON.stringify(found); document.body.append(end);
+  const end = Object.assign(document.createElement("pre"), { id: "found", textContent: JSON.stringify(found) });
+  document.body.append(end);
 })();
 </script></body>
 """
