@@ -395,8 +395,8 @@ def section(study: Study, step: Step) -> Section:
                 "contact ellipse by Hertz",
                 f"Mesh level {FINE_LEVEL}. Nodal force over tributary area, dots are nodes; see the table's note on their "
                 "scatter. The ellipse is Hertz's closed form for the same load and the curvatures there, centred "
-                "on the resultant force. The loads are those of the finest stored reference; pressed by them is the 3D ball "
-                "between its 3D groove patches, held where they meet screw and nut.",
+                "on the resultant force. The loads are those of the finest stored reference; pressed by them is the 3D "
+                "ball between its 3D groove patches, held where they meet screw and nut.",
             ),
             profiles(two),
             PressureMap(
