@@ -93,7 +93,8 @@ def run_table(data: CrossData) -> Table:
 def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> list[Table]:
     """Every contact by both programs, extrapolated; and on every mesh of either."""
     rows = contact_rows(data, ours, limit)
-    cells = [r.cells() for r in rows]
+    heads = mesh_columns(data, ours)
+    ends, each = ([{c.key: r.cells()[c.key] for c in own} for r in rows] for own in (columns(), heads))
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
         f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} short half axes, RMS misfit "
@@ -102,14 +103,8 @@ def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> li
     )
     meshes = "CalculiX's columns are the runs of the most alike contact law."
     return [
-        Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, both extrapolated", columns(), cells, note),
-        Table(
-            f"crosscheck-meshes-{data.scene}",
-            f"{data.scene}: contact loads on every mesh",
-            mesh_columns(data, ours),
-            cells,
-            meshes,
-        ),
+        Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, both extrapolated", columns(), ends, note),
+        Table(f"crosscheck-meshes-{data.scene}", f"{data.scene}: contact loads on every mesh", heads, each, meshes),
     ]
 
 

@@ -72,10 +72,12 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
 
 def figure(found: Sequence[Evidence]) -> Figure:
     """Stiffness of bearings and axis."""
+    sums = [f for kind in screw.KINDS for f in found if f.printed.key == f"total_{kind}"]
+    more = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
     caption = (
         "Left: the ball bearing's test runs flatter than any Hertz contact; the tapered bearing is stiffer than the test "
-        "by more than what the depth of its rings explains. Right: with both ends side by side the axis is stiffer by a "
-        "third than the sum in series, which a test by hammer and accelerometer, end to end, seemed to confirm."
+        "by more than what the depth of its rings explains. Right: with both ends side by side the axis is stiffer by "
+        f"{min(more):.0f} to {max(more):.0f} % than the sum in series, which a test by hammer and accelerometer, end to end, seemed to confirm."
     )
     title = "Stiffness of the support bearings and of the axis"
     return Figure("smith-stiffness", title, (stiffness_panel(found), axis_panel(found)), caption)

@@ -40,7 +40,7 @@ def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
     assert found["lin"].within == 1
     assert found["3D level 3"].median == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
     assert off(POINTS["a"][-1]) == pytest.approx(0.1)
-    assert [row["name"] for row in standing_table(standings(POINTS)).rows][0] == "mei"
+    assert standing_table(standings(POINTS)).rows[0]["name"] == "mei"
 
 
 def test_front_holds_what_nothing_beats_in_both() -> None:
