@@ -77,7 +77,8 @@ def figure(found: Sequence[Evidence]) -> Figure:
     caption = (
         "Left: the ball bearing's test runs flatter than any Hertz contact; the tapered bearing is stiffer than the test "
         "by more than what the depth of its rings explains. Right: with both ends side by side the axis is stiffer by "
-        f"{min(more):.0f} to {max(more):.0f} % than the sum in series, which a test by hammer and accelerometer, end to end, seemed to confirm."
+        f"{min(more):.0f} to {max(more):.0f} % than the sum in series, which a test by hammer and accelerometer, end to "
+        "end, seemed to confirm."
     )
     title = "Stiffness of the support bearings and of the axis"
     return Figure("smith-stiffness", title, (stiffness_panel(found), axis_panel(found)), caption)
