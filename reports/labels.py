@@ -28,7 +28,7 @@ def apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDAr
     order = np.argsort(heights, kind="stable")
     rank = gap * np.arange(len(order))
     wanted = np.asarray(heights, float)[order] - rank
-    level = _rising(np.clip(wanted, low, max(low, high - gap * (len(order) - 1))))
+    level = np.clip(_rising(wanted), low, max(low, high - gap * (len(order) - 1)))
     out = np.empty(len(order))
     out[order] = level + rank
     return out
