@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from reports.figures import COLOURS
 from reports.offscreen import draw_in_child
 from reports.records import FieldPicture, MeshPart
 from reports.scene3d import SIZE
@@ -39,7 +40,6 @@ _TEN_SPLIT = (
     (4, 8, 9, 5),
 )
 STEPS = 18  # of the colour scale: their borders are lines of equal value
-COLOURS = "turbo"
 PALETTE = 224  # colours of the file
 MM = 1e3
 KINDS = {"P1": 4, "P2": 10, "Q2": 27}

@@ -17,12 +17,15 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
 
+from reports.labels import place_texts
 from reports.records import Figure, Panel, PressureMap, PressurePanel, Series
 
 #: Okabe and Ito's palette without its yellow, dark tones first; safe for colour blindness.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#7B4EA3", "#E69F00", "#333333", "#56B4E9", "#CC79A7")
 MARKERS = ("o", "s", "^", "D", "v", "x", "P", "*")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.4, 1.3)), (0, (6, 1.5, 1.4, 1.5)))
+#: Colours of fields: lightness grows with the value, in print and to the colour-blind too.
+COLOURS = "viridis"
 STYLES = ("line", "markers", "line+markers", "band")
 
 MAX_PANELS = 6
@@ -64,14 +67,19 @@ _RC = {
 
 
 def draw(figure: Figure) -> str:
+    """Draw a figure of one to six panels: the document of `drawing`."""
+    return drawing(figure)[0]
+
+
+def drawing(figure: Figure) -> tuple[str, Canvas]:
     """Draw a figure of one to six panels.
 
     Args:
         figure: the record; equal labels get equal colours and markers in all its panels.
 
     Returns:
-        An SVG document. Its identifiers begin with the figure's name, so that several may stand in one page;
-        neither date nor version enters it.
+        An SVG document, and what drew it. Its identifiers begin with the figure's name, so that several may stand in
+        one page; neither date nor version enters it.
 
     Raises:
         ValueError: no panel or more than six; lengths of a curve that differ; an unknown style or scale.
@@ -100,10 +108,14 @@ def draw(figure: Figure) -> str:
                 count = min(2 if max(map(len, labels)) > 34 else 4, len(labels))
                 canvas.legend(handles, labels, loc=place, ncols=count, handlelength=3.2)
                 legends = max(1, math.ceil(len(labels) / count) - 2)
-        canvas.set_size_inches(_WIDTH[columns], rows * (_HEIGHT[columns] + 0.2 * legends))
+        canvas.set_size_inches(*(figure.size or (_WIDTH[columns], rows * (_HEIGHT[columns] + 0.2 * legends))))
+        if any(series.texts for panel in figure.panels for series in panel.series):
+            canvas.draw_without_rendering()  # the places of the axes, which those of the texts follow
+            for axes, panel in zip(canvas.axes, figure.panels, strict=True):
+                place_texts(axes, panel.series)
         stream = io.StringIO()
         canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Title": figure.title})
-    return _own_names(stream.getvalue(), figure.name)
+    return _own_names(stream.getvalue(), figure.name), canvas
 
 
 def draw_map(item: PressureMap) -> str:
@@ -148,7 +160,7 @@ def draw_map(item: PressureMap) -> str:
 def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:
     """Contours of one contact, its nodes as dots, arrows, marks, ellipse and note; returns the filled contours."""
     x, y = np.asarray(panel.x, float), np.asarray(panel.y, float)
-    filled = axes.tricontourf(x, y, np.asarray(panel.values, float), levels=levels, cmap="viridis")
+    filled = axes.tricontourf(x, y, np.asarray(panel.values, float), levels=levels, cmap=COLOURS)
     filled.set_rasterized(True)
     axes.plot(x, y, ".", markersize=1.6, color="#ffffff", alpha=0.7, rasterized=True)
     if panel.marked is not None:
@@ -178,6 +190,9 @@ def _check(name: str, panel: Panel) -> None:
         raise ValueError(f"{place}: log is {panel.log!r}; it must be one of '', 'x', 'y', 'xy'")
     for series in panel.series:
         curve = f"{place}, curve {series.label!r}"
+        for extra, kind in ((series.texts, "texts"), (series.names, "names")):
+            if extra and len(extra) != len(series.x):
+                raise ValueError(f"{curve}: {len(extra)} {kind} for {len(series.x)} points")
         if series.style not in STYLES:
             raise ValueError(f"{curve}: style is {series.style!r}; it must be one of {', '.join(STYLES)}")
         if len(series.x) != len(series.y):
@@ -238,7 +253,10 @@ def _draw_series(axes: Any, series: Series, number: int) -> None:
     x, y = np.asarray(series.x, float), np.asarray(series.y, float)
     colour = PALETTE[number % len(PALETTE)]
     marker = MARKERS[(number + number // len(PALETTE)) % len(MARKERS)]
-    label = series.label or "_nolegend_"
+    label = "_nolegend_" if series.light or series.texts or not series.label else series.label
+    if series.light:
+        axes.plot(x, y, linestyle="none", marker=".", markersize=4.0, color=colour, alpha=0.35, label=label, zorder=1.8)
+        return
     if series.style == "band":
         upper = np.asarray(series.y2, float)
         axes.fill_between(x, y, upper, color=colour, alpha=0.20, linewidth=0.0, label=label, zorder=1.5)

@@ -41,7 +41,8 @@ class Table:
 @dataclass(frozen=True)
 class Series:
     """One curve: label, x, y, style (``"line"``, ``"markers"``, ``"line+markers"``, ``"band"`` up to y2); ``bars``: lower
-    and upper ends of error bars."""
+    and upper ends of error bars; ``light``: small and pale, not in the legend; ``texts``: written beside the points, in
+    place of a line in the legend; ``names``: of the points, for who points at them."""
 
     label: str
     x: Sequence[float]
@@ -50,6 +51,9 @@ class Series:
     y2: Sequence[float] | None = None
     emphasis: bool = False
     bars: tuple[Sequence[float], Sequence[float]] | None = None
+    light: bool = False
+    texts: Sequence[str] = ()
+    names: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -71,13 +75,15 @@ class Panel:
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of one to six panels, ``columns`` (at most 3) per row; ``name`` is its SVG file's stem."""
+    """A figure of one to six panels, ``columns`` (at most 3) per row; ``name`` is its SVG file's stem; ``size``: width and
+    height in inches of 96 pixels, None for what suits the number of panels."""
 
     name: str
     title: str
     panels: Sequence[Panel]
     caption: str = ""
     columns: int = 2
+    size: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -195,23 +201,37 @@ class Text:
 
 
 @dataclass(frozen=True)
+class Summary:
+    """The first screen: a question, its answer in one sentence, one figure of it and the same for a narrow screen, then
+    what the answer covers and what limits it, as statements."""
+
+    question: str
+    answer: str
+    figure: Figure
+    narrow: Figure
+    coverage: Sequence[str]
+    limits: Sequence[str]
+
+
+@dataclass(frozen=True)
 class Section:
-    """A numbered section of the report; ``name`` selects it with ``--only``; headline: its figures (label, value) for the
-    head of the report."""
+    """A numbered section of the report on a page of its own; ``name`` selects it with ``--only``; headline: its figures
+    (label, value), at its head; appendix: listed after the others; summary: the report's first screen."""
 
     name: str
     title: str
     items: Sequence[Text | Table | Figure | LoadedScrew | FieldPicture | PressureMap]
     headline: tuple[tuple[str, str], ...] = ()
+    appendix: bool = False
+    summary: Summary | None = None
 
 
 @dataclass(frozen=True)
 class Report:
-    """The whole report: title, one-line summary figures for its head (label, value), provenance, sections."""
+    """The whole report: title, subtitle, provenance, sections; the first summary of a section is its first screen."""
 
     title: str
     subtitle: str
-    headline: Sequence[tuple[str, str]]
     provenance: Mapping[str, str]
     sections: Sequence[Section]
     scene_hashes: Mapping[str, str] = field(default_factory=dict)

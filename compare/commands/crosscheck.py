@@ -55,7 +55,7 @@ def run_crosscheck(
     if json_out:
         print_json({"scene": scene.name, "agreement": agreement(scene.name, rows), "contacts": [r.cells() for r in rows]})
         return 0
-    show(_table(scene, found, ours, rows), agreement(scene.name, rows))
+    show(_table(scene, rows), agreement(scene.name, rows))
     alone = nut.load_nut(folder)
     if alone is not None and alone.key == scene_key(scene.name):
         show(alone.sentence())
@@ -91,13 +91,14 @@ def _ours(scene: Scene, store: Path, engine: Engine) -> Reference:
     return found
 
 
-def _table(scene: Scene, data: CrossData, ours: Reference, rows: Sequence[ContactRow]) -> Any:
+def _table(scene: Scene, rows: Sequence[ContactRow]) -> Any:
     from rich.table import Table
 
-    out = Table(title=f"{scene.name}: contact loads / N", title_justify="left")
-    own = columns(data, ours)
+    out = Table(title=f"{scene.name}: contact loads, both extrapolated; every mesh: --json", title_justify="left")
+    own = columns()
     for column in own:
-        out.add_column(column.label + (f" / {column.unit}" if column.unit else ""))
+        head = "\n".join((*column.label.split(", "), *([column.unit] if column.unit else ())))
+        out.add_column(head, justify="left" if column.key == "side" else "right")
     for row in rows:
         cells = row.cells()
         out.add_row(*(_text(cells.get(c.key), c.format) for c in own))

@@ -6,7 +6,7 @@ import datetime
 import os
 import platform
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module, metadata
 from pathlib import Path
@@ -28,13 +28,14 @@ Step = Callable[[str], None]
 @dataclass(frozen=True)
 class Part:
     """A section of the report by name: its module in ``compare.sections``; long: left out of a quick report; runs: shows
-    runs of the 3D reference; meshes: needs gmsh."""
+    runs of the 3D reference; meshes: needs gmsh; appendix: stands after the others."""
 
     name: str
     module: str
     long: bool = False
     runs: bool = False
     meshes: bool = False
+    appendix: bool = False
 
 
 #: Sections in order.
@@ -58,12 +59,13 @@ PARTS = (
     Part("smith", "smith"),
     Part("liu", "liu"),
     Part("external", "external", runs=True),
-    Part("audit", "audit", runs=True),
     Part("formulations", "formulations"),
     Part("verification", "verification", meshes=True),
     Part("stability", "stability", long=True),
     Part("timing", "timing", long=True),
-    Part("notes", "notes", runs=True),
+    Part("verdicts", "verdicts", runs=True, appendix=True),
+    Part("audit", "audit", runs=True, appendix=True),
+    Part("notes", "notes", runs=True, appendix=True),
 )
 SECTIONS = tuple(part.name for part in PARTS)
 
@@ -164,7 +166,7 @@ def build(wanted: Sequence[Part], progress: Progress, study: Study) -> list[Sect
     for part in wanted:
         progress.section(part.name)
         section: Callable[[Study, Step], Section] = import_module(f"compare.sections.{part.module}").section
-        made.append(section(study, progress.step))
+        made.append(replace(section(study, progress.step), appendix=part.appendix))
     return made
 
 
@@ -242,7 +244,6 @@ def make_report(
         subtitle="Low-order models of ball screws and bearings against printed numbers and a 3D contact reference"
         + (f" (quick run: coarse meshes, cases 1 and 2 only, without {left_out})" if quick else "")
         + "".join(f" ({gap.line()})" for gap in missed),
-        headline=[line for section in sections for line in section.headline],
         provenance=facts,
         sections=sections,
         scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in study.used},

@@ -85,18 +85,27 @@ def contact_rows(data: CrossData, ours: Reference, limit: Extrapolation | None =
     return rows
 
 
-def columns(data: CrossData, ours: Reference) -> list[Column]:
-    """Columns of the table of contacts."""
+PLACE = (Column("ball", "ball", "", "s"), Column("side", "side", "", "s"))
+
+
+def columns() -> list[Column]:
+    """Columns of the comparison of both programs, each extrapolated."""
     return [
-        Column("ball", "ball", "", "s"),
-        Column("side", "side", "", "s"),
-        *(Column(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
-        Column("ours", "reference, extrapolated", "N", ".2f"),
-        Column("ours_percent", "its uncertainty", "% of mean", ".2f"),
-        *(Column(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f") for r in series(data)),
-        Column("theirs", "CalculiX, extrapolated", "N", ".2f"),
-        Column("theirs_percent", "its uncertainty", "% of mean", ".2f"),
+        *PLACE,
+        Column("ours", "reference", "N", ".2f"),
+        Column("ours_percent", "uncertainty, reference", "% of mean", ".2f"),
+        Column("theirs", "CalculiX", "N", ".2f"),
+        Column("theirs_percent", "uncertainty, CalculiX", "% of mean", ".2f"),
         Column("difference", "difference", "% of mean", "+.2f"),
+    ]
+
+
+def mesh_columns(data: CrossData, ours: Reference) -> list[Column]:
+    """Columns of the loads on every mesh of both programs."""
+    return [
+        *PLACE,
+        *(Column(f"level {r.level}", f"reference, level {r.level}", "N", ".2f") for r in ours.runs),
+        *(Column(deck_label(r), f"CalculiX, {deck_label(r)}", "N", ".2f") for r in series(data)),
     ]
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from compare.crosscheck.data import CrossData, load, shipped
 from compare.crosscheck.fit import Extrapolation, extrapolate, mesh_of
 from compare.crosscheck.nut import load_nut
-from compare.crosscheck.rows import agreement, columns, contact_rows
+from compare.crosscheck.rows import agreement, columns, contact_rows, mesh_columns
 from compare.crosscheck.study import STUDIES, scene_key
 from compare.measure import error_percent, load_error
 from compare.models.study import Study
@@ -90,18 +90,22 @@ def run_table(data: CrossData) -> Table:
     return Table(f"crosscheck-runs-{data.scene}", f"{data.scene}: runs of CalculiX", heads, rows, note)
 
 
-def contact_table(data: CrossData, ours: Reference, limit: Extrapolation) -> Table:
-    """Every contact by both programs."""
+def contact_tables(data: CrossData, ours: Reference, limit: Extrapolation) -> list[Table]:
+    """Every contact by both programs, extrapolated; and on every mesh of either."""
     rows = contact_rows(data, ours, limit)
+    heads = mesh_columns(data, ours)
+    ends, each = ([{c.key: r.cells()[c.key] for c in own} for r in rows] for own in (columns(), heads))
     fixed = f" Not varied: {', '.join(limit.fixed)}." if limit.fixed else ""
     note = (
         f"{agreement(data.scene, rows)} Order {limit.order:.2f}, length {limit.length:.2f} short half axes, RMS misfit "
         f"{limit.misfit:.2f} N; in CalculiX's finest run elements add up to {abs(limit.by_elements).max():.2f} N, the "
-        f"contact law up to {abs(limit.by_stiffness).max():.2f} N. CalculiX's columns are the runs of the most alike "
-        f"contact law.{fixed}"
+        f"contact law up to {abs(limit.by_stiffness).max():.2f} N.{fixed}"
     )
-    table = columns(data, ours)
-    return Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads", table, [r.cells() for r in rows], note)
+    meshes = "CalculiX's columns are the runs of the most alike contact law."
+    return [
+        Table(f"crosscheck-{data.scene}", f"{data.scene}: contact loads, both extrapolated", columns(), ends, note),
+        Table(f"crosscheck-meshes-{data.scene}", f"{data.scene}: contact loads on every mesh", heads, each, meshes),
+    ]
 
 
 def section(study: Study, step: Callable[[str], None], folder: Path | None = None) -> Section:
@@ -116,7 +120,7 @@ def section(study: Study, step: Callable[[str], None], folder: Path | None = Non
         if ours is None:
             items.append(Text((f"{name}: no run of the 3D reference was found.",)))
         else:
-            items.append(contact_table(data, ours, extrapolate(data.runs)))
+            items += contact_tables(data, ours, extrapolate(data.runs))
         items.append(run_table(data))
     alone = load_nut(folder or shipped())
     if alone is not None and alone.key == scene_key(alone.scene):

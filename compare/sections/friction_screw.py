@@ -50,9 +50,9 @@ def readings_table() -> Table:
     for case, theta in THETA.items():
         columns += [
             Column(f"force_{case}", f"force, θ = {theta:g}°", "N", ".3f"),
-            Column(f"error_{case}", "against printed", "%", ".1f"),
+            Column(f"error_{case}", f"against printed, θ = {theta:g}°", "%", ".1f"),
             Column(f"increase_{case}", f"increase, θ = {theta:g}°", "%", ".1f"),
-            Column(f"load_{case}", "contact load a ball", "N", ".0f"),
+            Column(f"load_{case}", f"contact load a ball, θ = {theta:g}°", "N", ".0f"),
         ]
     columns.append(Column("status", "status", "", "s"))
     printed = {case: [entry("lin-3.7", f"{what}_{case}").printed for what in ("force", "increase")] for case in THETA}

@@ -9,7 +9,6 @@ import numpy as np
 from compare.evidence.liu import bodies, case
 from compare.evidence.registry import evidence
 from compare.models.study import Study
-from compare.sections import notes
 from compare.sections.finding_table import printed_table
 from lowfi.random_errors.chain import Array, solve_chain
 from lowfi.random_errors.ensemble import Quantity
@@ -120,7 +119,5 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     tables = [printed_table(name, title, [f for f in found if f.printed.table == name]) for name, title in TITLES.items()]
     study.uses((bodies.SCENE,))
     tables.append(bodies_table(study))
-    title = "Misprints and faults of Liu et al. (2025)"
-    tables.append(Table("liu-misprints", title, notes.MISPRINT_COLUMNS, notes.misprints("liu")))
     title = "Random errors of a ball screw (Liu et al. 2025)"
     return Section("liu", title, (Text(ABOUT, bullets=True), figure(printed), *tables))

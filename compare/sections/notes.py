@@ -20,6 +20,13 @@ MISPRINT_COLUMNS = (
     Column("evidence", "evidence here", "", "s"),
 )
 
+#: Tables of misprints: name, source, and the source's author.
+MISPRINTS = (
+    ("misprints", "lin", "Lin (2019)"),
+    ("smith-misprints", "smith", "Smith (1994)"),
+    ("liu-misprints", "liu", "Liu et al. (2025)"),
+)
+
 
 def misprints(source: str = "lin") -> list[dict[str, Cell]]:
     """Shipped list of misprints and faults of a source, "lin", "smith" or "liu", with the evidence for each."""
@@ -81,6 +88,9 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
                 assumptions(study),
             ),
             Text(MODEL_ASSUMPTIONS, bullets=True),
-            Table("misprints", "Misprints and faults of the source that this chapter meets", MISPRINT_COLUMNS, misprints()),
+            *(
+                Table(name, f"Misprints and faults of {of}", MISPRINT_COLUMNS, misprints(key))
+                for name, key, of in MISPRINTS
+            ),
         ),
     )

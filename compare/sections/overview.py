@@ -1,88 +1,297 @@
-"""The first page: what was compared with what, and every printed entry with its verdict."""
+"""The first screen: how far low-order models can be trusted, by their errors and run times against the 3D reference."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
-from compare.evidence.record import TAKEN, WITHIN, Evidence
-from compare.evidence.registry import evidence
+import numpy as np
+
+from compare.models.comparison import REFERENCED
+from compare.models.ladder import UNSEEN
+from compare.models.registry import DEFAULT, MODELS
 from compare.models.study import Study
-from compare.printed.printed_data import KINDS
-from compare.sections.finding_table import printed_table
-from reports.records import Cell, Column, Section, Table, Text
+from compare.reference.grid_summary import uncertainty_percent
+from compare.reference.runs import Reference
+from compare.sections.reference_time import FLOOR, TimePoint, all_points
+from meshes.parts import Scene
+from reports.records import Cell, Column, Figure, Panel, Section, Series, Summary, Table, Text
 
-#: What was inferred from printed results, and from which.
-INFERRED = (
-    "the screw's outer diameter of 32 mm (from the groove range of 2.4.2); the helix phase (from the last balls of case "
-    "3); u_y of 5.2 and 8.0 um, k_S = 100 and the map step of 0.08 (from Table 3.2); theta and the side force ratio of "
-    "the worst case (from 185.2 % in 3.3.4.1); the balls' oversize of 1.7 um (from Table 3.7), used in 3.4.4 too"
+QUESTION = "How far can a low-order model of a ball screw be trusted, and what does a better answer cost?"
+TITLE = "Error against run time of every model and mesh"
+#: Line [% of the mean load] below which scenes are counted.
+LINE = 7.0
+#: Families that share a colour, by models: the refined one, the source's and steps from it, axial bars, condensed bodies.
+FAMILIES = (
+    ("refined", ("refined",)),
+    (
+        "the source's model and steps from it",
+        ("lin", "lin-source-partition", "lin-printed-hertz", "lin-cell", "lin-nut", "source"),
+    ),
+    ("axial bars", ("mei", "mei-nut")),
+    ("bodies from 3D", ("condensed",)),
 )
-HOW_TO_READ = (
-    "Every number printed by the source has a class. hard: the text determines it, it must be reproduced to the digits "
-    "printed. as-printed: it comes out only when a fault of the source is repeated; that is done in a mode of its own, "
-    "and the right value is given too. band: under-specified or random, compared with a range whose origin is "
-    "stated. open: it contradicts itself, or what it compares with is not printed; shown, never gated on. input: the "
-    "source gives it, or something was inferred from it; that its scene holds it is checked, not counted as reproduced.",
-    "A reproduced entry says as much as its kind: a computed number tests a model, a claim in words tests its tendency, "
-    "arithmetic on printed numbers tests the source, and a zero by symmetry tests a sign.",
-    "An error is 100 (value - reference) / |reference| in per cent, for loads 100 (value - reference) / mean loaded "
-    "contact of the reference; both come from one function. No model reads a printed number. "
-    "What a scene of a case needs and the source does not print was inferred from printed results, and confirms none of "
-    f"them: {INFERRED}.",
-    "The low-order models are compared with printed values, closed forms, a second solver of the same equations, and this "
-    "project's own 3D elastic-contact reference, which shares no mechanics with them and carries its own error bar.",
-)
+SOLID = "3D reference"
+#: Models that stand for their kind, as the answer names them.
+KINDS = {DEFAULT: "the refined model", "lin": "the source's low-order model", "mei": "Mei's axial bars"}
 
 
-def counts(found: Sequence[Evidence]) -> list[tuple[str, str]]:
-    """Headline figures: entries by verdict."""
-    tally = Counter(f.verdict.split(":")[0] for f in found)
-    order = ("reproduced", "reproduced as printed", WITHIN, "not reproduced", "open")
-    numbers = sum(f.verdict == "reproduced" and f.printed.kind == "number" for f in found)
+@dataclass(frozen=True)
+class Standing:
+    """A model or mesh over all scenes on which it was compared: short name, label, family, number of scenes, largest error
+    [% of the mean load] and its scene, medians of the largest and RMS errors and of the ends of the error bar, largest RMS
+    error, median cold seconds, scenes within `LINE`.
+
+    The error of a level that is itself the best estimate is its grid uncertainty.
+    """
+
+    name: str
+    label: str
+    family: str
+    scenes: int
+    worst: float
+    worst_scene: str
+    median: float
+    low: float | None
+    high: float | None
+    rms: float
+    worst_rms: float
+    cold: float
+    within: int
+
+
+def named(label: str) -> tuple[str, str]:
+    """Short name and family of the label of a model or mesh."""
+    model = next((m for m in MODELS.values() if m.label == label), None)
+    if model is None:
+        return label.removeprefix("3D reference, ").replace("level", "3D level").replace(
+            "the source's mesh", "3D, source's mesh"
+        ), SOLID
+    return model.name, next((family for family, names in FAMILIES if model.name in names), model.label)
+
+
+def off(point: TimePoint) -> float:
+    """Largest error [% of the mean load] of a point; the grid uncertainty of a level that is the best estimate itself."""
+    return point.high if point.error == 0.0 and point.high is not None else point.error
+
+
+def standings(points: Mapping[str, Sequence[TimePoint]]) -> list[Standing]:
+    """Every model and mesh over its scenes, from the largest median error to the smallest."""
+    found: dict[str, list[tuple[str, TimePoint]]] = {}
+    for scene, own in points.items():
+        for point in own:
+            if point.status == "converged" and off(point) > 0.0:
+                found.setdefault(point.label, []).append((scene, point))
+    return sorted((_standing(label, own) for label, own in found.items()), key=lambda s: -s.median)
+
+
+def _standing(label: str, own: Sequence[tuple[str, TimePoint]]) -> Standing:
+    name, family = named(label)
+    errors = [off(p) for _, p in own]
+    k = int(np.argmax(errors))
+    ends = [(p.low, p.high) for _, p in own if p.low is not None and p.high is not None]
+    low, high = np.median(np.array(ends), axis=0).tolist() if len(ends) == len(own) else (None, None)
+    return Standing(
+        name=name,
+        label=label,
+        family=family,
+        scenes=len(own),
+        worst=errors[k],
+        worst_scene=own[k][0],
+        median=float(np.median(errors)),
+        low=low,
+        high=high,
+        rms=float(np.median([p.rms for _, p in own])),
+        worst_rms=max(p.rms for _, p in own),
+        cold=float(np.median([p.cold for _, p in own])),
+        within=sum(error <= LINE for error in errors),
+    )
+
+
+def front(found: Sequence[Standing]) -> list[Standing]:
+    """Those that no other one beats in both median error and median time, fastest first."""
+    best: list[Standing] = []
+    for one in sorted(found, key=lambda s: (s.cold, s.median)):
+        if not best or one.median < best[-1].median:
+            best.append(one)
+    return best
+
+
+def time_figure(
+    points: Mapping[str, Sequence[TimePoint]], name: str, size: tuple[float, float], *, all_names: bool = True
+) -> Figure:
+    """All scenes as light points, the median of each model and mesh with its error bar and name, the Pareto front; a
+    narrow figure names the levels, one model of each family and those of the front alone."""
+    found = standings(points)
+    families = [family for family, _ in FAMILIES] + [SOLID]
+    series = []
+    for family in families:
+        own = [(scene, p) for scene, several in points.items() for p in several if _shown(p, family)]
+        series.append(
+            Series(
+                family,
+                [p.cold for _, p in own],
+                [max(off(p), FLOOR) for _, p in own],
+                "markers",
+                light=True,
+                names=[f"{named(p.label)[0]}, {scene}" for scene, p in own],
+            )
+        )
+    edge = front(found)
+    line = ([s.cold for s in edge], [max(s.median, FLOOR) for s in edge])
+    series.append(Series("Pareto front of the medians", *line, "line", names=[s.name for s in edge]))
+    for family in families:
+        mids = [s for s in found if s.family == family]
+        bars = ([max(s.low or 0.0, FLOOR) for s in mids], [max(s.high or s.median, FLOOR) for s in mids])
+        known = all(s.low is not None for s in mids)
+        series.append(
+            Series(
+                family,
+                [s.cold for s in mids],
+                [max(s.median, FLOOR) for s in mids],
+                "markers",
+                emphasis=True,
+                bars=bars if known else None,
+                texts=[s.name if all_names or s in edge or s.name in KINDS else "" for s in mids],
+                names=[f"{s.name}, median of {s.scenes} scenes" for s in mids],
+            )
+        )
+    series = [s for s in series if len(s.x)]
+    panel = Panel("", "run time of a cold start / s", "largest error / % of the mean load", tuple(series), log="xy")
+    caption = (
+        f"Light points: {len(points)} scenes. Marked: medians, with what the reference's grid uncertainty leaves of them "
+        "as bars. A level that is itself the best estimate stands at its uncertainty."
+    )
+    return Figure(name, TITLE, (panel,), caption, columns=1, size=size)
+
+
+def _shown(point: TimePoint, family: str) -> bool:
+    return point.status == "converged" and off(point) > 0.0 and named(point.label)[1] == family
+
+
+def seconds(value: float) -> str:
+    """Run time for reading.
+
+    >>> seconds(1.234), seconds(43.2), seconds(600.0)
+    ('1.2 s', '43 s', '10 min')
+    """
+    return f"{value / 60.0:.2g} min" if value >= 100.0 else f"{value:.0f} s" if value >= 10.0 else f"{value:.2g} s"
+
+
+def answer(points: Mapping[str, Sequence[TimePoint]], bars: Sequence[float]) -> str:
+    """One sentence: largest and RMS error and cold time of the models that stand for their kind, and of the reference."""
+    found = {s.name: s for s in standings(points)}
+    words = []
+    for name, label in KINDS.items():
+        if name in found:
+            s = found[name]
+            count = "" if s.scenes == len(points) else f"{s.scenes} scenes, "
+            words.append(
+                f"{s.worst:.1f} % with {label} ({count}RMS up to {s.worst_rms:.1f} %, {seconds(s.cold)} from a cold start)"
+            )
+    several = f"{len(points)} screws and bearings" if len(points) > 1 else "one scene"
+    return (
+        f"On {several} the largest error of a contact load is, in per cent of the mean load, {', '.join(words[:-1])} and "
+        f"{words[-1]}; the 3D reference that says so is known to {_range(bars)} and takes {_reference_time(points)}."
+    )
+
+
+def _range(bars: Sequence[float]) -> str:
+    if not bars:
+        return "no bound (one mesh level only)"
+    low, high = f"{min(bars):.1f}", f"{max(bars):.1f}"
+    return f"{low} %" if low == high else f"{low} to {high} %"
+
+
+def _reference_time(points: Mapping[str, Sequence[TimePoint]]) -> str:
+    finest = [[p for p in own if p.kind == "level"][-1].cold for own in points.values()]
+    low, high = seconds(min(finest)), seconds(max(finest))
+    return low if low == high else f"{low} to {high}"
+
+
+def coverage(scenes: Mapping[str, Scene], found: Mapping[str, Reference]) -> list[str]:
+    """What the scenes span, as statements."""
+    if not scenes:
+        return []
+    every = list(scenes.values())
+
+    def span(values: Sequence[float], unit: str) -> str:
+        low, high = f"{min(values):.4g}", f"{max(values):.4g}"
+        return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+
+    cases, unseen = sum(name in REFERENCED for name in scenes), sum(name in UNSEEN for name in scenes)
+    contacts = [int((ref.load > 0.0).sum()) for ref in found.values()]
+    screws = [s for s in every if s.track.lead != 0.0]
     return [
-        *((f"entries {verdict}", str(tally[verdict])) for verdict in order),
-        ("computed numbers reproduced", str(numbers)),
-        ("inputs taken over, not counted", str(tally[TAKEN])),
+        f"{cases} case studies of the source, and {unseen} screws and bearings fixed before any of them was solved in 3D: "
+        "no model was made with them.",
+        f"{len(screws)} screws of lead {span([1e3 * abs(s.track.lead) for s in screws], 'mm')}, bearings: "
+        f"{len(every) - len(screws)}; pitch diameters {span([2e3 * s.track.pitch_radius for s in every], 'mm')}, "
+        f"{span([s.ball_count for s in every], 'balls')}, {span(contacts, 'loaded contacts')}.",
+        "Friction, ball motion, support bearings, chains of balls and several rolling sets are held against printed "
+        "numbers, closed forms and second solvers, each on its page.",
     ]
 
 
-def kinds_table(found: Sequence[Evidence]) -> Table:
-    """Entries by kind and verdict."""
-    verdicts = ("reproduced", "reproduced as printed", WITHIN, TAKEN, "not reproduced", f"not {TAKEN}", "open")
-    tally = Counter((f.printed.kind, f.verdict.split(":")[0]) for f in found)
-    used = [v for v in verdicts if any(tally[kind, v] for kind in KINDS)]
+LIMITS = (
+    "The reference is linear elastic, frictionless and of nominal shape but for the errors of a scene; its uncertainty is "
+    "its grid's. What unprinted dimensions and idealisations change is a number of its own (page on its meshes).",
+    "A screw unlike these is answered by the models, and their result then says that its error is not covered.",
+    "A cold start is a new process with empty caches, libraries included; a further solve takes a small part of that. "
+    "Times are those of the machine named below.",
+)
+
+
+def standing_table(found: Sequence[Standing]) -> Table:
+    """Every model and mesh over its scenes."""
     rows: list[dict[str, Cell]] = [
-        {"kind": words, **{v: tally[kind, v] for v in used}, "all": sum(tally[kind, v] for v in verdicts)}
-        for kind, words in KINDS.items()
+        {
+            "name": s.name,
+            "label": s.label,
+            "scenes": s.scenes,
+            "median": s.median,
+            "worst": s.worst,
+            "at": s.worst_scene,
+            "rms": s.rms,
+            "worst_rms": s.worst_rms,
+            "within": s.within,
+            "cold": s.cold,
+        }
+        for s in found
     ]
-    columns = (Column("kind", "kind", "", "s"), *(Column(v, v, "", "s") for v in used), Column("all", "entries", "", "s"))
-    return Table("kinds", "Printed entries by kind and verdict", columns, rows)
+    columns = (
+        Column("name", "name", "", "s"),
+        Column("label", "model or mesh", "", "s"),
+        Column("scenes", "scenes", "", "s"),
+        Column("median", "largest error, median", "% of mean", ".2f"),
+        Column("worst", "largest of all", "% of mean", ".2f"),
+        Column("at", "on", "", "s"),
+        Column("rms", "RMS error, median", "% of mean", ".2f"),
+        Column("worst_rms", "largest RMS error", "% of mean", ".2f"),
+        Column("within", f"scenes within {LINE:g} %", "", "s"),
+        Column("cold", "cold start, median", "s", "g3"),
+    )
+    note = (
+        "Against the best estimate of the 3D reference of each scene; every point is in the table of error against run "
+        "time. The error of a level that is itself the best estimate is its grid uncertainty, and its RMS error is zero by "
+        "definition."
+    )
+    return Table("overview-models", "Models and meshes over all scenes", columns, rows, note)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
-    """Section of the report, with the headline figures."""
-    step("every printed number and claim")
-    found = evidence(study)
-    tally: dict[tuple[str, str], int] = Counter((f.printed.cls, f.verdict) for f in found)
-    rows: list[dict[str, Cell]] = [{"class": c, "verdict": v, "count": n} for (c, v), n in sorted(tally.items())]
-    return Section(
-        "overview",
-        "What was compared, and the verdicts",
-        (
-            Text(HOW_TO_READ),
-            Table(
-                "verdicts",
-                "Printed entries of Lin (2019), Smith (1994) and Liu et al. (2025) by class and verdict",
-                (
-                    Column("class", "class", "", "s"),
-                    Column("verdict", "verdict", "", "s"),
-                    Column("count", "entries", "", "s"),
-                ),
-                rows,
-            ),
-            kinds_table(found),
-            printed_table("printed", "Every printed entry", found, place=True),
-        ),
-        tuple(counts(found)),
-    )
+    """Section of the report, with its first screen."""
+    step("error against run time, every model and mesh on every scene")
+    points = study.once(all_points, step)
+    title = "Models and meshes over all scenes"
+    if not points:
+        return Section("overview", title, (Text(("No run of the 3D reference was found.",)),))
+    found = study.references(tuple(points))
+    bars = [bar for bar in (uncertainty_percent(ref) for ref in found.values()) if bar is not None]
+    wide = time_figure(points, "error-time", (11.0, 4.1))
+    narrow = time_figure(points, "error-time-narrow", (3.75, 3.4), all_names=False)
+    covered = coverage({name: study.scene(name) for name in points}, found)
+    said = answer(points, bars)
+    summary = Summary(QUESTION, said, wide, narrow, covered, LIMITS)
+    items = (Text((said,)), standing_table(standings(points)), Text((*covered, *LIMITS), bullets=True))
+    return Section("overview", title, items, summary=summary)

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.models.registry import DEFAULT
 from compare.models.study import Study
+from compare.reference.levels import PRODUCTION
 from compare.reference.runs import settings_of
 from compare.sections.loaded_screw import loaded_screw
 from compare.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
@@ -31,7 +33,8 @@ Index = NDArray[np.int64]
 Step = Callable[[str], None]
 
 SCENE, FOUR = "lin-case1", "lin-case3-offset"
-LEVEL = 1
+#: Mesh level of the pictures of meshes and stresses, and of those of contact pressures.
+LEVEL, FINE_LEVEL = 1, PRODUCTION
 #: Colours: screw, nut, ball, patches of the grooves and of the ball.
 STEEL, NUT, BALL, FINE, FINE_BALL = "#c9ced4", "#a9bccd", "#e4dcc8", "#f0a35e", "#7fb7a2"
 #: Sections are taken this far [m] from the middle of the ball, where no cells' faces lie in them.
@@ -157,7 +160,8 @@ def mesh_overview(solved: Solved) -> FieldPicture:
         caption=(
             f"{SCENE}, level {LEVEL}: {len(meshes.screw.cells)} and {len(nut.cells)} second-order tetrahedra in screw and "
             f"nut, and in every socket a patch of {len(groove_patch(setup, meshes, 0).cells)} second-order hexahedra "
-            f"(orange), condensed exactly. {setup.unknowns / 1e6:.2f} million unknowns as one mesh. Balls are not shown."
+            f"(orange), condensed exactly. {setup.unknowns / 1e6:.2f} million unknowns as one mesh. "
+            "Balls are left out: the round hollows along the nut's cut are its groove, crossed by it."
         ),
     )
 
@@ -283,14 +287,20 @@ def pressures(solved: Solved) -> dict[str, ContactPressure]:
     }
 
 
-def four_sided(study: Study) -> tuple[int, dict[str, ContactPressure]]:
-    """The ball of the preloaded scene whose least loaded side carries most, under the low-order model's loads."""
+def pressed(study: Study, name: str) -> tuple[int, dict[str, ContactPressure]]:
+    """The ball of a scene whose least loaded contact carries most, pressed on a fine mesh by its loads in the reference
+    (where none is stored: in the default model)."""
     from hifi.fields import pressed_ball
 
-    scene, low = study.scene(FOUR), study.solve(FOUR)
-    ball = int(low.load.min(axis=1).argmax())
-    found = pressed_ball(scene, settings_of([scene], LEVEL), ball, low.load[ball], low.contact_angle[ball])
-    return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in found.items()}
+    scene, found = study.scene(name), study.reference(name)
+    if found is not None:
+        load, angle = found.load, np.radians(found.best.angle)
+    else:
+        low = study.solve(name, DEFAULT)
+        load, angle = low.load, low.contact_angle
+    ball = int(load[:, (load > 0.0).any(axis=0)].min(axis=1).argmax())
+    made = pressed_ball(scene, settings_of([scene], FINE_LEVEL), ball, load[ball], angle[ball])
+    return ball, {f"ball {ball + 1}, {SIDES[s]}": x for s, x in made.items()}
 
 
 def loaded(solved: Solved) -> LoadedScrew:
@@ -338,11 +348,12 @@ def section(study: Study, step: Step) -> Section:
     """Section of the report."""
     solved = solve(study, step)
     found = stresses(solved, step)
-    two = pressures(solved)
-    step(f"pressures of a ball of {FOUR}")
-    ball4, four = four_sided(study)
     n = solved.ball + 1
-    words, _ = stress_caption(solved, found, next(iter(two.values())))
+    words, _ = stress_caption(solved, found, next(iter(pressures(solved).values())))
+    step(f"pressures of a ball of {SCENE}, mesh level {FINE_LEVEL}")
+    ball2, two = pressed(study, SCENE)
+    step(f"pressures of a ball of {FOUR}, mesh level {FINE_LEVEL}")
+    ball4, four = pressed(study, FOUR)
     honest = (
         "Linear elastic, nominal geometry. Recovered by solving the bodies once more under the contact forces of all "
         "balls: screw held at the low end of its 3D stretch, its unloaded high end free; "
@@ -355,9 +366,9 @@ def section(study: Study, step: Step) -> Section:
         (
             Text(
                 (
-                    f"Unless they say otherwise, the pictures show {SCENE} on mesh level {LEVEL}, the coarsest of the mesh "
-                    "study, so that lines can be told apart. Sections lie in the plane of the groove's section, radius "
-                    "upwards and the screw's axis to the right.",
+                    f"Meshes and stresses are those of {SCENE} on mesh level {LEVEL}, the coarsest of the mesh study, so "
+                    f"that lines can be told apart; contact pressures are on level {FINE_LEVEL}. Sections lie in the plane "
+                    "of the groove's section, radius upwards and the screw's axis to the right.",
                 )
             ),
             mesh_overview(solved),
@@ -376,14 +387,16 @@ def section(study: Study, step: Step) -> Section:
             ball_picture(solved, found),
             PressureMap(
                 "pressure-two",
-                f"Contact pressure of ball {n} of {SCENE}, screw and nut",
+                f"Contact pressure of ball {ball2 + 1} of {SCENE}, screw and nut",
                 tuple(panel_of(name, x) for name, x in two.items()),
                 "across the groove / mm",
                 "along the groove / mm",
                 "pressure / MPa",
                 "contact ellipse by Hertz",
-                "Nodal force over tributary area, dots are nodes; see the table's note on their scatter. The ellipse is "
-                "Hertz's closed form for the same load and the curvatures at the contact, centred on the resultant force.",
+                f"Mesh level {FINE_LEVEL}. Nodal force over tributary area, dots are nodes; see the table's note on their "
+                "scatter. The ellipse is Hertz's closed form for the same load and the curvatures there, centred "
+                "on the resultant force. The loads are those of the finest stored reference; pressed by them is the 3D "
+                "ball between its 3D groove patches, held where they meet screw and nut.",
             ),
             profiles(two),
             PressureMap(
@@ -394,8 +407,7 @@ def section(study: Study, step: Step) -> Section:
                 "along the groove / mm",
                 "pressure / MPa",
                 "contact ellipse by Hertz",
-                "The loads and contact angles of this preloaded ball are those of the low-order model; the pressures under "
-                "them are those of the 3D ball between its 3D groove patches, held where they meet screw and nut.",
+                f"Mesh level {FINE_LEVEL}; made as the pressures of {SCENE}.",
             ),
             pressure_table({SCENE: two, FOUR: four}),
             section_picture(

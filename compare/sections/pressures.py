@@ -104,5 +104,5 @@ def pressure_table(groups: dict[str, dict[str, ContactPressure]]) -> Table:
         rows,
         "Nodal force over tributary area. Where the pressure is curved this reads corner nodes of the second-order cells "
         "high and nodes in their middle low, in proportion to the square of the cells' size, and the largest value is one "
-        "at a corner: on this coarsest mesh the ratio exceeds 1 for that reason. Loads and approaches do not depend on it.",
+        "at a corner: a ratio above 1 is of that reason. Loads and approaches do not depend on it.",
     )

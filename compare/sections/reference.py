@@ -19,7 +19,6 @@ from compare.models.comparison import (
     reference_answers,
     suited,
 )
-from compare.models.ladder import UNSEEN
 from compare.models.modelling import VARIED, Modelling, combined, modelling_percent, varied
 from compare.models.registry import MODELS
 from compare.models.study import Study
@@ -134,10 +133,10 @@ def load_tables(study: Study, found: References) -> list[Table]:
         for k, a in enumerate(answers):
             label = MODELS[a.model].label if a.model in MODELS else LABELS.get(a.model, a.model)
             columns.append(Column(f"m{k}", label, "N", ".1f"))
-        columns.append(Column("bar", "uncertainty", "N", ".2f"))
+        columns.append(Column("bar", "uncertainty of the reference", "N", ".2f"))
         columns.append(Column("error", "error of the refined model", "% of own load", "+.2f"))
         columns.append(Column("angle", "contact angle, reference", "deg", ".2f"))
-        columns.append(Column("low_angle", "refined model", "deg", ".2f"))
+        columns.append(Column("low_angle", "contact angle, refined model", "deg", ".2f"))
         rows: list[dict[str, Cell]] = []
         for i, s in np.ndindex(ref.load.shape):
             if not any(a.load[i, s] > 0.0 for a in answers):
@@ -176,8 +175,8 @@ def line_table(study: Study, found: References) -> Table:
     columns = [Column("scene", "scene", "", "s"), Column("z", "station", "mm", ".1f")]
     for axis in "xyz":
         columns += [
-            Column(f"r{axis}", f"u{axis}, reference", "um", ".2f"),
-            Column(f"l{axis}", f"u{axis}, refined model", "um", ".2f"),
+            Column(f"r{axis}", f"u{axis}, reference", "µm", ".2f"),
+            Column(f"l{axis}", f"u{axis}, refined model", "µm", ".2f"),
         ]
     note = "Mean motion of the meshed screw's hole inside the nut's reach, of the beam's nodes outside."
     return Table("reference-centreline", "Centreline of the screw", columns, rows, note)
@@ -233,7 +232,7 @@ def line_figure(study: Study, found: References) -> Figure:
                     emphasis=True,
                 )
             )
-        panels.append(Panel(name, "station / mm", "displacement / um", tuple(series)))
+        panels.append(Panel(name, "station / mm", "displacement / µm", tuple(series)))
     return Figure("reference-centreline", "Lateral displacement of the centreline", tuple(panels))
 
 
@@ -332,6 +331,5 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     items: list[Any] = [Text(tuple(text)), error_table(study, found)]
     items += [over] if over.rows else []
     items += [*load_figures(study, found), *load_tables(study, found), line_figure(study, found), line_table(study, found)]
-    timed = found if study.quick else study.references((*REFERENCED, *UNSEEN))
-    items += time_items(timed, study, step)
+    items += time_items(study, step)
     return Section("reference", title, tuple(items))

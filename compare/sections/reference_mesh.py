@@ -158,7 +158,7 @@ def study_items(study: Study, found: References) -> list[Table | Figure]:
             Column("order", "observed order", "", ".2f"),
             Column("extrapolated", "extrapolated", "", "g5"),
             Column("uncertainty", "uncertainty", "", "g2"),
-            Column("uncertainty_percent", "uncertainty", "%", ".2f"),
+            Column("uncertainty_percent", "relative uncertainty", "%", ".2f"),
             Column("kind", "order or why none", "", "s"),
         ]
         if any(row.get("modelling_spread") is not None for row in rows):

@@ -22,7 +22,6 @@ from compare.reference.runs import Array, Reference, load
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Series, Table
 
-References = Mapping[str, Reference]
 Step = Callable[[str], None]
 #: Lower edge of the figures [% of the mean load].
 FLOOR = 1e-2
@@ -273,8 +272,14 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
     ]
 
 
-def time_items(found: References, study: Study, step: Step) -> list[Table | Figure]:
+def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
+    """Points of all scenes with a reference; of the case studies alone in a quick study."""
+    found = study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
+    return {name: time_points(name, ref, study, step) for name, ref in found.items()}
+
+
+def time_items(study: Study, step: Step) -> list[Table | Figure]:
     """Tables and figures of all scenes with a reference; a quick study compiles nothing anew."""
-    points = {name: time_points(name, ref, study, step) for name, ref in found.items()}
+    points = study.once(all_points, step)
     first = [] if study.quick else [compile_table(step)]
     return [time_table(points), *first, speed_table(points), *time_figures(points)]

@@ -11,7 +11,6 @@ from compare.evidence.registry import evidence
 from compare.evidence.smith import ball, case, layouts, screw, taper
 from compare.measure import error_percent
 from compare.models.study import Study
-from compare.sections import notes
 from compare.sections.finding_table import printed_table
 from lowfi.bearings.axis import axis_stiffness
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
@@ -74,10 +73,13 @@ def axis_panel(found: Sequence[Evidence]) -> Panel:
 
 def figure(found: Sequence[Evidence]) -> Figure:
     """Stiffness of bearings and axis."""
+    sums = [f for kind in screw.KINDS for f in found if f.printed.key == f"total_{kind}"]
+    more = [100.0 * (f.value / f.as_printed - 1.0) for f in sums if f.value and f.as_printed]
     caption = (
         "Left: the ball bearing's test runs flatter than any Hertz contact; the tapered bearing is stiffer than the test "
-        "by more than what the depth of its rings explains. Right: with both ends side by side the axis is stiffer by a "
-        "third than the sum in series, which a test by hammer and accelerometer, end to end, seemed to confirm."
+        "by more than what the depth of its rings explains. Right: with both ends side by side the axis is stiffer by "
+        f"{min(more):.0f} to {max(more):.0f} % than the sum in series, which a test by hammer and accelerometer, end to "
+        "end, seemed to confirm."
     )
     title = "Stiffness of the support bearings and of the axis"
     return Figure("smith-stiffness", title, (stiffness_panel(found), axis_panel(found)), caption)
@@ -133,8 +135,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     found = evidence(study, *TITLES)
     tables = [printed_table(name, title, [f for f in found if f.printed.table == name]) for name, title in TITLES.items()]
     tables.append(layout_table(study))
-    title = "Misprints and faults of Smith (1994)"
-    tables.append(Table("smith-misprints", title, notes.MISPRINT_COLUMNS, notes.misprints("smith")))
     return Section(
         "smith", "Support bearings and the axis (Smith 1994)", (Text(ABOUT, bullets=True), figure(found), *tables)
     )

@@ -179,8 +179,8 @@ def test_report_of_one_section(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     code, out, _ = run(capsys, "report", "--only", "hertz", "--out", str(tmp_path / "r"))
     assert code == 0
     assert "[1/2] hertz" in out
-    page = (tmp_path / "r" / "index.html").read_text()
-    assert "reproduced as printed" in page
+    assert 'href="hertz.html"' in (tmp_path / "r" / "index.html").read_text()
+    assert "reproduced as printed" in (tmp_path / "r" / "hertz.html").read_text()
     assert (tmp_path / "r" / "tables" / "hertz-B1.csv").exists()
 
 

@@ -28,6 +28,13 @@ def test_wanted_parts():
         wanted_parts(["no-such"])
 
 
+def test_the_first_screen_comes_first_and_misprints_in_the_appendix():
+    assert PARTS[0].name == "overview"
+    appendix = [part.name for part in PARTS if part.appendix]
+    assert appendix == ["verdicts", "audit", "notes"]
+    assert [part.name for part in PARTS][-len(appendix) :] == appendix
+
+
 def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     study = Study()
     found = study.reference("lin-case1")

@@ -325,7 +325,7 @@ def test_the_section_shows_both_programs_or_says_what_is_missing(tmp_path: Path,
     monkeypatch.setattr(Study, "reference", lambda *_: ours([LIMIT, LIMIT, LIMIT]))
     found = crosscheck.section(Study(), lambda _: None, tmp_path)
     tables = {x.name: x for x in found.items if hasattr(x, "columns")}
-    assert set(tables) == {"crosscheck-two-balls", "crosscheck-runs-two-balls"}
+    assert set(tables) == {"crosscheck-two-balls", "crosscheck-meshes-two-balls", "crosscheck-runs-two-balls"}
     assert len(tables["crosscheck-two-balls"].rows) == 6
     assert "within 0.5 %" in tables["crosscheck-two-balls"].note
     runs = tables["crosscheck-runs-two-balls"].rows

@@ -10,7 +10,7 @@ from compare.errors import InputError
 from compare.evidence.record import Evidence, sentences
 from compare.printed import printed_data
 from compare.scenes import catalogue
-from compare.sections import overview
+from compare.sections import verdicts
 from lowfi.friction.screw.run import Run
 
 TABLES = printed_data.tables()
@@ -231,11 +231,11 @@ def test_counts_of_the_report_keep_kinds_apart():
         Evidence(rows["worst_increase"], holds=True),
         Evidence(rows["speed"], value=11.0),
     ]
-    counts = dict(overview.counts(found))
+    counts = dict(verdicts.counts(found))
     assert counts["entries reproduced"] == "3"
     assert counts["computed numbers reproduced"] == "1"
     assert counts["inputs taken over, not counted"] == "1"
-    table = {row["kind"]: row for row in overview.kinds_table(found).rows}
+    table = {row["kind"]: row for row in verdicts.kinds_table(found).rows}
     assert table["input, taken over"]["taken over"] == 1
     assert table["input, taken over"]["not taken over"] == 1
     assert table["arithmetic on printed numbers"]["reproduced"] == 1
@@ -245,6 +245,6 @@ def test_counts_of_the_report_keep_kinds_apart():
 def test_readme_and_report_name_what_was_inferred_from_printed_results():
     readme = " ".join((Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8").split()).replace("µ", "u")
     for what in ("32 mm", "helix phase", "5.2 and 8.0 um", "k_S = 100", "map step of 0.08", "1.7 um"):
-        assert what in overview.INFERRED
+        assert what in verdicts.INFERRED
         assert what in readme.split("## How to read the errors")[1]
     assert Run.__dataclass_fields__["oversize"].default == 0.0

@@ -1,10 +1,12 @@
 """Drawing and writing of reports: record kinds, escaping, files, determinism, and that nothing is lost."""
 
 import csv
+import json
 import math
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
@@ -12,8 +14,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from reports import figures, html, scene3d
-from reports.records import Column, Figure, LoadedScrew, Panel, Report, Section, Series, Table, Text
+from reports import cells, figures, html, pages, scene3d
+from reports.pages import SEARCH
+from reports.panels import draw_parts
+from reports.records import Column, Figure, LoadedScrew, Panel, Report, Section, Series, Summary, Table, Text
 
 SVG = "{http://www.w3.org/2000/svg}"
 PNG_START = b"\x89PNG\r\n\x1a\n"
@@ -93,13 +97,13 @@ def report(*items):
         ),
     )
     provenance = {"Version": "1.2.3", "Machine": "<unknown>"}
-    return Report("Report <1>", "Sub & title", [("Errors", "< 1 %")], provenance, sections, {"case.toml": "abc123"})
+    return Report("Report <1>", "Sub & title", provenance, sections, {"case.toml": "abc123"})
 
 
 class Page(HTMLParser):
     """Tags, attributes and text of a page; complains about unbalanced elements."""
 
-    VOID = frozenset({"meta", "img", "br", "link", "hr"})
+    VOID = frozenset({"meta", "img", "br", "link", "hr", "input"})
 
     def __init__(self, text):
         super().__init__()
@@ -210,6 +214,63 @@ class TestFigures:
             figures.draw(figure(panels=[figure().panels[0]] * count))
 
 
+class TestPanels:
+    def test_values_lie_on_the_curves_and_the_panel_holds_them(self):
+        drawn = draw_parts(figure())
+        assert drawn.whole == figures.draw(figure())
+        assert len(drawn.panels) == 2
+        first = ElementTree.fromstring(drawn.panels[0])
+        left, top, width, height = map(float, first.get("viewBox").split())
+        marks = [(float(c.get("cx")), float(c.get("cy")), c[0].text) for c in first.iter(f"{SVG}circle")]
+        assert len(marks) == 4 + 3 + 4 + 4  # the one that is no number is not drawn
+        assert all(left < x < left + width and top < y < top + height for x, y, _ in marks)
+        assert "computed\n1\n210" in [text for *_, text in marks]
+        uses = [(float(u.get("x")), float(u.get("y"))) for u in first.iter(f"{SVG}use")]
+        x, y, _ = next(m for m in marks if m[2] == "computed\n1\n210")
+        assert min(math.hypot(x - a, y - b) for a, b in uses) < 0.1
+
+    def test_a_legend_of_all_panels_is_an_element_of_its_own(self):
+        drawn = draw_parts(figure(panels=[figure().panels[0]] * 2))
+        words = "".join(ElementTree.fromstring(drawn.legend).itertext())
+        assert all(label in words for label in ("computed", "printed", "source", "95 % band"))
+        assert "legend" not in "".join(drawn.panels)
+        assert draw_parts(figure()).legend == ""
+
+    def test_colours_are_the_page_s_to_set_and_references_resolve(self):
+        drawn = draw_parts(figure())
+        text = "".join(drawn.panels)
+        assert {"var(--ink, #222222)", "var(--paper, #ffffff)", "var(--c0, #0072b2)"} <= set(
+            re.findall(r"var\([^)]*\)", text)
+        )
+        assert "var(" not in drawn.whole
+        used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
+        assert used <= set(re.findall(r'\bid="([^"]+)"', text))
+
+    def test_texts_stand_beside_their_points_and_apart(self):
+        x, y = [1.0, 1.1, 1.2, 90.0], [5.0, 5.01, 5.02, 0.1]
+        named = Series("s", x, y, "markers", texts=["one", "two", "three", "far"], light=False)
+        panel = Panel("", "x", "y", [named], log="xy")
+        root = ElementTree.fromstring(draw_parts(figure(panels=[panel], size=(5.0, 3.0))).panels[0])
+        found = {"".join(t.itertext()): t for t in root.iter(f"{SVG}text")}
+        heights = sorted(_place(found[name])[1] for name in ("one", "two", "three"))
+        assert min(np.diff(heights)) > 9.0
+        points = [float(c.get("cx")) for c in root.iter(f"{SVG}circle")]
+        assert _place(found["one"])[0] < min(points)
+        assert _place(found["far"])[0] > max(points)
+
+    def test_texts_and_names_must_fit_the_points(self):
+        for extra in ({"texts": ["a"]}, {"names": ["a"]}):
+            with pytest.raises(ValueError, match=r"1 (texts|names) for 2 points"):
+                figures.draw(figure(panels=[Panel("", "x", "y", [Series("s", [1, 2], [1, 2], **extra)])]))
+
+
+def _place(text):
+    """Where an SVG text stands."""
+    if text.get("x"):
+        return float(text.get("x")), float(text.get("y"))
+    return tuple(float(v) for v in re.search(r"translate\(([-\d.]+)[ ,]+([-\d.]+)", text.get("transform"))[1:])
+
+
 class TestCells:
     @pytest.mark.parametrize(
         ("value", "form", "text"),
@@ -253,30 +314,72 @@ class TestCells:
 class TestPage:
     def test_files(self, tmp_path):
         assert html.write(report(), tmp_path / "out") == tmp_path / "out" / "index.html"
-        files = set(contents(tmp_path))
-        assert files == {f"out/{f}" for f in ("index.html", "tables/printed.csv", "tables/empty.csv", "figures/loads.svg")}
+        files = {name.removeprefix("out/") for name in contents(tmp_path)}
+        pages = {"index.html", "first.html", "second.html", "search.js"}
+        assert files == pages | {"tables/printed.csv", "tables/empty.csv", "figures/loads.svg"}
         assert (tmp_path / "out" / "figures" / "loads.svg").read_text(encoding="utf-8") == figures.draw(figure())
 
-    def test_page_is_balanced_marked_and_self_contained(self, tmp_path):
-        text = html.write(report(), tmp_path / "out").read_text(encoding="utf-8")
-        page = Page(text)
-        assert not page.open
-        assert html.MARKER in text
-        assert not {"script", "link", "iframe", "object"} & {tag for tag, _ in page.elements}
-        assert "@import" not in text
-        assert all(source.startswith("data:") for source in page.attributes("src"))
-        known = set(page.attributes("id"))
-        assert len(known) == len(page.attributes("id"))
-        for target in page.attributes("href"):
-            assert target[1:] in known if target.startswith("#") else (tmp_path / "out" / target).is_file()
+    def test_pages_are_balanced_marked_and_load_nothing_from_elsewhere(self, tmp_path):
+        html.write(report(), tmp_path / "out")
+        pages = {p.name: Page(p.read_text(encoding="utf-8")) for p in (tmp_path / "out").glob("*.html")}
+        for name, page in pages.items():
+            assert not page.open
+            assert html.MARKER in (tmp_path / "out" / name).read_text(encoding="utf-8")
+            assert not {"link", "iframe", "object"} & {tag for tag, _ in page.elements}
+            assert page.attributes("src") == [SEARCH]
+            known = page.attributes("id")
+            assert len(set(known)) == len(known)
+            for target in page.attributes("href"):
+                file, _, anchor = target.partition("#")
+                assert not file or (tmp_path / "out" / file).is_file(), target
+                if anchor and (not file or file in pages):
+                    assert anchor in pages[file or name].attributes("id")
+
+    def test_every_title_and_table_is_found_by_the_search(self, tmp_path):
+        html.write(report(), tmp_path / "out")
+        text = (tmp_path / "out" / SEARCH).read_text(encoding="utf-8")
+        entries = json.loads(text.removeprefix("window.rollbenchSearch = ").strip().removesuffix(";"))
+        assert [(e["t"], e["h"]) for e in entries] == [
+            ("First & foremost", "first.html"),
+            ("Printed <and> computed", "first.html#table-printed"),
+            ("Loads & errors", "first.html#figure-loads"),
+            ("Second", "second.html"),
+            ("None", "second.html#table-empty"),
+        ]
+        assert "two lines" in entries[1]["x"]
+        assert "A < B." in entries[0]["x"]
+
+    def test_first_screen_comes_before_all_else(self, tmp_path):
+        small = figure("small", panels=figure().panels[:1])
+        summary = Summary("How far?", "So far: 2 um.", small, figure("narrow", panels=small.panels), ["all"], ["none"])
+        made = report()
+        made = replace(made, sections=(replace(made.sections[0], summary=summary), made.sections[1]))
+        index = Page(html.write(made, tmp_path / "out").read_text(encoding="utf-8"))
+        text = " ".join("".join(index.text).split())
+        places = [
+            text.index(words)
+            for words in ("How far?", "So far: 2 µm.", "Case <1>", "What this covers", "Sub & title", "Where the")
+        ]
+        assert places == sorted(places)
+        assert (tmp_path / "out" / "figures" / "small.svg").is_file()
+        assert len({i for i in index.attributes("id") if i.startswith("fig-")}) > 10
+
+    def test_an_appendix_stands_under_its_own_heading(self, tmp_path):
+        made = report()
+        made = replace(made, sections=(made.sections[0], replace(made.sections[1], appendix=True)))
+        html.write(made, tmp_path / "out")
+        text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+        assert text.index("first.html") < text.index(">Appendix<") < text.index("second.html")
+        html.write(report(), tmp_path / "out")
+        assert ">Appendix<" not in (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
 
     def test_everything_is_escaped_and_nothing_is_missing(self, tmp_path):
-        page = Page(html.write(report(), tmp_path / "out").read_text(encoding="utf-8"))
+        html.write(report(), tmp_path / "out")
+        page = Page("".join(p.read_text(encoding="utf-8") for p in sorted((tmp_path / "out").glob("*.html"))))
         text = " ".join("".join(page.text).split())
         for words in (
             "Report <1>",
             "Sub & title",
-            "< 1 %",
             "1.2.3",
             "<unknown>",
             "First & foremost",
@@ -291,14 +394,15 @@ class TestPage:
             "case.toml",
             "abc123",
             "no rows",
-            "95 % band",
+            "95 % band 2 210 to 230",
         ):
             assert words in text, words
         assert "b" not in {tag for tag, attrs in page.elements if attrs.get("class") == "text"}
         assert "i" not in {tag for tag, _ in page.elements}
 
     def test_classes_and_verdicts_are_marked(self, tmp_path):
-        page = Page(html.write(report(), tmp_path / "out").read_text(encoding="utf-8"))
+        html.write(report(), tmp_path / "out")
+        page = Page((tmp_path / "out" / "first.html").read_text(encoding="utf-8"))
         marks = [attrs["class"] for tag, attrs in page.elements if tag == "span" and "class" in attrs]
         wanted = ["tag tag-hard", "verdict verdict-good", "tag tag-open", "verdict verdict-bad"]
         wanted += ["tag tag-as-printed", "verdict verdict-open"]
@@ -317,21 +421,47 @@ class TestPage:
         ],
     )
     def test_verdicts(self, text, kind):
-        assert html._verdict(text) == kind
+        assert cells.verdict(text) == kind
 
     def test_a_picture_that_cannot_be_drawn_is_left_out_and_said_so(self, tmp_path):
         lines = []
-        page = html.write(report(screw()), tmp_path / "out", lines.append)
-        assert "This picture was left out. install libgl1 &amp; co" in page.read_text(encoding="utf-8")
+        html.write(report(screw()), tmp_path / "out", lines.append)
+        page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+        assert "This picture was left out. install libgl1 &amp; co" in page
         assert lines[0] == "report: 1/2 First & foremost"
         assert "libgl1" in lines[1]
         assert not list((tmp_path / "out" / "figures").iterdir())
 
-    def test_a_picture_is_inlined(self, tmp_path, monkeypatch):
+    def test_a_picture_is_a_file_of_its_own(self, tmp_path, monkeypatch):
         monkeypatch.setattr(scene3d, "draw_loaded_screw", lambda _, path: path.write_bytes(PNG_START))
-        page = Page(html.write(report(screw()), tmp_path / "out").read_text(encoding="utf-8"))
-        assert page.attributes("src") == ["data:image/png;base64,iVBORw0KGgo="]
+        html.write(report(screw()), tmp_path / "out")
+        page = Page((tmp_path / "out" / "first.html").read_text(encoding="utf-8"))
+        assert page.attributes("src") == ["figures/screw.png", SEARCH]
         assert (tmp_path / "out" / "figures" / "screw.png").read_bytes() == PNG_START
+
+    def test_columns_without_an_entry_are_left_out_and_named(self, tmp_path):
+        columns = (Column("a", "ball", format="s"), Column("b", "as printed"), Column("c", "claim", format="s"))
+        rows = [{"a": 7, "b": None, "c": "words"}, {"a": "12", "b": None, "c": "more"}]
+        html.write(report(Table("t", "T", columns, rows)), tmp_path / "out")
+        page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+        assert page.count("<th ") == 2 + page.count('class="text">A</th>')
+        assert "No row has an entry under: as printed." in page
+        assert (tmp_path / "out" / "tables" / "t.csv").read_text(encoding="utf-8").startswith("ball,as printed,claim")
+
+    @pytest.mark.parametrize(
+        ("cells_", "number"),
+        [
+            ([7, "12"], True),
+            (["−3.5", None, "–"], True),
+            ([1.5e-3], True),
+            (["7 of 9"], False),
+            (["a"], False),
+            ([None], False),
+        ],
+    )
+    def test_whole_numbers_and_numbers_as_text_are_set_to_the_right(self, cells_, number):
+        column = Column("a", "a", format="s")
+        assert cells.is_number(column, Table("t", "T", (column,), [{"a": c} for c in cells_])) is number
 
     def test_same_report_same_bytes(self, tmp_path):
         html.write(report(), tmp_path / "a")
@@ -343,7 +473,8 @@ class TestReplacing:
     def test_leftovers_of_an_older_report_are_removed(self, tmp_path):
         html.write(report(table("old"), figure("old")), tmp_path / "out")
         html.write(report(table("new")), tmp_path / "out")
-        assert set(contents(tmp_path / "out")) == {"index.html", "tables/new.csv", "tables/empty.csv"}
+        pages = {"index.html", "first.html", "second.html", "search.js"}
+        assert set(contents(tmp_path / "out")) == pages | {"tables/new.csv", "tables/empty.csv"}
         assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
 
     @pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
@@ -354,7 +485,7 @@ class TestReplacing:
         def fail(_):
             raise error
 
-        monkeypatch.setattr(figures, "draw", fail)
+        monkeypatch.setattr(pages, "draw_parts", fail)
         with pytest.raises(error):
             html.write(report(table("new"), figure("new")), tmp_path / "out")
         assert contents(tmp_path) == before
@@ -387,7 +518,7 @@ class TestReplacing:
             html.write(report(), tmp_path)
         assert contents(tmp_path) == {name: b"<html>mine</html>"}
 
-    @pytest.mark.parametrize("name", ["notes.txt", "tables/mine.xlsx", "figures/more/a.svg"])
+    @pytest.mark.parametrize("name", ["notes.txt", "mine.html", "tables/mine.xlsx", "figures/more/a.svg"])
     def test_a_report_with_foreign_files_in_it_is_refused(self, tmp_path, name):
         html.write(report(), tmp_path / "out")
         mine = tmp_path / "out" / name

@@ -1,0 +1,136 @@
+"""Texts of cells: for reading, for CSV, and how a column of them is set."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+from reports.records import Cell, Column, Table
+
+#: Characters of a text from which its column is made wide.
+LONG = 90
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_NUMBER = re.compile(r"[+−-]?\d[\d., ]*(?:[eE][+-]?\d+)?")
+
+
+def write_csv(table: Table, path: Path) -> None:
+    """Write a table as CSV (RFC 4180): header ``label [unit]``, numbers in full, ``None`` as nothing."""
+    with open(path, "w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream)
+        heads = (f"{c.label} [{micro(c.unit)}]" if c.unit else c.label for c in table.columns)
+        writer.writerow(harmless(head) for head in heads)
+        writer.writerows([_csv_cell(row.get(c.key)) for c in table.columns] for row in table.rows)
+
+
+def format_cell(value: Cell, form: str = "g4") -> str:
+    """Text of a cell for reading.
+
+    Args:
+        value: ``None`` becomes a dash, booleans yes or no; whole numbers given as integers keep all digits.
+        form: ``"g4"`` for four significant digits (any number after the g), ``"s"`` for text as it is, or a
+            format specification of Python such as ``".2f"``.
+
+    >>> format_cell(225.0), format_cell(1.5e-7), format_cell(-3.14159, ".2f"), format_cell(None)
+    ('225.0', '1.500×10⁻⁷', '−3.14', '–')
+    """
+    value = _plain(value)
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, str):
+        return value
+    if not math.isfinite(value):
+        return "n/a" if math.isnan(value) else "∞" if value > 0.0 else "−∞"
+    if form == "s":
+        text = str(value)
+    elif re.fullmatch(r"g\d+", form):
+        text = str(value) if isinstance(value, int) else _significant(value, int(form[1:]))
+    else:
+        text = format(value, form)
+    return text.replace("-", "−") if "×" not in text else text
+
+
+def _significant(value: float, digits: int) -> str:
+    """``value`` to so many significant digits; a power of ten below 0.001 and from a million on."""
+    if value == 0.0:
+        return "0"
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    power = int(exponent)
+    if -3 <= power < max(digits, 6):
+        return f"{value:.{max(digits - 1 - power, 0)}f}"
+    return mantissa.replace("-", "−") + "×10" + str(power).translate(_SUPERSCRIPT)
+
+
+def _plain(value: Any) -> Any:
+    """A scalar of numpy as Python's own."""
+    return value.item() if hasattr(value, "item") else value
+
+
+def _csv_cell(value: Cell) -> str:
+    """Text of a cell for machines."""
+    value = _plain(value)
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(value) if isinstance(value, float) else harmless(str(value))
+
+
+def harmless(text: str) -> str:
+    """Text of a CSV cell with an apostrophe before what a spreadsheet would run as a formula.
+
+    >>> harmless("=1+1"), harmless("-3.5"), harmless("+ nut")
+    ("'=1+1", '-3.5', "'+ nut")
+    """
+    number = re.fullmatch(r"[+-]?[0-9.]+([eE][+-]?[0-9]+)?( [%\w/]+)?", text)
+    return f"'{text}" if text[:1] in tuple("=+-@\t\r") and not number else text
+
+
+def micro(text: str) -> str:
+    """Text with the unit um in its proper letter.
+
+    >>> micro("2 um larger, in N/um; the sum")
+    '2 µm larger, in N/µm; the sum'
+    """
+    return re.sub(r"\bum\b", "µm", text)
+
+
+def filled(table: Table) -> tuple[list[Column], list[str]]:
+    """Columns of a table that hold anything, and the headings of those that hold nothing in any row."""
+    empty = [c for c in table.columns if table.rows and all(_plain(row.get(c.key)) in (None, "") for row in table.rows)]
+    return [c for c in table.columns if c not in empty], [c.label for c in empty]
+
+
+def is_number(column: Column, table: Table) -> bool:
+    """Whether a column is set to the right: every cell that is not empty is a number, however it is written."""
+    if column.format != "s":
+        return True
+    cells = [str(_plain(row.get(column.key))) for row in table.rows if _plain(row.get(column.key)) not in (None, "", "–")]
+    return bool(cells) and all(_NUMBER.fullmatch(cell) for cell in cells)
+
+
+def cell_view(column: Column, value: Cell, *, number: bool) -> dict[str, str]:
+    """Text and style of one cell; ``mark`` is the kind of tag or verdict, empty for plain cells."""
+    text = format_cell(value, column.format)
+    align = "num" if number else "text long" if len(text) > LONG else "text"
+    mark = ""
+    if column.key == "class" and value is not None:
+        mark = "tag tag-" + (text if text in ("hard", "as-printed", "band", "open", "input") else "other")
+    elif column.key == "verdict" and value is not None:
+        mark = "verdict verdict-" + verdict(text)
+    return {"text": text, "align": f"{align} marked" if mark else align, "mark": mark}
+
+
+def verdict(text: str) -> str:
+    """``good``, ``bad``, ``open`` or ``other``, by the first word of a verdict."""
+    first = re.split(r"\W", text.strip().lower(), maxsplit=1)[0]
+    kinds = {
+        "good": ("reproduced", "within", "converged", "agrees", "passed", "yes"),
+        "bad": ("not", "no", "failed", "fails", "diverged", "differs"),
+        "open": ("open", "partly", "mechanism"),
+    }
+    return next((kind for kind, words in kinds.items() if first in words), "other")

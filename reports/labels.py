@@ -1,0 +1,100 @@
+"""Texts beside the points of a panel, moved apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reports.records import Series
+
+#: Distance between lines of text, and from a text to the points it belongs to [points of 1/72 inch].
+LINE, AWAY = 10.0, 10.0
+#: Width of a letter of these texts, about [points].
+LETTER = 4.1
+#: Share of a panel's width whose points have their texts on the left.
+LEFT = 0.4
+
+
+def apart(heights: Sequence[float], gap: float, low: float, high: float) -> NDArray[np.float64]:
+    """Heights moved as little as their order allows so that they are ``gap`` apart, within low to high where that is
+    possible.
+
+    >>> apart([1.0, 1.0, 5.0], 2.0, 0.0, 10.0).tolist()
+    [0.0, 2.0, 5.0]
+    """
+    order = np.argsort(heights, kind="stable")
+    rank = gap * np.arange(len(order))
+    wanted = np.asarray(heights, float)[order] - rank
+    level = np.clip(_rising(wanted), low, max(low, high - gap * (len(order) - 1)))
+    out = np.empty(len(order))
+    out[order] = level + rank
+    return out
+
+
+def _rising(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The nearest sequence that does not fall (pools of neighbours that would)."""
+    pools: list[list[float]] = []
+    for value in values:
+        pools.append([value])
+        while len(pools) > 1 and np.mean(pools[-2]) > np.mean(pools[-1]):
+            last = pools.pop()
+            pools[-1].extend(last)
+    return np.concatenate([np.full(len(pool), np.mean(pool)) for pool in pools]) if pools else values
+
+
+def place_texts(axes: Any, series: Sequence[Series]) -> None:
+    """Write the texts of all curves: of points in the left part of the panel as a column to the left of all points, with a
+    thin line to each, of the others to their right. The abscissa grows as far as the texts need."""
+    points = [(x, y, text) for s in series for x, y, text in zip(s.x, s.y, s.texts, strict=False) if text]
+    if not points:
+        return
+    place, width, height = _places(axes, points)
+    left = place[:, 0] < LEFT * width
+    most_left = min(float(x) for s in series for x in s.x)
+    points.append((most_left, points[0][1], ""))
+    place, left = _places(axes, points)[0], np.append(left, True)
+    long = np.array([LETTER * len(text) + 2.0 * AWAY for *_, text in points])
+    _widen(axes, place[:, 0] / width, np.where(left, long.max(initial=0.0, where=left), long) / width, left)
+    place, width, height = _places(axes, points)
+    column, left[-1] = place[-1, 0] - AWAY, False
+    written = np.array([bool(text) for *_, text in points])
+    for side, before in ((left, True), (~left & written, False)):
+        heights = apart(place[side, 1].tolist(), LINE, 0.5 * LINE, height - 0.5 * LINE)
+        for at, up in zip(np.flatnonzero(side), heights, strict=True):
+            x, y, text = points[at]
+            axes.annotate(
+                text,
+                (x, y),
+                (column if before else place[at, 0] + 0.6 * AWAY, up),
+                textcoords="axes points",
+                ha="right" if before else "left",
+                va="center",
+                fontsize=8.0,
+                zorder=4.0,
+                annotation_clip=False,
+                in_layout=False,
+                arrowprops={"arrowstyle": "-", "linewidth": 0.5, "color": "#8a8f98", "shrinkA": 0.0, "shrinkB": 2.0},
+            )
+
+
+def _places(axes: Any, points: Sequence[tuple[float, float, str]]) -> tuple[NDArray[np.float64], float, float]:
+    """Points ``(n, 2)`` in the panel, its width and height [points]."""
+    scale, box = 72.0 / axes.figure.dpi, axes.get_window_extent()
+    place = axes.transData.transform([(x, y) for x, y, _ in points]) - (box.x0, box.y0)
+    return scale * place, scale * box.width, scale * box.height
+
+
+def _widen(axes: Any, at: NDArray[np.float64], room: NDArray[np.float64], left: NDArray[np.bool_]) -> None:
+    """Move the ends of the abscissa out until every text has its room; places and room are shares of the width."""
+    scale = axes.xaxis.get_transform()
+    low, high = scale.transform(np.asarray(axes.get_xlim(), float))
+    where = low + at * (high - low)
+    for _ in range(3):  # each end takes from the room of the other
+        ends = [(x - share * high) / (1.0 - share) for x, share in zip(where[left], room[left], strict=True)]
+        low = min([low, *ends])
+        ends = [(x - share * low) / (1.0 - share) for x, share in zip(where[~left], room[~left], strict=True)]
+        high = max([high, *ends])
+    axes.set_xlim(*scale.inverted().transform(np.array([low, high])))

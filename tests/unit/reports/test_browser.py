@@ -1,0 +1,165 @@
+"""The report in a real browser, Debian's Chromium: no message on its console, search, contents, hover, dark mode, widths.
+
+One start of the browser opens every page at both widths in frames of one page, works on them and writes what it found.
+"""
+
+import json
+import re
+import shutil
+import subprocess
+from html import unescape
+
+import pytest
+
+from reports.html import write
+from reports.records import Column, Figure, Panel, Report, Section, Series, Summary, Table, Text
+
+CHROMIUM = shutil.which("chromium")
+pytestmark = [pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium"), pytest.mark.xdist_group("browser")]
+WIDTHS = {1400: 900, 390: 844}
+PAGES = ("index.html", "loads.html", "tables.html")
+#: Opens the pages, waits, works on each, and writes what it found into the page.
+WORK = """
+<body><script>
+const found = {}, wait = (ms) => new Promise((done) => setTimeout(done, ms));
+async function open(page, width, height) {
+  const frame = Object.assign(document.createElement("iframe"), { width, height, src: FOLDER + page });
+  await new Promise((done) => { frame.onload = done; document.body.append(frame); });
+  return frame.contentWindow;
+}
+async function look(page, width, height) {
+  const own = await open(page, width, height), doc = own.document, shown = (e) => e && e.getClientRects().length > 0;
+  const out = { overflow: doc.documentElement.scrollWidth - own.innerWidth };
+  out.paper = own.getComputedStyle(doc.body).backgroundColor;
+  out.clipped = [...doc.querySelectorAll(".clip")].map((box) => box.classList.contains("more"));
+  out.columns = [...doc.querySelectorAll(".panels")].map((box) => new Set([...box.children].map((p) => p.offsetLeft)).size);
+  out.contents = shown(doc.querySelector("nav"));
+  if (!out.contents) {
+    doc.getElementById("menu").click();
+    out.menu = shown(doc.querySelector("nav"));
+    doc.getElementById("menu").click();
+  }
+  own.scrollTo(0, 1e5); await wait(30);
+  out.stays = doc.querySelector(".bar").getBoundingClientRect().top; own.scrollTo(0, 0);
+  const first = [...doc.querySelectorAll("#answer .lead, #answer figure svg")].filter(shown);
+  out.bottom = Math.max(0, ...first.map((e) => e.getBoundingClientRect().bottom));
+  const query = doc.getElementById("query");
+  query.value = "tightness"; query.dispatchEvent(new own.Event("input"));
+  out.hits = [...doc.querySelectorAll("#hits a")].map((a) => a.getAttribute("href"));
+  query.value = "no such words"; query.dispatchEvent(new own.Event("input"));
+  out.none = doc.getElementById("hits").textContent;
+  const group = [...doc.querySelectorAll("svg .values")].find(shown);
+  if (group) {
+    const circle = group.children[1], box = circle.getBoundingClientRect();
+    const at = { clientX: box.x + box.width / 2, clientY: box.y + box.height / 2, bubbles: true };
+    group.ownerSVGElement.dispatchEvent(new own.PointerEvent("pointermove", at));
+    out.tip = doc.querySelector(".tip").textContent; out.shown = shown(doc.querySelector(".tip"));
+    group.ownerSVGElement.dispatchEvent(new own.PointerEvent("pointerleave"));
+    out.gone = !shown(doc.querySelector(".tip"));
+  }
+  doc.getElementById("theme").click();
+  out.switched = own.getComputedStyle(doc.body).backgroundColor;
+  doc.getElementById("theme").click();
+  found[`${page} ${width}`] = out;
+}
+(async () => {
+  for (const page of PAGES) for (const [width, height] of WIDTHS) await look(page, width, height);
+  const end = Object.assign(document.createElement("pre"), { id: "found", textContent: JSON.stringify(found) });
+  document.body.append(end);
+})();
+</script></body>
+"""
+
+
+def small_report() -> Report:
+    curves = (
+        Series("refined", [1.0, 2.0, 3.0], [210.0, 220.5, 230.0]),
+        Series("lin", [1.0, 2.0], [200.0, 260.0], "markers"),
+    )
+    panels = (Panel("SL", "ball", "load / N", curves), Panel("NR", "ball", "load / N", curves))
+    heads = [Column(f"c{k}", f"a long heading {k}") for k in range(24)]
+    wide = Table("wide", "All of it", heads, [{c.key: 1e3 for c in heads}])
+    narrow = Table("narrow", "Tightness of balls", [Column("a", "a")], [{"a": 1.0}])
+    first = Figure("first", "Error against time", panels[:1], columns=1, size=(8.0, 3.4))
+    other = Figure("second", "Error against time", panels[:1], columns=1, size=(3.75, 3.2))
+    summary = Summary("How far?", "As far as 2.6 % after 1 s. " * 6, first, other, ["all"], ["none"])
+    sections = (
+        Section("loads", "Loads", (Text(["Words."]), Figure("both", "Loads", panels)), summary=summary),
+        Section("tables", "Tables", (wide, narrow), appendix=True),
+    )
+    return Report("A report", "On what", {"a": "b"}, sections, {"x.toml": "ab" * 32})
+
+
+@pytest.fixture(scope="module", params=["light", "dark"])
+def seen(request, tmp_path_factory):
+    """What the browser found, page by page, and what it wrote on its console."""
+    folder = tmp_path_factory.mktemp("browser")
+    write(small_report(), folder / "out")
+    constants = f"const FOLDER = 'out/', PAGES = {json.dumps(PAGES)}, WIDTHS = {json.dumps(list(WIDTHS.items()))};"
+    (folder / "work.html").write_text(WORK.replace("<script>", f"<script>{constants}", 1), encoding="utf-8")
+    scheme = 0 if request.param == "dark" else 1
+    command = [
+        CHROMIUM,
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--allow-file-access-from-files",
+        "--enable-logging=stderr",
+    ]
+    command += [f"--blink-settings=preferredColorScheme={scheme}", f"--user-data-dir={folder / 'profile'}"]
+    command += ["--virtual-time-budget=20000", "--dump-dom", (folder / "work.html").as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    result = re.search(r'<pre id="found">(.*?)</pre>', done.stdout, re.DOTALL)
+    assert result is not None, done.stderr[-2000:]
+    console = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    return request.param, json.loads(unescape(result[1])), console
+
+
+def test_nothing_on_the_console(seen):
+    assert seen[2] == []
+
+
+def test_both_widths_have_no_overflow_and_one_panel_a_row_on_a_phone(seen):
+    pages = seen[1]
+    assert len(pages) == len(PAGES) * len(WIDTHS)
+    assert {name: page["overflow"] for name, page in pages.items() if page["overflow"] > 0} == {}
+    assert pages["loads.html 1400"]["columns"] == [2]
+    assert pages["loads.html 390"]["columns"] == [1]
+
+
+def test_first_screen_answers_without_scrolling(seen):
+    for width, height in WIDTHS.items():
+        assert 200 < seen[1][f"index.html {width}"]["bottom"] < height
+
+
+def test_contents_and_bar_stay(seen):
+    for name, page in seen[1].items():
+        assert page["stays"] == 0
+        assert page["contents"] is name.endswith("1400")
+        assert page.get("menu", True) is True
+
+
+def test_a_clipped_table_says_so(seen):
+    assert seen[1]["tables.html 1400"]["clipped"] == [True, False]
+    assert seen[1]["tables.html 390"]["clipped"] == [True, False]
+
+
+def test_search_finds_on_other_pages(seen):
+    for page in seen[1].values():
+        assert page["hits"] == ["tables.html#table-narrow"]
+        assert page["none"] == "nothing found"
+
+
+def test_values_under_the_pointer(seen):
+    for name in ("index.html 1400", "index.html 390", "loads.html 1400", "loads.html 390"):
+        page = seen[1][name]
+        assert page["tip"] == "refined\nball: 2\nload / N: 220.5"
+        assert page["shown"]
+        assert page["gone"]
+
+
+def test_colours_follow_the_system_and_the_switch(seen):
+    scheme, pages, _ = seen
+    light, dark = "rgb(255, 255, 255)", "rgb(21, 24, 29)"
+    for page in pages.values():
+        assert (page["paper"], page["switched"]) == ((dark, light) if scheme == "dark" else (light, dark))

@@ -1,0 +1,86 @@
+"""The first screen: medians, Pareto front, answer and figure, from points that are known."""
+
+from dataclasses import replace
+
+import pytest
+
+from compare.models.registry import MODELS
+from compare.sections.overview import KINDS, answer, front, named, off, standing_table, standings, time_figure
+from compare.sections.reference_time import TimePoint
+from reports.panels import draw_parts
+
+
+def point(label: str, error: float, cold: float, kind: str = "model", **changes: object) -> TimePoint:
+    made = TimePoint(label, kind, error, error / 2.0, 0.9 * error, 1.1 * error + 0.1, cold, 0.1, 65, 100.0)  # type: ignore[arg-type]
+    return replace(made, **changes)  # type: ignore[arg-type]
+
+
+def scene(factor: float) -> list[TimePoint]:
+    label = {name: MODELS[name].label for name in MODELS}
+    return [
+        point(label["refined"], 1.0 * factor, 2.0),
+        point(label["lin"], 6.0 * factor, 1.0),
+        point(label["source"], 6.0 * factor, 1.5),
+        point(label["mei"], 20.0 * factor, 1.2, status="no convergence" if factor > 2.0 else "converged"),
+        point("3D reference, level 1", 0.2 * factor, 40.0, "level"),
+        point("3D reference, level 3", 0.0, 130.0, "level"),
+    ]
+
+
+POINTS = {"a": scene(1.0), "b": scene(2.0), "c": scene(3.0)}
+
+
+def test_standings_are_medians_and_worst_cases_of_what_converged() -> None:
+    found = {s.name: s for s in standings(POINTS)}
+    refined = found["refined"]
+    assert (refined.scenes, refined.worst, refined.worst_scene, refined.median) == (3, 3.0, "c", 2.0)
+    assert (refined.low, refined.high) == (pytest.approx(1.8), pytest.approx(2.3))
+    assert (refined.rms, refined.worst_rms, refined.cold, refined.within) == (1.0, 1.5, 2.0, 3)
+    assert (found["mei"].scenes, found["mei"].worst) == (2, 40.0)
+    assert found["lin"].within == 1
+    assert found["3D level 3"].median == pytest.approx(0.1)  # its uncertainty: it is the best estimate itself
+    assert off(POINTS["a"][-1]) == pytest.approx(0.1)
+    assert standing_table(standings(POINTS)).rows[0]["name"] == "mei"
+
+
+def test_front_holds_what_nothing_beats_in_both() -> None:
+    assert [s.name for s in front(standings(POINTS))] == ["lin", "refined", "3D level 1", "3D level 3"]
+
+
+def test_answer_names_errors_times_and_the_reference() -> None:
+    said = answer(POINTS, [0.12, 0.68])
+    assert said.startswith("On 3 screws and bearings")
+    for words in (
+        "3.0 % with the refined model (RMS up to 1.5 %, 2 s from a cold start)",
+        "18.0 % with the source's low-order model",
+        "40.0 % with Mei's axial bars (2 scenes, ",
+        "known to 0.1 to 0.7 % and takes 2.2 min.",
+    ):
+        assert words in said
+    assert "known to no bound (one mesh level only)" in answer(POINTS, [])
+
+
+@pytest.mark.parametrize("all_names", [True, False])
+def test_figure_shows_every_point_light_and_every_median_with_its_bar(all_names: bool) -> None:
+    figure = time_figure(POINTS, "f", (8.0, 4.0), all_names=all_names)
+    (panel,) = figure.panels
+    light = [s for s in panel.series if s.light]
+    assert sum(len(s.x) for s in light) == 3 * 6 - 1
+    mids = [s for s in panel.series if s.texts]
+    texts = [text for s in mids for text in s.texts if text]
+    assert sorted(texts) == sorted(
+        ["refined", "lin", "mei", "3D level 1", "3D level 3"] + (["source"] if all_names else [])
+    )
+    assert set(KINDS) <= set(texts)
+    assert all(s.bars is not None for s in mids)
+    (line,) = (s for s in panel.series if s.style == "line")
+    assert list(line.x) == [1.0, 2.0, 40.0, 130.0]
+    drawn = draw_parts(figure).panels[0]
+    assert "refined, a\n2\n1</title>" in drawn
+    assert "refined, median of 3 scenes\n2\n2 (1.8 to 2.3)" in drawn
+
+
+def test_every_model_has_a_family() -> None:
+    families = {named(model.label)[1] for model in MODELS.values()}
+    assert len(families) == 4
+    assert named("3D reference, the source's mesh") == ("3D, source's mesh", "3D reference")
