@@ -77,8 +77,9 @@ def scenes():
 
 
 ALL = dict(scenes())
-#: Scenes of one geometry but for the nut's elasticity.
-LEFT = ("left hand, load the other way", "rigid nut")
+#: Those of one geometry but for the nut's elasticity go to one worker.
+ONE_GEOMETRY = ("left hand, load the other way", "rigid nut")
+NAMES = [pytest.param(name, marks=pytest.mark.xdist_group("left hand")) if name in ONE_GEOMETRY else name for name in ALL]
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +89,7 @@ def cache(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.xdist_group("left hand")) if n in LEFT else n for n in ALL])
+@pytest.mark.parametrize("name", NAMES)
 def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache, monkeypatch):
     """Cells are as coarse as they may be: 1.2 % from the low-order model at most. One mesh of each submodel will do."""
     monkeypatch.setattr(submodel, "REALISATIONS", 1)

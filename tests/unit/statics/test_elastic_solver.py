@@ -122,12 +122,7 @@ def test_rigid_nut_and_plain_section_is_the_source_model(name):
 
 @pytest.mark.parametrize(
     "case",
-    [
-        pytest.param("lin-case1", marks=pytest.mark.compiles(50)),
-        "lin-case3-offset",
-        "bearing-9-preload",
-        "uneven flanks",
-    ],
+    [pytest.param("lin-case1", marks=pytest.mark.compiles(50)), "lin-case3-offset", "bearing-9-preload", "uneven flanks"],
 )
 def test_engines_agree(case):
     scene = SCENES[case]()
