@@ -91,7 +91,7 @@ def cache(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache, monkeypatch):
-    """Cells are as coarse as they may be: 1.2 % from the low-order model at most. One mesh of each submodel will do."""
+    """Cells are as coarse as that allows; one mesh of each submodel will do."""
     monkeypatch.setattr(submodel, "REALISATIONS", 1)
     scene = ALL[name]
     ratio = scene.balls.radius / BALL
