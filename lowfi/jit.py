@@ -4,7 +4,9 @@ A kernel package (a folder named ``kernel``) is written in the subset of Python 
 compiled=False)`` is the package itself; ``compiled=True`` loads the same files a second time under another name, where the
 decorator ``kernel`` compiles. Named tuples that kernels take or return stand in ``records.py`` beside that folder: both
 copies must mean the same classes. Machine code is kept in the user's cache folder, under a digest of the sources of all
-kernels, so that none outlives the sources it was made from: numba alone looks at the file of a function only.
+kernels, so that none outlives the sources it was made from: numba alone looks at the file of a function only. It files
+machine code by the path of the source; what is compiled is loaded from a copy of the sources in that folder, so that all
+checkouts and environments with the same kernels share what one of them compiled.
 """
 
 from __future__ import annotations
@@ -153,6 +155,29 @@ def _folder(package: str) -> Path:
     return Path(__file__).parents[1].joinpath(*package.split("."))
 
 
+def _sources(package: str) -> Path:
+    """Folder that a package is compiled from: the copy of its files beside the machine code, made if need be; the package's
+    own where nothing is kept, or where the copy is not what it should be."""
+    folder, kept = _folder(package), code_folder()
+    if kept is None:
+        return folder
+    copy = kept / "sources" / package
+    if not copy.is_dir():
+        with suppress(OSError), tempfile.TemporaryDirectory(dir=kept) as made:
+            new = Path(made) / package
+            new.mkdir()
+            for name, content in _contents(folder).items():
+                (new / name).write_bytes(content)
+            copy.parent.mkdir(exist_ok=True)
+            new.rename(copy)  # whole or not at all, whoever is first
+    return copy if copy.is_dir() and _contents(copy) == _contents(folder) else folder
+
+
+def _contents(folder: Path) -> dict[str, bytes]:
+    """The Python files of a folder by name."""
+    return {source.name: source.read_bytes() for source in folder.glob("*.py")}
+
+
 def _copy_name(package: str) -> str:
     return f"lowfi.{_MARK}{package.removeprefix('lowfi.').replace('.', '_')}"
 
@@ -160,7 +185,7 @@ def _copy_name(package: str) -> str:
 @cache
 def _load(package: str) -> ModuleType:
     """The files of a package loaded as another package. Raises ImportError where the folder holds no package."""
-    folder, name = _folder(package), _copy_name(package)
+    folder, name = _sources(package), _copy_name(package)
     spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
     if spec is None or spec.loader is None:
         raise ImportError(f"cannot load the kernels from {folder}")

@@ -1,7 +1,31 @@
 """One thread for the linear algebra of every worker: the workers share the cores, and many small factors only wait for the
-threads of one another."""
+threads of one another. What compiles kernels and what takes long is begun first."""
 
 import os
 
+import pytest
+
 for _library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
+
+
+def begun(item: pytest.Item) -> tuple[float, bool]:
+    """Place of a test: those that compile kernels first, the longest before, each worker others, so that one loads what
+    another compiled; then the slow ones, so that none is left at the end with one worker waiting for the other."""
+    compiles = item.get_closest_marker("compiles")
+    return -compiles.args[0] if compiles else 0.0, item.get_closest_marker("slow") is None
+
+
+def keep_group(item: pytest.Item) -> None:
+    """Let a test's id name its group: xdist 3.8 writes it where pytest 9.2 no longer looks (pytest-xdist issue 1386), and
+    tests of one group went to all workers, each of which made their set-up."""
+    named = getattr(item, "_nodeid", item.nodeid)
+    if named != item.nodeid:
+        item._id = type(item.id).parse(named)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=begun)
+    for item in items:
+        keep_group(item)

@@ -15,7 +15,7 @@ from meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
 from meshes.parts import Material
 from tests.helpers import relative
 
-pytestmark = pytest.mark.xdist_group("tube in 3D")
+pytestmark = [pytest.mark.xdist_group("tube in 3D"), pytest.mark.slow]
 
 STEEL = Material(210e9, 0.28)
 BORE, OUTER, LENGTH, WIDTH = 17.4e-3, 24e-3, 54e-3, 3e-3

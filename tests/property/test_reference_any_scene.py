@@ -13,10 +13,12 @@ from compare.models.study import with_groove
 from compare.reference.levels import BALL
 from compare.reference.runs import Task, compute, needed_sides, settings_of
 from compare.scenes import catalogue
+from hifi import submodel
 from hifi.fit import Settings, ball_place, expected_reach, expected_semi_axes, patch_lines, socket_size
 from hifi.part_meshes import mesh_parts, patch_mesh, patch_normals
 from hifi.reference import solve_reference
 from hifi.setup import prepare
+from meshes.cache import Cache
 from meshes.groove_map import GrooveMap
 from meshes.helix import ball_layout
 from meshes.parts import Balls, Load, Nut, Scene, Screw, Solid, Support, Track
@@ -75,27 +77,41 @@ def scenes():
 
 
 ALL = dict(scenes())
+#: Those of one geometry but for the nut's elasticity go to one worker.
+ONE_GEOMETRY = ("left hand, load the other way", "rigid nut")
+NAMES = [pytest.param(name, marks=pytest.mark.xdist_group("left hand")) if name in ONE_GEOMETRY else name for name in ALL]
 
 
-@pytest.mark.parametrize("name", ALL)
-def test_any_scene_converges_in_balance_and_near_the_low_order_model(name):
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    """What two scenes share (the flanks of the elastic and the rigid nut) is condensed once."""
+    return Cache(tmp_path_factory.mktemp("cache"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache, monkeypatch):
+    """Cells are as coarse as that allows; one mesh of each submodel will do."""
+    monkeypatch.setattr(submodel, "REALISATIONS", 1)
     scene = ALL[name]
     ratio = scene.balls.radius / BALL
     settings = Settings(
-        b_over_h=1.2,
+        b_over_h=0.8,
         semi=expected_semi_axes(scene),
         reach=expected_reach(scene),
-        fine=2.5e-3 * ratio,
-        coarse=10e-3 * ratio,
-        ball_fine=0.9e-3 * ratio,
-        ball_coarse=1.8e-3 * ratio,
-        modes=12,
+        fine=3e-3 * ratio,
+        coarse=12e-3 * ratio,
+        ball_fine=1e-3 * ratio,
+        ball_coarse=2e-3 * ratio,
+        modes=8,
+        ball_modes=12,
+        growth=1.8,
         own_cuts=(3, 2, 3),
-        own_sizes=(1.5e-3 * ratio, 6e-3 * ratio),
-        own_ball_sizes=(0.8e-3 * ratio, 1.6e-3 * ratio),
+        own_sizes=(2e-3 * ratio, 8e-3 * ratio),
+        own_ball_sizes=(0.9e-3 * ratio, 1.8e-3 * ratio),
     )
     sides = needed_sides(scene)
-    made = prepare(scene, sides, settings)
+    made = prepare(scene, sides, settings, cache=cache)
     result = solve_reference(made, scene)
     assert result.status == "converged"
     assert max(result.balance, result.screw_balance) < 1e-8
@@ -103,7 +119,7 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name):
     low = run_model(scene, "lin", Options(discretisation=False))
     assert low.converged
     error = load_error(low.load, result.load)
-    assert error.rms_percent < 12.0, error
+    assert error.rms_percent < 4.0, error
     assert min(made.quality[k] for k in ("screw", "nut", "ball")) > 0.0
     assert made.quality["deviation"] < 1e-12 or scene.track.lead == 0.0
 

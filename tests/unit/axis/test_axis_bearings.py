@@ -92,6 +92,7 @@ def test_preload_by_force_is_carried_before_loading_and_locked_then():
     assert sum(s.force[2] for s in loaded.sets) == pytest.approx(-300.0, rel=1e-9)
 
 
+@pytest.mark.compiles(19)
 def test_two_preloads_by_force_are_met_together():
     axis = fixed_axis((0.0, 0.0, 0.0))
     sets = [replace(s, offset=0.0, preload=p) for s, p in zip(axis.sets[:4], (500.0, 0.0, 0.0, 800.0), strict=True)]

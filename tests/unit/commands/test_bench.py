@@ -64,6 +64,7 @@ def test_command_line_that_fails_is_not_measured(monkeypatch):
     assert job.note == "not measured: No module named compare.__main__"
 
 
+@pytest.mark.slow
 def test_all_jobs():
     seen: list[str] = []
     jobs = run_bench(seen.append, repeats=1)

@@ -15,7 +15,9 @@ from scipy.sparse.linalg import spsolve
 from compare.commands import export as export_command
 from compare.commands.export import parts_of, run_export
 from compare.errors import InputError
+from compare.reference.levels import LEVELS
 from compare.scenes import catalogue
+from hifi import submodel
 from hifi.assembly import assemble
 from hifi.forms import elasticity
 from meshes import bridge
@@ -40,6 +42,17 @@ def four_balls():
 
 
 SCENE = four_balls()
+#: Changes of mesh level 1.
+COARSE = {
+    "b_over_h": 1.0,
+    "own_cuts": (3, 2, 3),
+    "own_sizes": (2e-3, 8e-3),
+    "own_ball_sizes": (0.9e-3, 1.8e-3),
+    "fine": 3e-3,
+    "coarse": 12e-3,
+    "ball_fine": 1e-3,
+    "ball_coarse": 2e-3,
+}
 
 
 @pytest.fixture(scope="module")
@@ -238,8 +251,14 @@ def test_calculix_finds_the_compliance_of_an_exported_nut(tmp_path: Path):
     np.testing.assert_allclose(theirs[sockets], ours[sockets], atol=1e-3 * largest)
 
 
+@pytest.mark.slow
 class TestResults:
-    """Result fields of the scene, solved with the meshes of the tests before."""
+    """Result fields of the scene, solved on cells that are as coarse as they may be: what is read back asks for no more."""
+
+    @pytest.fixture(autouse=True)
+    def coarse(self, monkeypatch):
+        monkeypatch.setattr(submodel, "REALISATIONS", 1)
+        monkeypatch.setitem(LEVELS, 1, LEVELS[1] | COARSE)
 
     def test_nut_and_ball_carry_displacement_and_stress(self, tmp_path, cache):
         lines = []

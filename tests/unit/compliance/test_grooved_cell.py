@@ -114,6 +114,7 @@ def test_impossible_dimensions():
         cell_section(MAP, LAND, 15.5e-3, True, STEEL)
 
 
+@pytest.mark.slow
 def test_screw_homogenised_in_3d():
     hole = 3e-3
     solid = with_core(homogenise(MAP, LAND, hole, STEEL, 3e-3).section, hole, STEEL)

@@ -61,6 +61,7 @@ def test_radial_part_of_the_ball_force_keeps_its_sign() -> None:
     assert push[0, 1:] == pytest.approx(-push[1, 1:], rel=1e-13)
 
 
+@pytest.mark.compiles(18)
 def test_swapped_balls() -> None:
     """Half a turn about x3 swaps the balls, left and right, and reverses the motion and the axial force."""
     one = solve_pair(inferred(TWO))

@@ -35,7 +35,7 @@ from meshes.parts import Material, Solid
 from tests.fe_meshes import cube
 from tests.helpers import relative, small_screw
 
-pytestmark = pytest.mark.xdist_group("recovered fields")
+pytestmark = [pytest.mark.xdist_group("recovered fields"), pytest.mark.slow]
 
 SIDES = (0, 3)
 

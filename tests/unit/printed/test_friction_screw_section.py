@@ -17,7 +17,7 @@ from compare.sections import friction_screw
 from reports.figures import draw
 from reports.records import Figure, Section, Table, Text
 
-pytestmark = pytest.mark.xdist_group("friction of screws")
+pytestmark = [pytest.mark.xdist_group("friction of screws"), pytest.mark.slow]
 
 #: Dimensions of Table 4.2 that no model takes, so that there is nothing to hold them against.
 UNUSED = {"outer_diameter", "inner_diameter", "thickness_4p"}

@@ -34,6 +34,22 @@ def test_machine_code_is_filed_by_the_sources(tmp_path, monkeypatch):
     assert len(set(found)) == changed + 1 > len(jit.PACKAGES)
 
 
+def test_checkouts_compile_from_one_copy_of_their_sources(tmp_path, monkeypatch):
+    """numba files machine code by the path of its source: two checkouts of the same kernels name the same one."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    found = [jit._sources(jit.CONTACT)]
+    shutil.copytree(Path(jit.__file__).parent, tmp_path / "lowfi", ignore=shutil.ignore_patterns("__pycache__"))
+    with monkeypatch.context() as elsewhere:
+        elsewhere.setattr(jit, "__file__", str(tmp_path / "lowfi" / "jit.py"))
+        jit.code_folder.cache_clear()
+        found.append(jit._sources(jit.CONTACT))
+    assert found[0] == found[1]
+    assert found[0].is_relative_to(tmp_path / "cache" / "kernels" / jit.digest())
+    assert jit._contents(found[0]) == jit._contents(jit._folder(jit.CONTACT))
+    (found[0] / "motion.py").write_text("# damaged\n")
+    assert jit._sources(jit.CONTACT) == jit._folder(jit.CONTACT)
+
+
 def test_old_machine_code_goes(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     for number in range(6):

@@ -96,6 +96,7 @@ def test_condensed_bodies_are_close_to_their_own_reference_and_to_the_refined_on
     assert rung["lin-nut"].error.max_percent > 2.0 * rung["refined"].error.max_percent
 
 
+@pytest.mark.slow
 def test_unseen_screws_hold() -> None:
     study = Study()
     for name in ladder.UNSEEN:
