@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import Problem, build, distances, hertz_C
 from lowfi.statics.result import StaticResult
-from lowfi.statics.selection import choose_sides
+from lowfi.statics.selection import all_clear, choose_sides
 from lowfi.statics.shape import motion_matrices
 from lowfi.statics.static import ACCEPTED, Engine, Prepared, pick_engine, pin, prepare, reference_scale, run, solve_static
 from meshes.errors import draw_ball_radii, specimen
@@ -267,10 +267,8 @@ def _radii(scene: Scene, member: int) -> Array:
 
 
 class _Nearness:
-    """Whether flanks that were left out could carry load in a solution, for many members at once.
-
-    A ball at rest between its loaded flanks must clear the others by ``MARGIN``. A ball without load must find one
-    place, of two tried, where it clears all four. Both are sufficient: a member in doubt is solved with all four sides.
+    """Whether flanks that were left out could carry load in a solution, for many members at once: they come nearer than
+    ``MARGIN``. A member in doubt is solved with all four sides.
     """
 
     def __init__(self, prepared: Prepared, layout: BallLayout) -> None:
@@ -284,20 +282,7 @@ class _Nearness:
         k, n = centres.shape[:2]
         shift = np.zeros((k, n, 4, 2))
         shift[:, :, :2] = (motions @ self.rows.T).reshape(k, n, 2, 2)
-        gaps = _gaps(centres, shift, geometry)
-        loaded = loads.max(axis=2) > 0.0
-        clear = np.where(loaded, gaps[..., ~self.use].min(axis=2), gaps.min(axis=2))
-        some = ~loaded.all(axis=1)
-        if np.any(some):
-            elsewhere = _gaps(shift[some].mean(axis=2), shift[some], geometry[some]).min(axis=2)
-            clear[some] = np.where(loaded[some], clear[some], np.maximum(clear[some], elsewhere))
-        return np.asarray((clear < MARGIN).any(axis=1))
-
-
-def _gaps(centres: Array, shift: Array, geometry: Array) -> Array:
-    """Distance of each ball from each of its four arcs, ``(k, N, 4)`` [m]; negative where it would be pressed."""
-    moved = geometry[..., :2] + centres[:, :, None, :] - shift
-    return np.asarray(geometry[..., 2] - geometry[..., 3] - np.sqrt((moved * moved).sum(axis=-1)))
+        return np.asarray(~all_clear(centres, shift, geometry, loads, self.use, MARGIN))
 
 
 def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:

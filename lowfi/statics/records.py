@@ -272,6 +272,21 @@ class Factors(NamedTuple):
     C: Array
 
 
+class Trial(NamedTuple):
+    """A trial of a line search, see `lowfi.statics.kernel.search`."""
+
+    #: Energy [J], slope [J] by the step length, and largest step length, of where the search begins.
+    energy: float
+    slope: float
+    limit: float
+    #: Longest length known to be too short, shortest known to be too long (zero: none yet), and the one to try.
+    low: float
+    high: float
+    t: float
+    #: Trials before this one.
+    count: int
+
+
 class Outcome(NamedTuple):
     """How a kernel's iteration ended."""
 

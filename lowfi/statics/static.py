@@ -204,7 +204,7 @@ def solve_static(
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
             outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
         problem = prepared.problem
-        touched = touched_sides(kernels, problem, prepared.state.q, prepared.force)
+        touched = touched_sides(kernels, problem, prepared.state.q, prepared.state.p, prepared.force)
         if (outcome.status == 0 and not np.any(touched & ~use)) or np.all(use):
             break
         notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
+from lowfi.statics.axis.sides import left_out
 from lowfi.statics.axis.stiffness import asked_station
 from lowfi.statics.axis.system import BallSet, RollerSet, System
 from lowfi.statics.problem import SIGNS
@@ -54,7 +55,7 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
     found = {b.of.name: ball_result(system, b, state, end.report, K) for b, K in zip(system.balls, end.sets, strict=True)}
     found |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
     sets = tuple(found[s.name] for s in assembly.sets)
-    left = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
+    held = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
     return AxisResult(
         end.model,
         next((open_row(s) for s in sets if open_row(s)), end.status),
@@ -67,7 +68,7 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
         end.whole,
         end.report,
         (*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
-        left,
+        (*held, *left_out(system)),
         tuple(f"{s.of.name}: {w}" for s in sets if s.balls is not None for w in s.balls.warnings),
     )
 

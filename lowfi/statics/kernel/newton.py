@@ -14,14 +14,11 @@ from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle
 from .banded import solve_banded
 from .beam import add_element, element_force, positions
+from .search import TRIALS, first_trial, next_trial
 
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
-#: Relative round-off of an energy, summed over springs of both signs of work.
-ROUNDING = 1e-14
 #: Relative residual from which on whole steps are tried first, and growth at which one is taken back and searched along.
 WHOLE_STEPS, GROWN = 1e-7, 10.0
-#: Trials of a line search: on a convex energy they never run out, where they do twice the iteration ends.
-TRIALS = 60
 #: Iterations in which the residual was not halved once, after which the iteration ends.
 PATIENCE = 60
 #: Net force on a ball over the largest force up to which it counts as balanced.
@@ -180,34 +177,19 @@ def line_search(
     slope: float,
     limit: float,
 ) -> tuple[float, float, int]:
-    """Step length along ``step``: shrunk on overshoot, stretched while the slope does not change (open gaps).
+    """Search along ``step`` from the state (see ``search``), which is left at the accepted point.
 
-    limit: largest step length, also of the first trial: a step that carries flanks past their balls says nothing of the
-    contacts. Returns the energy, scale, and the number of evaluations; the state is left at the accepted point.
+    limit: largest step length. Returns the energy, scale, and the number of evaluations.
     """
     q, d, fixed = state.q, state.d, beam.fixed
     q0, d0 = q[0].copy(), d.copy()
-    low, high, t = 0.0, 0.0, min(1.0, limit)
-    new, scale, rounding = energy, 0.0, ROUNDING * abs(energy)
-    evaluations = 0
-    while evaluations < TRIALS:
-        advance(q, d, beam.lengths, q0, d0, step, t)
+    trial, go_on = first_trial(energy, slope, limit), True
+    new, scale = energy, 0.0
+    while go_on:
+        advance(q, d, beam.lengths, q0, d0, step, trial.t)
         new, scale = evaluate(beam, contacts, state, out)
-        evaluations += 1
-        ahead = slope_along(out.gradient, step, fixed)
-        if ahead > 0.0:
-            if ahead <= 0.5 * abs(slope) and new <= energy + rounding:
-                break
-            if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
-                break
-            high = t
-            t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
-        else:
-            if ahead >= 0.9 * slope or high > 0.0 or t >= limit:
-                break
-            low = t
-            t = min(4.0 * t, limit)
-    return new, scale, evaluations
+        trial, go_on = next_trial(trial, new, slope_along(out.gradient, step, fixed))
+    return new, scale, trial.count
 
 
 @kernel
