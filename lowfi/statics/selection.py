@@ -88,8 +88,8 @@ def all_clear(
 ) -> NDArray[np.bool_]:
     """In which of k solutions no ball comes nearer than ``margin`` [m] to a flank that was left out, ``(k,)``.
 
-    A ball with load must clear the flanks that are not in ``use`` (4,) where it is; a ball without load must find one place,
-    of two tried, where it clears all four. Both are sufficient. loads ``(k, N, 4)``; for the rest see ``gaps``.
+    A ball with load must clear the flanks that are not in ``use`` (4,) where it is; a ball without load must find one
+    place, of two tried, where it clears all four. Both are sufficient. loads ``(k, N, 4)``; for the rest see ``gaps``.
     """
     found = gaps(centres, shift, geometry)
     loaded = loads.max(axis=2) > 0.0
@@ -104,7 +104,7 @@ def all_clear(
 def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
     """Sides (4,) on which any ball carries load when all four flanks are offered to it at the solution's motions.
 
-    engine: kernels; motion ``(n, 6)`` of the nodes, centres ``(N, 2)`` of the balls [m], force ``(N, 4)`` [N] of the solution.
+    engine: kernels; motion ``(n, 6)`` of the nodes, centres ``(N, 2)`` of the balls [m], force ``(N, 4)`` [N].
     """
     if np.all(problem.use):
         return np.asarray((force > 0.0).any(axis=0))

@@ -129,14 +129,16 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         half_band=int(problem.half_bandwidth),
         floor=force_floor(problem),
     )
-    beam = BeamArrays(lengths, sections, problem.fixed, problem.load)
+    constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * nodes.size, problem.half_bandwidth + 1))
+    engine.assemble_beam(lengths, sections, constants, band)
+    beam = BeamArrays(lengths, problem.fixed, problem.load, constants, band)
     return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
 
 
 def _lift(problem: Problem) -> Array:
     """A motion of all nodes that has the prescribed values: each freedom interpolated along the shaft."""
     q = np.zeros((problem.nodes.size, 6))
-    for k in range(6):
+    for k in np.flatnonzero(problem.prescribed.any(axis=0)):
         held = np.flatnonzero(problem.fixed[:, k])
         if held.size:
             q[:, k] = np.interp(problem.nodes, problem.nodes[held], problem.prescribed[held, k])

@@ -128,7 +128,8 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
         outcome = solve_with_hertz(prepared)
         if complete(uses, mounted) or (outcome.status == 0 and clear(prepared.system, prepared.state)):
             break
-        uses, notes = all_sides(mounted), (*notes, "flanks that the offsets open touch all the same: solved with all of them")
+        uses = all_sides(mounted)
+        notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
     bound = round_off(prepared, outcome.scale)
     status = axis_verdict(outcome, bound)
     if outcome.status in NO_LOADS:

@@ -236,7 +236,7 @@ def search_axis(
         advance_axis(axis, state, q0, d0, step, trial.t)
         new, scale = evaluate_axis(axis, balls, rollers, state, out)
         trial, go_on = next_trial(trial, new, slope_along(out.gradient, step, axis.fixed))
-    return new, scale, trial.count
+    return new, scale, trial.tried
 
 
 @kernel

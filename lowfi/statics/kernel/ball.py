@@ -143,7 +143,8 @@ def interference(a: int, shift: Array, geometry: Array, closure: Array) -> float
     dist0, dist = sqrt(dx * dx + dz * dz), sqrt((dx + vx) * (dx + vx) + (dz + vz) * (dz + vz))
     if dist <= 1e-30 or dist0 <= 1e-30:
         return -1.0
-    return closure[a] + (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
+    total: float = closure[a] + (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
+    return total
 
 
 @kernel
@@ -168,19 +169,20 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
     force = x * root
     for s in range(4):
         contact[s, FORCE] = 0.0
-        if s == a or s == b:
-            sign, c = (1.0 if s == b else -1.0) / dist, geometry[s, HERTZ]
+        if s in (a, b):
+            sign, own = (1.0 if s == b else -1.0) / dist, geometry[s, HERTZ]
             contact[s, FORCE] = force
             contact[s, MX], contact[s, MZ] = sign * (dx + vx), sign * (dz + vz)
-            contact[s, KN] = 1.5 * root / c
-            contact[s, KT] = force / (geometry[s, SIZE] + c * x - geometry[s, APPROACH])
+            contact[s, KN] = 1.5 * root / own
+            contact[s, KT] = force / (geometry[s, SIZE] + own * x - geometry[s, APPROACH])
         elif geometry[s, USE] != 0.0:
             wx, wz, reach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE]
             delta, mx, mz, _ = arc(p[0] - shift[s, 0], p[1] - shift[s, 1], wx, wz, reach, geometry[s, APPROACH])
             contact[s, MX], contact[s, MZ] = mx, mz
             if delta > 0.0:
                 return -1.0
-    return 0.4 * both * x * x * root
+    energy: float = 0.4 * both * x * x * root
+    return energy
 
 
 @kernel
@@ -207,10 +209,13 @@ def settle(
     """
     if profile.shape[1] == 0:
         first, second = interference(0, shift, geometry, closure), interference(1, shift, geometry, closure)
-        if (first > 0.0) != (second > 0.0):
-            energy = press_pair(0 if first > 0.0 else 1, max(first, second), p, shift, geometry, contact)
-            if energy >= 0.0:
-                return loosened(contact, tiny, energy)
+        energy = -1.0
+        if first > 0.0 and second <= 0.0:  # the pair by its number: the compiler then knows the places of its data
+            energy = press_pair(0, first, p, shift, geometry, contact)
+        elif second > 0.0 and first <= 0.0:
+            energy = press_pair(1, second, p, shift, geometry, contact)
+        if energy >= 0.0:
+            return loosened(contact, tiny, energy)
     start_centre(p, shift, geometry, closure)
     energy = touch(p[0], p[1], shift, geometry, r_ball, profile, contact)
     best = 1e300

@@ -26,17 +26,7 @@ from lowfi.statics.records import (
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
 from .modes import gradients, soft_factor
-from .newton import (
-    BALANCED,
-    CONVERGED,
-    GROWN,
-    ITERATIONS,
-    NOT_HELD,
-    PATIENCE,
-    SINGULAR,
-    WHOLE_STEPS,
-    ball_mismatch,
-)
+from .newton import BALANCED, CONVERGED, GROWN, ITERATIONS, NOT_HELD, PATIENCE, SINGULAR, WHOLE_STEPS, ball_mismatch
 from .search import TRIALS, first_trial, next_trial
 
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
@@ -219,7 +209,7 @@ def search_forces(
         own, scale = evaluate_balls(v, contacts, state, f, tiny)
         new = own + stored(bodies, state, g)
         trial, go_on = next_trial(trial, new, slope_of(bodies, f, g, step))
-    return new, scale, trial.count
+    return new, scale, trial.tried
 
 
 @kernel

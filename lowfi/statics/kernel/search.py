@@ -24,19 +24,19 @@ def next_trial(trial: Trial, new: float, ahead: float) -> tuple[Trial, bool]:
 
     The step is shrunk on overshoot, and stretched while the slope does not change (open gaps).
     """
-    energy, slope, limit, low, high, t, count = trial
-    count += 1
-    go_on = count < TRIALS
+    energy, slope, limit, low, high, t, tried = trial
+    tried += 1
+    go_on = tried < TRIALS
     if ahead > 0.0:
         if ahead <= 0.5 * abs(slope) and new <= energy + ROUNDING * abs(energy):
-            return Trial(energy, slope, limit, low, high, t, count), False
+            return Trial(energy, slope, limit, low, high, t, tried), False
         if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
-            return Trial(energy, slope, limit, low, high, t, count), False
+            return Trial(energy, slope, limit, low, high, t, tried), False
         high = t
         t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
     else:
         if ahead >= 0.9 * slope or high > 0.0 or t >= limit:
-            return Trial(energy, slope, limit, low, high, t, count), False
+            return Trial(energy, slope, limit, low, high, t, tried), False
         low = t
         t = min(4.0 * t, limit)
-    return Trial(energy, slope, limit, low, high, t, count), go_on
+    return Trial(energy, slope, limit, low, high, t, tried), go_on
