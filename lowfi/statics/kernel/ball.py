@@ -169,7 +169,7 @@ def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, co
     force = x * root
     for s in range(4):
         contact[s, FORCE] = 0.0
-        if s in (a, b):
+        if s == a or b == s:
             sign, own = (1.0 if s == b else -1.0) / dist, geometry[s, HERTZ]
             contact[s, FORCE] = force
             contact[s, MX], contact[s, MZ] = sign * (dx + vx), sign * (dz + vz)
