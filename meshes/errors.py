@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import zip_longest
 from math import cos
 
 import numpy as np
 from numpy.typing import NDArray
 
 from meshes.helix import BallLayout, groove_radii, lead_angle, nominal_groove_centres
-from meshes.parts import SIDES, FourierTerm, Scene, SideErrors
+from meshes.parts import SIDES, BallErrors, Errors, FourierTerm, Scene, SideErrors
 
 Array = NDArray[np.float64]
 
@@ -50,10 +51,8 @@ def _series(drawn: list[tuple[float, float, float]], phi: Array) -> Array:
 
 
 def _profile(side: SideErrors, rng: np.random.Generator) -> list[float]:
-    size = max(len(side.profile), len(side.profile_sigma))
-    mean = np.pad(np.array(side.profile), (0, size - len(side.profile)))
-    sigma = np.pad(np.array(side.profile_sigma), (0, size - len(side.profile_sigma)))
-    return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in zip(mean, sigma, strict=True)]
+    terms = zip_longest(side.profile, side.profile_sigma, fillvalue=0.0)
+    return [float(m + (rng.normal(0.0, s) if s > 0.0 else 0.0)) for m, s in terms]
 
 
 def draw_ball_radii(scene: Scene, rng: np.random.Generator, more: int | None = None) -> Array:
@@ -90,6 +89,8 @@ class Drawn:
         centre = np.broadcast_to(nominal_groove_centres(scene), (n, 4, 2)).copy()
         slopes = np.zeros((2, n, 4, 2))
         for s, name in enumerate(SIDES):
+            if not self.pitch[s] and not self.roundness[s]:
+                continue
             phi = on_nut if name.startswith("N") else on_screw
             along = cos(lead_angle(scene.track)) if scene.errors.side(name).pitch_along == "axis" else 1.0
             offset = np.stack([_series(self.roundness[s], phi), along * _series(self.pitch[s], phi)], axis=-1)
@@ -121,3 +122,87 @@ def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
     """Specimen number ``member`` of a scene (see ``draw``) at the places of its balls."""
     found = draw(scene, member)
     return found.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, found.ball_radius)
+
+
+@dataclass(frozen=True)
+class Specimens:
+    """Many screws whose grooves have the same radii: ball_radius (m, n) [m]; centre (m, n, 4, 2) [m] of the grooves, the
+    first axis one long where all are the same; radius (4,) [m]. Axes as in ``Specimen``."""
+
+    ball_radius: Array
+    centre: Array
+    radius: Array
+
+
+def alike_in_shape(scene: Scene) -> bool:
+    """Whether the specimens of a scene have grooves of the same radii, all of them exact arcs: see ``specimens``."""
+    sides = [scene.errors.side(name) for name in SIDES]
+    return not any(len(e.profile) > 1 or any(s > 0.0 for s in e.profile_sigma) for e in sides)
+
+
+def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Specimens:
+    """Specimens number ``first`` and on of a scene that is ``alike_in_shape``: the same draws as ``specimen``, at once."""
+    balls, n = scene.errors.balls, scene.ball_count
+    radius = np.tile(draw_ball_radii(without_draws(scene), np.random.default_rng(0)), (count, 1))
+    terms = _terms(scene)
+    drawn = [k for k, t in enumerate(terms) if t.sigma > 0.0]
+    z, uniform = np.zeros((count, n + 2 * len(drawn))), balls.distribution != "normal"
+    for m in range(count):
+        rng = np.random.default_rng([scene.errors.seed, first + m])
+        if balls.sigma > 0.0 and uniform:
+            rng.random(out=z[m, :n])
+            rng.standard_normal(out=z[m, n:])
+        else:
+            rng.standard_normal(out=z[m] if balls.sigma > 0.0 else z[m, n:])
+    half = np.sqrt(3.0) * balls.sigma
+    radius += (-half + 2.0 * half * z[:, :n]) if uniform and balls.sigma > 0.0 else balls.sigma * z[:, :n]
+    centre = np.tile(nominal_groove_centres(scene), (count if drawn else 1, n, 1, 1))
+    for k, term in enumerate(terms):
+        phi = term.harmonic * (layout.azimuth - (scene.nut.azimuth if term.side >= 2 else 0.0))
+        a, b = np.full(len(centre), term.sin), np.full(len(centre), term.cos)
+        if term.sigma > 0.0:
+            at = n + 2 * drawn.index(k)
+            a, b = a + term.sigma * z[:, at], b + term.sigma * z[:, at + 1]
+        centre[:, :, term.side, term.axis] += term.along * (np.outer(a, np.sin(phi)) + np.outer(b, np.cos(phi)))
+    offset = np.array([sum(scene.errors.side(name).profile) for name in SIDES])
+    return Specimens(radius, centre, groove_radii(scene) - offset)
+
+
+@dataclass(frozen=True)
+class _Term:
+    """A term of a Fourier series of groove centres: side, axis (0 radial, 1 along the track), factor, and its numbers."""
+
+    side: int
+    axis: int
+    along: float
+    harmonic: float
+    sin: float
+    cos: float
+    sigma: float
+
+
+def _terms(scene: Scene) -> list[_Term]:
+    """All terms in the order in which ``draw`` takes them."""
+    found = []
+    for s, name in enumerate(SIDES):
+        e = scene.errors.side(name)
+        along = cos(lead_angle(scene.track)) if e.pitch_along == "axis" else 1.0
+        found += [_Term(s, 1, along, t.harmonic, t.sin, t.cos, t.sigma) for t in e.pitch]
+        found += [_Term(s, 0, 1.0, t.harmonic, t.sin, t.cos, t.sigma) for t in e.roundness]
+    return found
+
+
+def without_draws(scene: Scene) -> Scene:
+    """The scene without its random errors."""
+    e = scene.errors
+    sides = {
+        name: SideErrors(
+            profile=e.side(name).profile,
+            pitch=tuple(replace(t, sigma=0.0) for t in e.side(name).pitch),
+            pitch_along=e.side(name).pitch_along,
+            roundness=tuple(replace(t, sigma=0.0) for t in e.side(name).roundness),
+        )
+        for name in SIDES
+    }
+    balls = BallErrors(oversize=e.balls.oversize, listed=e.balls.listed)
+    return replace(scene, errors=Errors(balls=balls, seed=e.seed, **sides))

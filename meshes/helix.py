@@ -58,11 +58,11 @@ def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
     """Centres and section frames of balls at azimuths (n,) [rad] and stations (n,) [m] of a track."""
     alpha = lead_angle(track)
     c, s = np.cos(azimuth), np.sin(azimuth)
-    zero = np.zeros_like(c)
-    radial = np.stack([c, s, zero], axis=1)
-    binormal = np.stack([s * sin(alpha), -c * sin(alpha), zero + cos(alpha)], axis=1)
-    tangent = np.stack([-s * cos(alpha), c * cos(alpha), zero + sin(alpha)], axis=1)
-    centre = np.stack([track.pitch_radius * c, track.pitch_radius * s, z], axis=1)
+    radial, binormal, tangent, centre = np.zeros((4, azimuth.size, 3))
+    radial[:, 0], radial[:, 1] = c, s
+    binormal[:, 0], binormal[:, 1], binormal[:, 2] = s * sin(alpha), -c * sin(alpha), cos(alpha)
+    tangent[:, 0], tangent[:, 1], tangent[:, 2] = -s * cos(alpha), c * cos(alpha), sin(alpha)
+    centre[:, 0], centre[:, 1], centre[:, 2] = track.pitch_radius * c, track.pitch_radius * s, z
     return BallLayout(azimuth, z, centre, radial, binormal, tangent)
 
 

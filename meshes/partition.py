@@ -37,6 +37,8 @@ def needed_stations(scene: Scene) -> Array:
 def merge(stations: Array) -> Array:
     """Sorted stations without those closer than ``MERGE`` to the one before."""
     ordered = np.sort(stations)
+    if np.all(ordered[1:] - ordered[:-1] > MERGE):
+        return ordered
     keep = [ordered[0]]
     for z in ordered[1:]:
         if z - keep[-1] > MERGE:

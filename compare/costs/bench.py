@@ -48,6 +48,8 @@ SINGLE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL
 #: Relative residual that both formulations solve to.
 TOLERANCE = 1e-10
 MEMBERS = 1000
+#: Time of a member [s] and of a set-up [s], and ratio of a cold solve, that are aimed at.
+MEMBER_AIM, SETUP_AIM, COLD_AIM = 25e-6, 0.2e-3, 1000.0
 BALLS = (125, 250, 500, 1000)
 #: The same for the refined model: time is about linear to the last but one, the last is its largest size.
 REFINED_BALLS = (16, 32, 64, 125, 250)
@@ -191,11 +193,13 @@ def _ratio(source: float | None, ours: float) -> float | None:
 def _cold_jobs(repeats: int) -> Iterator[Job]:
     scene = shipped("lin-case1")
     setup = timed(lambda: Ours(scene), repeats)
-    yield Job("set-up, case 1", setup, None, None, peak_MB(), "from the scene to packed arrays: in no solve below")
+    note = f"from the scene to packed arrays: in no solve below (aim {1e3 * SETUP_AIM:g} ms)"
+    yield Job("set-up, case 1", setup, None, None, peak_MB(), note)
     reference, ours, full = Source(scene), Ours(scene), Ours(scene, everything=True)
     slow = _source_seconds(reference, repeats)
     fast = timed(ours.cold, 40 * repeats, ours.reset)
-    note = "linear start and Newton, a node at every contact, sides that cannot touch left out; source: its good guess"
+    note = "linear start and Newton, a node at every contact, sides that cannot touch left out; source: its good guess; "
+    note += f"aim: a ratio of {COLD_AIM:g}"
     yield Job("cold solve, case 1", fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
     all_sides = timed(full.cold, 40 * repeats, full.reset)
     note = "the same with all four sides in the system: the very partition and contacts of the source's formulation"
@@ -254,12 +258,20 @@ def _ensemble_jobs(repeats: int) -> Iterator[Job]:
     note = (
         f"per member of {count} on one core, to {OWN_TOLERANCE:g}, with drawing, packing and the check of the "
         f"sides left out; {good} converged; the source (no set-up, to {TOLERANCE:g}) solved {len(seconds)} of "
-        f"{len(members)} tried"
+        f"{len(members)} tried; aim {1e6 * MEMBER_AIM:g} us"
     )
     unknowns = Ours(shipped("lin-case1")).unknowns  # the sides that every member was solved with, unless some touch
     unknowns = unknowns if last.all_sides == 0 else Ours(scene, everything=True).unknowns
     yield Job("ensemble, per member", whole, _ratio(slow, whole), unknowns, peak_MB(), note)
+    both = timed(lambda: run_ensemble(scene, count, threads=2), min(repeats, 5)) / count
+    note = f"the same in two threads, the same numbers: {whole / both:.2f} times as fast"
+    yield Job("ensemble, two threads", both, _ratio(slow, both), unknowns, peak_MB(), note)
     yield Job("source, per member", slow, None, members[0].unknowns, peak_MB(), "Newton from its good guess, no set-up")
+    scene, count = shipped("lin-case3-tolerances"), max(10, count // 4)
+    last = run_ensemble(scene, count)
+    whole = timed(lambda: run_ensemble(scene, count), min(repeats, 3)) / count
+    note = f"per member of {count}, preloaded, all four flanks, random balls, pitch and roundness; {last.path}"
+    yield Job("ensemble, case 3 with tolerances", whole, None, None, peak_MB(), note)
 
 
 class Refined:

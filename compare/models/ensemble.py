@@ -1,11 +1,12 @@
 """Many specimens of one screw with random errors: loads of every member, and bands over them.
 
-Where only the ball radii are random, one system serves all members and compiled kernels run through them. Anything else
-goes member by member through ``solve_static``.
+Where balls, pitch and roundness are random and flanks are exact arcs, one system serves all members: they are drawn and
+packed at once, and compiled kernels run through them. Anything else goes member by member through ``solve_static``.
 """
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from time import perf_counter
@@ -14,14 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.statics.mechanism import free_motions
-from lowfi.statics.problem import Problem, build, distances, hertz_C
+from lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
+from lowfi.statics.records import MemberArrays, MemberStates
 from lowfi.statics.result import StaticResult
-from lowfi.statics.selection import choose_sides
+from lowfi.statics.selection import all_clear, choose_sides
 from lowfi.statics.shape import motion_matrices
 from lowfi.statics.static import ACCEPTED, Engine, Prepared, pick_engine, pin, prepare, reference_scale, run, solve_static
-from meshes.errors import draw_ball_radii, specimen
+from meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
 from meshes.helix import BallLayout, ball_layout, nominal_groove_centres
-from meshes.parts import SIDES, BallErrors, Scene
+from meshes.parts import Scene
 
 Array = NDArray[np.float64]
 #: Many solves pay for compiled kernels.
@@ -32,8 +34,8 @@ MARGIN = 1e-7
 #: Members tried first with fewer sides; the rest only if at least half of them pass.
 TRIAL = 32
 #: Members per call of the kernel that runs through them (bounds its memory).
-CHUNK = 500
-RADII_PATH = "one system, members differ in ball radii"
+CHUNK = 200
+BATCH_PATH = "one system, members in a batch"
 GENERAL_PATH = "member by member"
 
 
@@ -64,26 +66,22 @@ class EnsembleResult:
         return np.array([s == "converged" for s in self.statuses], dtype=bool)
 
 
-def only_radii_differ(scene: Scene) -> bool:
-    """Whether the members of a scene differ in nothing but ball radii, and one pass of the solver finishes each."""
-    sides = [scene.errors.side(name) for name in SIDES]
-    drawn = any(any(s > 0.0 for s in e.profile_sigma) for e in sides) or any(
-        t.sigma > 0.0 for e in sides for t in (*e.pitch, *e.roundness)
-    )
-    uneven = any(len(e.profile) > 1 for e in sides)
-    return not drawn and not uneven and scene.ingredients.hertz != "actual"
+def one_pass(scene: Scene) -> bool:
+    """Whether one pass of the solver on exact arcs finishes each member of a scene, so that batches can be solved."""
+    return alike_in_shape(scene) and scene.ingredients.hertz != "actual"
 
 
-def run_ensemble(scene: Scene, members: int | None = None, first: int = 0) -> EnsembleResult:
+def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, threads: int = 1) -> EnsembleResult:
     """Solve ``members`` members (default: as many as the scene states) from ``first`` on; same loads as ``solve_static``.
 
-    Members without solution are reported in ``statuses``. Raises ValueError for less than one member.
+    threads: how many run side by side; the numbers do not depend on it. Members without solution are reported in
+    ``statuses``. Raises ValueError for less than one member or thread.
     """
     count = scene.members if members is None else members
-    if count < 1:
-        raise ValueError(f"members = {count}; allowed: 1 or more")
-    if only_radii_differ(scene):
-        result = _RadiiEnsemble(scene, count, first).solve()
+    if count < 1 or threads < 1:
+        raise ValueError(f"members = {count}, threads = {threads}; allowed: 1 or more")
+    if one_pass(scene):
+        result = _Batch(scene, count, first, threads).solve()
         if result is not None:
             return result
     begin = perf_counter()
@@ -118,44 +116,42 @@ def work_of(scene: Scene, result: StaticResult) -> float:
     return work
 
 
-class _RadiiEnsemble:
-    """State of one run: the drawn radii, the common system and the members' results."""
+class _Batch:
+    """State of one run: the drawn specimens, the common system and the members' results."""
 
-    def __init__(self, scene: Scene, count: int, first: int = 0) -> None:
+    def __init__(self, scene: Scene, count: int, first: int, threads: int) -> None:
         begin = perf_counter()
-        self.scene = scene
+        self.scene, self.threads = scene, threads
         self.layout = ball_layout(scene)
-        self.mean = specimen(_without_draws(scene), self.layout)
-        n = scene.ball_count
-        self.radii = np.stack([_radii(scene, m) for m in range(first, first + count)])
+        self.mean = specimen(without_draws(scene), self.layout)
+        self.drawn = specimens(scene, self.layout, first, count)
+        self.C = hertz_C(scene, self.mean, self.drawn.ball_radius)
         self.first, self.works = first, np.full(count, np.nan)
-        self.closures = self._closures()
-        self.loads, self.residuals = np.full((count, n, 4), np.nan), np.full(count, np.nan)
+        self.loads, self.residuals = np.full((count, scene.ball_count, 4), np.nan), np.full(count, np.nan)
         self.solved = np.zeros(count, dtype=bool)
         self.setup = perf_counter() - begin
 
-    def _closures(self) -> Array:
-        """Interference of the diagonal pairs, ``(M, N, 2)`` [m]: it grows by twice what the ball's radius grows."""
-        _, closure = distances(self.scene, self.mean)
-        return closure[None] + 2.0 * (self.radii - self.mean.ball_radius)[..., None]
+    def _of(self, part: NDArray[np.int64]) -> Specimens:
+        own = self.drawn.centre[part] if len(self.drawn.centre) > 1 else self.drawn.centre
+        return Specimens(self.drawn.ball_radius[part], own, self.drawn.radius)
 
     def solve(self) -> EnsembleResult | None:
         """All members, or None for a scene that is not held."""
         begin = perf_counter()
         # sides that the loads would leave idle if no ball were tight: tried, then verified member by member
-        few = choose_sides(self.scene, replace(self.mean, ball_radius=self.radii.min(axis=0)))
+        few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
         if self._system(np.ones(4, dtype=bool)) is None:
             return None
+        count = self.solved.size
         if not np.all(few):
-            self._solve_reduced(few)
+            self._solve(few, np.arange(count))
         rest = np.flatnonzero(~self.solved)
         if rest.size:
-            self._solve_full(rest)
-        statuses = ["converged"] * len(self.radii)
+            self._solve(np.ones(4, dtype=bool), rest)
+        statuses = ["converged"] * count
         left = np.flatnonzero(~self.solved)
         for m in left:
             self.loads[m], statuses[m], self.residuals[m], self.works[m] = _one(self.scene, self.first + int(m))
-        count = len(self.radii)
         return EnsembleResult(
             self.scene.name,
             self.loads,
@@ -164,7 +160,7 @@ class _RadiiEnsemble:
             self.works,
             (perf_counter() - begin) / count,
             self.setup / count,
-            RADII_PATH,
+            BATCH_PATH,
             int(rest.size),
             int(left.size),
         )
@@ -173,8 +169,9 @@ class _RadiiEnsemble:
         """The common system, started from the solution without random errors; None where the screw is not held."""
         problem = build(self.scene, self.mean, self.layout, use)
         if reference_scale(problem)[0] == 0.0:  # only the random errors press anything together
-            tightest = int(self.closures.max(axis=(1, 2)).argmax())
-            problem = build(self.scene, replace(self.mean, ball_radius=self.radii[tightest]), self.layout, use)
+            tightest = self._of(np.array([distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
+            drawn = replace(self.mean, ball_radius=tightest.ball_radius[0], centre=tightest.centre[0])
+            problem = build(self.scene, drawn, self.layout, use)
         mechanism = free_motions(problem)
         if mechanism.driven:
             return None
@@ -182,95 +179,58 @@ class _RadiiEnsemble:
         run(prepared)
         return prepared
 
-    def _contacts(self, prepared: Prepared, members: NDArray[np.int64]) -> tuple[Array, Array, Array]:
-        """Radii, closures and packed geometry ``(k, N, 4, 9)`` of some members."""
-        radii = self.radii[members]
-        geometry = np.repeat(prepared.problem.geometry[None], members.size, axis=0)
-        geometry[..., 3] += (radii - prepared.problem.drawn.ball_radius)[..., None]
-        geometry[..., 4] = hertz_C(self.scene, self.mean, radii)
-        return radii, np.ascontiguousarray(self.closures[members]), geometry
+    def _solve(self, use: NDArray[np.bool_], members: NDArray[np.int64]) -> None:
+        """Members with the sides ``use``; only those count as solved that no flank left out comes near.
 
-    def _solve_full(self, members: NDArray[np.int64]) -> None:
-        """Members with all four sides: the kernel runs through them."""
-        prepared = self._system(np.ones(4, dtype=bool))
-        if prepared is None:
-            return
-        for first in range(0, members.size, CHUNK):
-            part = members[first : first + CHUNK]
-            loads = np.zeros((part.size, self.radii.shape[1], 4))
-            statuses, residuals, works = np.zeros(part.size, dtype=np.int64), np.zeros(part.size), np.zeros(part.size)
-            prepared.engine.ensemble(
-                prepared.beam,
-                prepared.contacts,
-                prepared.state,
-                prepared.options,
-                *self._contacts(prepared, part),
-                loads,
-                statuses,
-                residuals,
-                works,
-            )
-            good = (statuses <= 1) & (residuals <= ACCEPTED)
-            self.loads[part[good]], self.residuals[part[good]] = loads[good], residuals[good]
-            self.works[part[good]] = works[good]
-            self.solved[part] = good
-
-    def _solve_reduced(self, use: NDArray[np.bool_]) -> None:
-        """All members with the sides ``use``; only those count as solved that no flank left out comes near.
-
-        Gives up after ``TRIAL`` members if fewer than half of them pass.
+        Gives up after ``TRIAL`` members if sides are left out and fewer than half of them pass.
         """
         prepared = self._system(use)
         if prepared is None:
             return
-        near = _Nearness(prepared, self.layout)
-        begin = self._copy_start(prepared)
-        members = np.arange(len(self.radii))
-        edges = [0, *range(min(TRIAL, members.size), members.size, CHUNK), members.size]
-        for first, last in pairwise(edges):
-            self._solve_part(prepared, begin, near, members[first:last])
-            if 2 * np.count_nonzero(self.solved[:last]) < last:
+        near = None if np.all(use) else _Nearness(prepared, self.layout)
+        for first, last in pairwise(sorted({0, *range(min(TRIAL, members.size), members.size, CHUNK), members.size})):
+            part = members[first:last]
+            arrays, found = self._run(prepared, part)
+            good = (found.status <= 1) & (found.residual <= ACCEPTED)
+            if near is not None:
+                good &= ~near.touched(found.q.reshape(part.size, -1), found.p, arrays.geometry, found.force)
+            kept = part[good]
+            self.loads[kept], self.residuals[kept] = found.force[good], found.residual[good]
+            self.works[kept] = found.q[good].reshape(kept.size, -1) @ prepared.beam.load.ravel()
+            self.solved[kept] = True
+            if near is not None and 2 * np.count_nonzero(self.solved[members[:last]]) < last:
                 break
 
-    @staticmethod
-    def _copy_start(prepared: Prepared) -> tuple[Array, Array]:
-        return prepared.state.q.copy(), prepared.state.d.copy()
+    def _run(self, prepared: Prepared, part: NDArray[np.int64]) -> tuple[MemberArrays, MemberStates]:
+        """Some members through the compiled kernel, which lets other threads run."""
+        drawn, problem, state = self._of(part), prepared.problem, prepared.state
+        offset, closure = distances(self.scene, drawn)
+        geometry = np.empty((part.size, *problem.geometry.shape))
+        geometry[..., :4], geometry[..., 4], geometry[..., 5:] = offset, self.C[part], problem.geometry[..., 5:]
+        B = lever_arms(problem, drawn.centre) if len(drawn.centre) > 1 else problem.B[None]
+        arrays = MemberArrays(B, geometry, closure, drawn.ball_radius)
+        k, forces = part.size, np.empty(geometry.shape[:3])
+        status, residual = np.empty(k, dtype=np.int64), np.empty(k)
+        found = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
 
-    def _solve_part(self, prepared: Prepared, begin: tuple[Array, Array], near: _Nearness, part: NDArray[np.int64]) -> None:
-        beam, state, options, history = prepared.beam, prepared.state, prepared.options, prepared.history
-        solve = prepared.engine.solve
-        q, d, p, contact = state
-        radii, closures, geometry = self._contacts(prepared, part)
-        motions, centres = np.empty((part.size, *q.shape)), np.empty((part.size, *p.shape))
-        good = np.zeros(part.size, dtype=bool)
-        for k, m in enumerate(part):
-            q[:], d[:] = begin
-            own = prepared.contacts._replace(geometry=geometry[k], closure=closures[k], r_ball=radii[k])
-            outcome = solve(beam, own, state, options, history)
-            good[k] = outcome.status <= 1 and outcome.residual <= ACCEPTED
-            motions[k], centres[k] = q, p
-            self.loads[m], self.residuals[m] = contact[..., 0], outcome.residual
-            self.works[m] = float(np.vdot(beam.load, q))
-        good &= ~near.touched(motions.reshape(part.size, -1), centres, geometry, self.loads[part])
-        self.solved[part] = good
+        def some(own: slice) -> None:
+            one = MemberArrays(B[own] if len(B) > 1 else B, geometry[own], closure[own], drawn.ball_radius[own])
+            into = MemberStates(*(x[own] for x in found))
+            prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, one, into)
 
-
-def _without_draws(scene: Scene) -> Scene:
-    balls = scene.errors.balls
-    fixed = BallErrors(oversize=balls.oversize, listed=balls.listed)
-    return replace(scene, errors=replace(scene.errors, balls=fixed))
-
-
-def _radii(scene: Scene, member: int) -> Array:
-    """Ball radii of a member: the first draws of ``meshes.errors.specimen``, from the same stream."""
-    return draw_ball_radii(scene, np.random.default_rng([scene.errors.seed, member]))
+        edges = np.linspace(0, k, min(self.threads, k) + 1).astype(int)
+        slices = [slice(a, b) for a, b in pairwise(edges)]
+        if len(slices) == 1:
+            some(slices[0])
+        else:
+            with ThreadPoolExecutor(len(slices)) as pool:
+                list(pool.map(some, slices))
+        return arrays, found
 
 
 class _Nearness:
-    """Whether flanks that were left out could carry load in a solution, for many members at once.
-
-    A ball at rest between its loaded flanks must clear the others by ``MARGIN``. A ball without load must find one
-    place, of two tried, where it clears all four. Both are sufficient: a member in doubt is solved with all four sides.
+    """Whether flanks that were left out could carry load in a solution, for many members at once: they come nearer than
+    ``MARGIN``. A member in doubt is solved with all four sides.
     """
 
     def __init__(self, prepared: Prepared, layout: BallLayout) -> None:
@@ -284,20 +244,7 @@ class _Nearness:
         k, n = centres.shape[:2]
         shift = np.zeros((k, n, 4, 2))
         shift[:, :, :2] = (motions @ self.rows.T).reshape(k, n, 2, 2)
-        gaps = _gaps(centres, shift, geometry)
-        loaded = loads.max(axis=2) > 0.0
-        clear = np.where(loaded, gaps[..., ~self.use].min(axis=2), gaps.min(axis=2))
-        some = ~loaded.all(axis=1)
-        if np.any(some):
-            elsewhere = _gaps(shift[some].mean(axis=2), shift[some], geometry[some]).min(axis=2)
-            clear[some] = np.where(loaded[some], clear[some], np.maximum(clear[some], elsewhere))
-        return np.asarray((clear < MARGIN).any(axis=1))
-
-
-def _gaps(centres: Array, shift: Array, geometry: Array) -> Array:
-    """Distance of each ball from each of its four arcs, ``(k, N, 4)`` [m]; negative where it would be pressed."""
-    moved = geometry[..., :2] + centres[:, :, None, :] - shift
-    return np.asarray(geometry[..., 2] - geometry[..., 3] - np.sqrt((moved * moved).sum(axis=-1)))
+        return np.asarray(~all_clear(centres, shift, geometry, loads, self.use, MARGIN))
 
 
 def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:

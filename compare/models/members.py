@@ -22,7 +22,8 @@ from compare.models.ensemble import run_ensemble, work_of
 from compare.models.registry import MODELS, Options, run_model
 from compare.reference import parallel
 from compare.reference.jobs import Engine
-from meshes.parts import BallErrors, Errors, FourierTerm, Scene, SideErrors
+from meshes.errors import without_draws
+from meshes.parts import Scene
 
 Array = NDArray[np.float64]
 #: What is kept of each member: key and heading.
@@ -79,23 +80,6 @@ class _Block:
     loads: Array
     kept: Array
     statuses: tuple[str, ...]
-
-
-def error_free(scene: Scene) -> Scene:
-    """The scene without its random errors."""
-    e = scene.errors
-    sides = {
-        name: SideErrors(
-            profile=side.profile, pitch=_fixed(side.pitch), pitch_along=side.pitch_along, roundness=_fixed(side.roundness)
-        )
-        for name, side in (("SL", e.SL), ("SR", e.SR), ("NL", e.NL), ("NR", e.NR))
-    }
-    balls = BallErrors(oversize=e.balls.oversize, listed=e.balls.listed)
-    return replace(scene, errors=Errors(balls=balls, seed=e.seed, **sides))
-
-
-def _fixed(terms: tuple[FourierTerm, ...]) -> tuple[FourierTerm, ...]:
-    return tuple(replace(term, sigma=0.0) for term in terms)
 
 
 def life_sum(load: Array) -> Array:
@@ -174,7 +158,7 @@ def run_members(
     _check(scene, model, count)
     start = perf_counter()
     kernels = "compiled" if count >= COMPILE_FROM else "interpreted"
-    bare = run_model(error_free(scene), model, Options(engine=kernels, discretisation=False))
+    bare = run_model(without_draws(scene), model, Options(engine=kernels, discretisation=False))
     if not bare.converged or not bare.load.max() > 0.0:
         reason = bare.status if not bare.converged else "no contact carries load without random errors"
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", "load or preload the screw")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from lowfi.statics.problem import Problem
+from lowfi.statics.problem import Problem, wrench_rows
 from lowfi.statics.shape import rigid_transport
 from meshes.parts import FREEDOMS
 
@@ -54,8 +54,7 @@ def _free_rigid(problem: Problem) -> tuple[Array, Array, Array]:
         work = np.einsum("nij,ni->j", transport, problem.load) @ motions
     layout = problem.layout
     r = layout.centre - np.array([0.0, 0.0, z[0]])
-    axes = np.stack([layout.radial, layout.binormal], axis=1)
-    rows = np.concatenate([axes, np.cross(r[:, None, :], axes)], axis=2)
+    rows = wrench_rows(layout, r)
     return motions, (rows @ motions).reshape(2 * len(r), motions.shape[1]), work
 
 

@@ -14,7 +14,7 @@ from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printe
 from lowfi.statics.conformity import curvature_changes
 from lowfi.statics.shape import motion_matrices, rigid_transport
 from lowfi.statics.supports import contradiction, rigid_rows
-from meshes.errors import Specimen, specimen
+from meshes.errors import Specimen, Specimens, specimen
 from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
 from meshes.partition import MERGE, beam_nodes, contact_stations
 from meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Scene
@@ -95,7 +95,7 @@ def nominal_hertz(scene: Scene) -> HertzConstants:
 def nominal_curvatures(scene: Scene) -> Array:
     """Relative principal curvatures of the error-free parts at the nominal contact angle, ``(4, 2)`` [1/m], that across the
     groove first. Kept for all scenes of the same parts: not to be written to."""
-    return _curvatures_of(geometry_only(scene))
+    return _curvatures_of(replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0)))
 
 
 def forget_nominal() -> None:
@@ -189,6 +189,9 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
         row = printed_constants(scene) if kind == "as printed" else nominal_hertz(scene).C
         return np.array(np.broadcast_to(row, (*own.shape, 4)))
     if own.ndim == 1:
+        exact = not drawn.profile.size and np.array_equal(drawn.radius, groove_radii(scene))
+        if exact and np.all(own == scene.balls.radius):
+            return np.array(np.broadcast_to(nominal_hertz(scene).C, (own.size, 4)))
         same = own[:1] if np.all(own == own[0]) else own  # equal balls have equal constants
         return np.array(np.broadcast_to(drawn_hertz(scene, drawn, same).C, (own.size, 4)))
     # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
@@ -211,28 +214,27 @@ def pack_geometry(scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_
     return rows, closure
 
 
-def distances(scene: Scene, drawn: Specimen) -> tuple[Array, Array]:
-    """Offsets ``(N, 4, 4)`` (w, its size, nominal approach) and pair closures ``(N, 2)`` [m] of a specimen.
+def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
+    """Offsets ``(..., N, 4, 4)`` (w, its size, nominal approach) and pair closures ``(..., N, 2)`` [m] of specimens.
 
     Built from differences, so that a nominal contact has an approach of zero to round-off of its errors only.
     """
-    centre = drawn.centre
-    slack = groove_radii(scene) - scene.balls.radius
+    centre, slack = drawn.centre, groove_radii(scene) - scene.balls.radius
     size = np.hypot(centre[..., 0], centre[..., 1])
     nominal = np.hypot(*nominal_groove_centres(scene).T)
-    grown = (size - nominal[None, :]) - (slack - nominal)[None, :]
-    approach = (drawn.ball_radius - scene.balls.radius)[:, None] - (drawn.radius - groove_radii(scene))[None, :] + grown
-    offset = np.concatenate([-centre, size[..., None], approach[..., None]], axis=-1)
-    closure = np.empty((centre.shape[0], 2))
-    for a in range(2):
-        b = 3 - a
-        d = centre[:, a] - centre[:, b]
-        closure[:, a] = approach[:, a] + approach[:, b] + (np.hypot(d[:, 0], d[:, 1]) - size[:, a] - size[:, b])
-    return offset, closure
+    wider = (drawn.radius - groove_radii(scene)) + (slack - nominal)
+    offset = np.empty((*drawn.ball_radius.shape, 4, 4))
+    np.negative(centre, out=offset[..., :2])
+    offset[..., 2] = size
+    approach = offset[..., 3]
+    approach[...] = (drawn.ball_radius - scene.balls.radius)[..., None] - wider + (size - nominal)
+    between = centre[..., :2, :] - centre[..., :1:-1, :]
+    grown = np.hypot(between[..., 0], between[..., 1]) - size[..., :2] - size[..., :1:-1]
+    return offset, approach[..., :2] + approach[..., :1:-1] + grown
 
 
 def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:
-    """Rows e . (u + theta x r) for the flank's point that carries the force, ``(N, 2, 6)``; u, theta at ``origin_z``.
+    """Rows e . (u + theta x r) for the flank's point that carries the force, ``(..., N, 2, 6)``; u, theta at ``origin_z``.
 
     That point is the groove's centre of curvature, on every line of action of the arc (plus ``more`` (N, 4, 2) where
     the profile is no arc), or, frozen, the nominal contact point.
@@ -241,11 +243,37 @@ def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: in
     if scene.ingredients.arm == "nominal":
         point = np.broadcast_to(nominal_contact_points(scene)[side], (layout.z.size, 2))
     else:
-        point = drawn.centre[:, side] + (more[:, side] if more is not None else 0.0)
-    x = layout.centre + point[:, :1] * layout.radial + point[:, 1:] * layout.binormal
-    r = x - np.stack([0.0 * origin_z, 0.0 * origin_z, origin_z], axis=1)
-    axes = np.stack([layout.radial, layout.binormal], axis=1)
-    return np.concatenate([axes, np.cross(r[:, None, :], axes)], axis=2)
+        point = drawn.centre[..., side, :] + (more[:, side] if more is not None else 0.0)
+    x = layout.centre + point[..., :1] * layout.radial + point[..., 1:] * layout.binormal
+    x[..., 2] -= origin_z
+    return wrench_rows(layout, x)
+
+
+def wrench_rows(layout: BallLayout, r: Array) -> Array:
+    """Rows (e, r x e), ``(..., N, 2, 6)``, of both axes e of each ball's section at points r ``(..., N, 3)`` [m]: motions
+    there by those of the body about its origin."""
+    rows = np.empty((*r.shape[:-1], 2, 6))
+    rows[..., 0, :3], rows[..., 1, :3] = layout.radial, layout.binormal
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        rows[..., 3 + k] = r[..., i, None] * rows[..., j] - r[..., j, None] * rows[..., i]
+    return rows
+
+
+def lever_arms(problem: Problem, centre: Array) -> Array:
+    """``Problem.B`` of many specimens, ``(k, N, 2, 2, m)``, from the centres ``(k, N, 4, 2)`` [m] of their grooves."""
+    parts = (problem.scene, replace(problem.drawn, centre=centre), problem.layout, None)
+    B = np.zeros((len(centre), *problem.B.shape))
+    stations = contact_stations(problem.scene, problem.layout)
+    for s in range(2):
+        if problem.basis is not None:
+            B[:, :, s] = flank_rows(parts, s, np.full(len(stations), problem.nodes[0])) @ problem.basis
+        elif problem.use[s] and B.shape[-1] == 6:
+            B[:, :, s] = flank_rows(parts, s, problem.nodes[problem.node[:, s]])
+        elif problem.use[s]:
+            _, m = motion_matrices(stations[:, s], problem.nodes, problem.section)
+            B[:, :, s] = flank_rows(parts, s, stations[:, s]) @ m
+    return B
 
 
 def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Array]:

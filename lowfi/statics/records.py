@@ -17,12 +17,14 @@ class BeamArrays(NamedTuple):
 
     #: Lengths (n - 1,) of the elements [m].
     lengths: Array
-    #: EA [N], EI [N m^2], GJ [N m^2], kGA [N] of the elements, (n - 1, 4).
-    sections: Array
     #: Which freedoms of the nodes are held (n, 6).
     fixed: Array
     #: Loads on the nodes (n, 6) [N, N m].
     load: Array
+    #: Constants (n - 1, 5) of the elements, see `lowfi.statics.kernel.beam.element_constants`, and their stiffness in
+    #: the lower band (6 n, half bandwidth + 1).
+    constants: Array
+    band: Array
 
 
 class BeamContacts(NamedTuple):
@@ -55,6 +57,29 @@ class BeamState(NamedTuple):
     p: Array
     #: Contacts (N, 4, 5), see `lowfi.statics.kernel.ball`.
     contact: Array
+
+
+class MemberArrays(NamedTuple):
+    """Specimens m of one screw: what takes the place of the same in `BeamContacts`; B is one long where all share it."""
+
+    #: (m, N, 2, 2, 6), (m, N, 4, 9), (m, N, 2), (m, N).
+    B: Array
+    geometry: Array
+    closure: Array
+    r_ball: Array
+
+
+class MemberStates(NamedTuple):
+    """Solutions of specimens m of one screw."""
+
+    #: Contact forces (m, N, 4) [N].
+    force: Array
+    #: How each ended (m,), and its relative residual (m,).
+    status: Array
+    residual: Array
+    #: Motions of the nodes (m, n, 6) [m, rad], centres of the balls (m, N, 2) [m].
+    q: Array
+    p: Array
 
 
 class BeamSlopes(NamedTuple):
@@ -270,6 +295,21 @@ class Factors(NamedTuple):
     #: W (q, r) = S U by the r soft modes, and the Cholesky factor (r, r) of I + W^T W.
     W: Array
     C: Array
+
+
+class Trial(NamedTuple):
+    """A trial of a line search, see `lowfi.statics.kernel.search`."""
+
+    #: Energy [J], slope [J] by the step length, and largest step length, of where the search begins.
+    energy: float
+    slope: float
+    limit: float
+    #: Longest length known to be too short, shortest known to be too long (zero: none yet), and the one to try.
+    low: float
+    high: float
+    t: float
+    #: Trials before this one.
+    tried: int
 
 
 class Outcome(NamedTuple):

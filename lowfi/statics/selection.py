@@ -11,6 +11,7 @@ from lowfi.statics.mechanism import Mechanism
 from lowfi.statics.problem import Problem, distances
 from lowfi.statics.shape import motions_at
 from meshes.errors import Specimen
+from meshes.helix import BallLayout
 from meshes.partition import MERGE, contact_stations
 from meshes.parts import FREEDOMS, SIDES, Scene
 
@@ -49,14 +50,19 @@ def flank_motions(problem: Problem, motion: Array) -> Array:
             picks = 6 * problem.node[:, s, None] + np.arange(m)[None, :]
             out[:, s] = np.einsum("nak,nk->na", problem.B[:, s], flat[picks])
             continue
-        centre, stations = problem.drawn.centre[:, s], contact_stations(problem.scene, layout)[:, s]
+        stations = contact_stations(problem.scene, layout)[:, s]
         moved_at = motions_at(stations, problem.nodes, problem.section, motion.reshape(-1, 6))
-        for i, u in enumerate(moved_at):
-            r = layout.centre[i] + centre[i, 0] * layout.radial[i] + centre[i, 1] * layout.binormal[i]
-            r = r - np.array([0.0, 0.0, stations[i]])
-            moved = u[:3] + np.cross(u[3:], r)
-            out[i, s] = moved @ layout.radial[i], moved @ layout.binormal[i]
+        out[:, s] = motions_in_section(layout, problem.drawn.centre[:, s], stations, moved_at)
     return out
+
+
+def motions_in_section(layout: BallLayout, centre: Array, stations: Array, motions: Array) -> Array:
+    """Motion ``(N, 2)`` [m] in each ball's section of a groove's centre ``(N, 2)`` [m] that moves rigidly with the shaft's
+    section at its station ``(N,)`` [m], whose motion is ``(N, 6)``."""
+    r = layout.centre + centre[:, :1] * layout.radial + centre[:, 1:] * layout.binormal
+    r[:, 2] -= stations
+    u = motions[:, :3] + np.cross(motions[:, 3:], r)
+    return np.stack([np.sum(u * layout.radial, axis=1), np.sum(u * layout.binormal, axis=1)], axis=1)
 
 
 def shifts_of_beam(problem: Problem, motion: Array) -> Array | None:
@@ -68,14 +74,45 @@ def shifts_of_beam(problem: Problem, motion: Array) -> Array | None:
     return np.concatenate([moved, np.zeros_like(moved)], axis=1)
 
 
-def touched_sides(engine: ModuleType, problem: Problem, motion: Array, force: Array) -> Mask:
+def gaps(centres: Array, shift: Array, geometry: Array) -> Array:
+    """Distance of each ball from each of its four arcs ``(k, N, 4)`` [m], negative where it would be pressed; centres
+    ``(k, N, 2)``, shift ``(k, N, 4, 2)`` [m], geometry ``(k, N, 4, 9)`` as in ``kernel.ball``."""
+    moved = centres[:, :, None, :] - shift
+    at = geometry[..., :2] + moved
+    grown = (moved * (geometry[..., :2] + at)).sum(axis=-1) / (np.sqrt((at * at).sum(axis=-1)) + geometry[..., 2])
+    return np.asarray(-geometry[..., 3] - grown)
+
+
+def all_clear(
+    centres: Array, shift: Array, geometry: Array, loads: Array, use: Mask, margin: float = 0.0
+) -> NDArray[np.bool_]:
+    """In which of k solutions no ball comes nearer than ``margin`` [m] to a flank that was left out, ``(k,)``.
+
+    A ball with load must clear the flanks that are not in ``use`` (4,) where it is; a ball without load must find one
+    place, of two tried, where it clears all four. Both are sufficient. loads ``(k, N, 4)``; for the rest see ``gaps``.
+    """
+    found = gaps(centres, shift, geometry)
+    loaded = loads.max(axis=2) > 0.0
+    room = np.where(loaded, found[..., ~use].min(axis=2), found.min(axis=2))
+    some = ~loaded.all(axis=1)
+    if np.any(some):
+        elsewhere = gaps(shift[some].mean(axis=2), shift[some], geometry[some]).min(axis=2)
+        room[some] = np.where(loaded[some], room[some], np.maximum(room[some], elsewhere))
+    return np.asarray((room >= margin).all(axis=1))
+
+
+def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: Array, force: Array) -> Mask:
     """Sides (4,) on which any ball carries load when all four flanks are offered to it at the solution's motions.
 
-    engine: kernels; motion ``(n, 6)`` of the nodes and force ``(N, 4)`` [N] of the solution.
+    engine: kernels; motion ``(n, 6)`` of the nodes, centres ``(N, 2)`` of the balls [m], force ``(N, 4)`` [N].
     """
     if np.all(problem.use):
         return np.asarray((force > 0.0).any(axis=0))
     moved = flank_motions(problem, motion)
+    if not problem.drawn.profile.shape[1]:
+        shift = np.concatenate([moved, np.zeros_like(moved)], axis=1)[None]
+        if all_clear(centres[None], shift, problem.geometry[None], force[None], problem.use)[0]:
+            return np.asarray((force > 0.0).any(axis=0))
     touched = np.zeros(4, dtype=bool)
     p, contact, shift = np.zeros(2), np.zeros((4, 5)), np.zeros((4, 2))
     floor = 1e-9 * float(force.max(initial=0.0))

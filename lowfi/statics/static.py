@@ -129,14 +129,16 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         half_band=int(problem.half_bandwidth),
         floor=force_floor(problem),
     )
-    beam = BeamArrays(lengths, sections, problem.fixed, problem.load)
+    constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * nodes.size, problem.half_bandwidth + 1))
+    engine.assemble_beam(lengths, sections, constants, band)
+    beam = BeamArrays(lengths, problem.fixed, problem.load, constants, band)
     return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
 
 
 def _lift(problem: Problem) -> Array:
     """A motion of all nodes that has the prescribed values: each freedom interpolated along the shaft."""
     q = np.zeros((problem.nodes.size, 6))
-    for k in range(6):
+    for k in np.flatnonzero(problem.prescribed.any(axis=0)):
         held = np.flatnonzero(problem.fixed[:, k])
         if held.size:
             q[:, k] = np.interp(problem.nodes, problem.nodes[held], problem.prescribed[held, k])
@@ -204,7 +206,7 @@ def solve_static(
         if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
             outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
         problem = prepared.problem
-        touched = touched_sides(kernels, problem, prepared.state.q, prepared.force)
+        touched = touched_sides(kernels, problem, prepared.state.q, prepared.state.p, prepared.force)
         if (outcome.status == 0 and not np.any(touched & ~use)) or np.all(use):
             break
         notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)

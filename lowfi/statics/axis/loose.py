@@ -10,6 +10,7 @@ from scipy.linalg import qr
 
 from lowfi.statics.axis.structure import held_rows, rigid_motions
 from lowfi.statics.axis.system import System
+from lowfi.statics.problem import wrench_rows
 from meshes.parts import FREEDOMS
 
 Array = NDArray[np.float64]
@@ -36,13 +37,11 @@ def loose_motions(system: System) -> Loose:
     n = s.nodes.size
     for b in system.balls:
         layout = b.problem.layout
-        axes = np.stack([layout.radial, layout.binormal], axis=1)
         moved = np.zeros((2 * layout.z.size, motions.shape[1]))
         for row, sign in ((0 if b.of.carrier is None else int(b.problem.node[0, 0]), 1.0), (b.outer, -1.0)):
             if row >= 0:
                 arm = layout.centre - np.array([0.0, 0.0, s.stations[row]])
-                lever = np.concatenate([axes, np.cross(arm[:, None, :], axes)], axis=2)
-                moved += sign * (lever @ by_row[row]).reshape(len(moved), -1)
+                moved += sign * (wrench_rows(layout, arm) @ by_row[row]).reshape(len(moved), -1)
         rows.append(moved)
     for roller in system.rollers:
         a = roller.arrays

@@ -14,6 +14,7 @@ from lowfi.statics.axis.loose import loose_motions, pinned
 from lowfi.statics.axis.mount import mount
 from lowfi.statics.axis.proof import unheld
 from lowfi.statics.axis.result import AxisResult
+from lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
 from lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
 from lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
 from lowfi.statics.axis.system import System, build
@@ -117,13 +118,19 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     start = perf_counter()
     mounted, notes = mount(assembly, lambda other: solve_assembly(other, engine=engine, member=member))
     kernels = engine_for(assembly, engine)
-    system = build(mounted, member)
-    loose = loose_motions(system)
-    if loose.driven:
-        return failed_axis(assembly, "lin", f"not held: {loose.text}", perf_counter() - start)
-    prepared = prepare(pinned(system, loose), kernels)
-    ready = perf_counter()
-    outcome = solve_with_hertz(prepared)
+    uses = likely_sides(mounted, member)
+    while True:
+        system = build(mounted, member, uses)
+        loose = loose_motions(system)
+        if loose.driven:
+            return failed_axis(assembly, "lin", f"not held: {loose.text}", perf_counter() - start)
+        prepared = prepare(pinned(system, loose), kernels)
+        ready = perf_counter()
+        outcome = solve_with_hertz(prepared)
+        if complete(uses, mounted) or (outcome.status == 0 and clear(prepared.system, prepared.state)):
+            break
+        uses = all_sides(mounted)
+        notes = (*notes, "flanks that load or offsets should open touch in the solution: solved again with all of them")
     bound = round_off(prepared, outcome.scale)
     status = axis_verdict(outcome, bound, system)
     if outcome.status in NO_LOADS:

@@ -71,7 +71,7 @@ def rigid_rows(b: BallSet, stations: Array) -> Array:
     stations: of all rows [m].
     """
     nodes = stations[b.problem.node]
-    to = np.array([[rigid_transport(float(z - b.of.position)) for z in row] for row in nodes])
+    to = rigid_transport(nodes - b.of.position)
     return np.asarray(np.einsum("nsak,nskj->nsaj", b.B[:, :2], to).reshape(len(nodes), 4, 6))
 
 

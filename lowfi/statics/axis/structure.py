@@ -130,8 +130,7 @@ def rigid_motions(structure: Structure, arm: float) -> Array:
     scale = np.diag([1.0, 1.0, 1.0, 1.0 / arm, 1.0 / arm, 1.0 / arm])
     n, m = structure.nodes.size, structure.at.size
     out = np.zeros((n + m, 6, 6 * (1 + m)))
-    for i, z in enumerate(structure.nodes):
-        out[i, :, :6] = rigid_transport(float(z - structure.nodes[0])) @ scale
+    out[:n, :, :6] = rigid_transport(structure.nodes - structure.nodes[0]) @ scale
     for j in range(m):
         out[n + j, :, 6 + 6 * j : 12 + 6 * j] = scale
     return out.reshape(6 * (n + m), -1)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from lowfi.statics.axis.proof import crossed
 from lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
+from lowfi.statics.axis.sides import left_out
 from lowfi.statics.axis.stiffness import asked_station
 from lowfi.statics.axis.system import BallSet, RollerSet, System
 from lowfi.statics.problem import SIGNS
@@ -59,7 +60,7 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
     found = {b.of.name: ball_result(system, b, state, end.report, K) for b, K in zip(system.balls, end.sets, strict=True)}
     found |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
     sets = tuple(found[s.name] for s in assembly.sets)
-    left = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
+    held = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
     return AxisResult(
         end.model,
         end.status if end.status != "converged" else crossed_row(system, sets) or end.status,
@@ -72,7 +73,7 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
         end.whole,
         end.report,
         (*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
-        left,
+        (*held, *left_out(system)),
         tuple(f"{s.of.name}: {w}" for s in sets if s.balls is not None for w in s.balls.warnings),
     )
 

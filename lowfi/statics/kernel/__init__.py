@@ -4,12 +4,14 @@ from .axis import evaluate_axis, solve_axis, solve_lines, tangent
 from .axis_matrix import add_axis
 from .axis_start import start_axis
 from .ball import settle
+from .beam import assemble_beam
 from .elastic import solve_forces, start_forces
 from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
 from .newton import ensemble, evaluate, linear_start, solve
 
 __all__ = [
     "add_axis",
+    "assemble_beam",
     "ball_rows",
     "contact_law",
     "ensemble",

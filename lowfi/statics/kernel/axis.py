@@ -16,7 +16,11 @@ from .axis_matrix import add_axis, add_balls, add_rollers, hold
 from .ball import FORCE, MX, MZ, block, settle
 from .beam import element_force, positions
 from .newton import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR, residual_of, slope_along
+from .search import first_trial, next_trial
 from .skyline import factor, substitute
+
+#: Longest step of a search, over Newton's.
+FAR = 1e12
 
 
 @kernel
@@ -224,28 +228,15 @@ def search_axis(
     energy: float,
     slope: float,
 ) -> tuple[float, float, int]:
-    """Step length along ``step``, as `lowfi.statics.kernel.newton.line_search`; the state is left at the accepted point."""
+    """Search along ``step`` from the state (see ``search``), which is left at the accepted point."""
     q0, d0 = state.q.copy(), state.d.copy()
-    low, high, t = 0.0, 0.0, 1.0
-    new, scale, evaluations = energy, 0.0, 0
-    while evaluations < 60:
-        advance_axis(axis, state, q0, d0, step, t)
+    trial, go_on = first_trial(energy, slope, FAR), True
+    new, scale = energy, 0.0
+    while go_on:
+        advance_axis(axis, state, q0, d0, step, trial.t)
         new, scale = evaluate_axis(axis, balls, rollers, state, out)
-        evaluations += 1
-        ahead = slope_along(out.gradient, step, axis.fixed)
-        if ahead > 0.0:
-            if ahead <= 0.5 * abs(slope) and new <= energy:
-                break
-            if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
-                break
-            high = t
-            t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
-        else:
-            if ahead >= 0.9 * slope or high > 0.0 or t > 1e12:
-                break
-            low = t
-            t *= 4.0
-    return new, scale, evaluations
+        trial, go_on = next_trial(trial, new, slope_along(out.gradient, step, axis.fixed))
+    return new, scale, trial.tried
 
 
 @kernel

@@ -133,6 +133,70 @@ def newton_step(contact: Array) -> tuple[float, float, float]:
 
 
 @kernel
+def interference(a: int, shift: Array, geometry: Array, closure: Array) -> float:
+    """Interference [m] of the diagonal pair a between its groove centres where both its flanks take part, else -1."""
+    b = 3 - a
+    if geometry[a, USE] == 0.0 or geometry[b, USE] == 0.0:
+        return -1.0
+    dx, dz = geometry[b, WX] - geometry[a, WX], geometry[b, WZ] - geometry[a, WZ]
+    vx, vz = shift[a, 0] - shift[b, 0], shift[a, 1] - shift[b, 1]
+    dist0, dist = sqrt(dx * dx + dz * dz), sqrt((dx + vx) * (dx + vx) + (dz + vz) * (dz + vz))
+    if dist <= 1e-30 or dist0 <= 1e-30:
+        return -1.0
+    total: float = closure[a] + (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
+    return total
+
+
+@kernel
+def press_pair(a: int, total: float, p: Array, shift: Array, geometry: Array, contact: Array) -> float:
+    """Contacts of a ball that the diagonal pair a of arcs holds alone, with the interference ``total`` [m]: closed form.
+
+    Forces are opposite, so each contact takes its share C/(C_a + C_b) of the interference, on the line of the groove
+    centres. Writes p (2,) and ``contact``; returns the energy [J], or -1 where another flank touches the ball there.
+    """
+    b = 3 - a
+    both = geometry[a, HERTZ] + geometry[b, HERTZ]
+    dx, dz = geometry[b, WX] - geometry[a, WX], geometry[b, WZ] - geometry[a, WZ]
+    vx, vz = shift[a, 0] - shift[b, 0], shift[a, 1] - shift[b, 1]
+    dist0, dist = sqrt(dx * dx + dz * dz), sqrt((dx + vx) * (dx + vx) + (dz + vz) * (dz + vz))
+    nx, nz = dx / dist0, dz / dist0
+    change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (dist + dist0)
+    more, size = total * geometry[b, HERTZ] / both - geometry[b, APPROACH], geometry[b, SIZE]
+    p[0] = shift[b, 0] + ((dx + vx) * more + (vx - nx * change) * size) / dist + (nx * size - geometry[b, WX])
+    p[1] = shift[b, 1] + ((dz + vz) * more + (vz - nz * change) * size) / dist + (nz * size - geometry[b, WZ])
+    x = total / both
+    root = sqrt(x)
+    force = x * root
+    for s in range(4):
+        contact[s, FORCE] = 0.0
+        if s == a or b == s:
+            sign, own = (1.0 if s == b else -1.0) / dist, geometry[s, HERTZ]
+            contact[s, FORCE] = force
+            contact[s, MX], contact[s, MZ] = sign * (dx + vx), sign * (dz + vz)
+            contact[s, KN] = 1.5 * root / own
+            contact[s, KT] = force / (geometry[s, SIZE] + own * x - geometry[s, APPROACH])
+        elif geometry[s, USE] != 0.0:
+            wx, wz, reach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE]
+            delta, mx, mz, _ = arc(p[0] - shift[s, 0], p[1] - shift[s, 1], wx, wz, reach, geometry[s, APPROACH])
+            contact[s, MX], contact[s, MZ] = mx, mz
+            if delta > 0.0:
+                return -1.0
+    energy: float = 0.4 * both * x * x * root
+    return energy
+
+
+@kernel
+def loosened(contact: Array, tiny: float, energy: float) -> float:
+    """The energy [J], zero where no contact carries more than ``tiny`` [N]: its forces are then set to none."""
+    for s in range(4):
+        if contact[s, FORCE] > tiny:
+            return energy
+    for s in range(4):
+        contact[s, FORCE] = 0.0
+    return 0.0
+
+
+@kernel
 def settle(
     p: Array, shift: Array, geometry: Array, closure: Array, r_ball: float, profile: Array, tiny: float, contact: Array
 ) -> float:
@@ -143,15 +207,22 @@ def settle(
     returns the energy [J]. The energy of exact arcs is convex for r_G >= r_B: the forces at the minimum are unique. Where
     an uneven profile leaves no step that lowers it, the ball stays out of balance, which ``net_force`` shows.
     """
+    if profile.shape[1] == 0:
+        first, second = interference(0, shift, geometry, closure), interference(1, shift, geometry, closure)
+        energy = -1.0
+        if first > 0.0 and second <= 0.0:  # the pair by its number: the compiler then knows the places of its data
+            energy = press_pair(0, first, p, shift, geometry, contact)
+        elif second > 0.0 and first <= 0.0:
+            energy = press_pair(1, second, p, shift, geometry, contact)
+        if energy >= 0.0:
+            return loosened(contact, tiny, energy)
     start_centre(p, shift, geometry, closure)
     energy = touch(p[0], p[1], shift, geometry, r_ball, profile, contact)
     best = 1e300
     for _ in range(SETTLING):
         net, scale = net_force(contact)
         if scale <= tiny:
-            for k in range(4):
-                contact[k, FORCE] = 0.0
-            return 0.0
+            return loosened(contact, tiny, energy)
         if net <= 2e-15 * scale or (net <= 1e-11 * scale and net >= 0.5 * best):
             break  # balanced, or at the round-off floor
         best = min(best, net)

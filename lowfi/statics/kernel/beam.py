@@ -33,7 +33,13 @@ def element_constants(length: float, section: Array) -> tuple[float, float, floa
 @kernel
 def element_force(d: Array, length: float, section: Array, out: Array) -> None:
     """Force and moment (6,) at node 2 that the deformation d (6,) takes."""
-    kuu, kur, krr, ka, kt = element_constants(length, section)
+    force_of(d, element_constants(length, section), out)
+
+
+@kernel
+def force_of(d: Array, constants: tuple[float, float, float, float, float], out: Array) -> None:
+    """The same from the element's constants."""
+    kuu, kur, krr, ka, kt = constants
     out[0] = kuu * d[0] - kur * d[4]
     out[4] = krr * d[4] - kur * d[0]
     out[1] = kuu * d[1] + kur * d[3]
@@ -68,6 +74,15 @@ def add_element(band: Array, node: int, length: float, section: Array) -> None:
     band[i + 5, 0] += kt
     band[i + 5, 6] -= kt
     band[j + 5, 0] += kt
+
+
+@kernel
+def assemble_beam(lengths: Array, sections: Array, constants: Array, band: Array) -> None:
+    """Fill the constants (n - 1, 5) of the elements of sections (n - 1, 4), and add their stiffness to the lower band."""
+    for e in range(lengths.shape[0]):
+        kuu, kur, krr, ka, kt = element_constants(lengths[e], sections[e])
+        constants[e, 0], constants[e, 1], constants[e, 2], constants[e, 3], constants[e, 4] = kuu, kur, krr, ka, kt
+        add_element(band, e, lengths[e], sections[e])
 
 
 @kernel

@@ -26,19 +26,8 @@ from lowfi.statics.records import (
 from .coupling import apply_rows, body_motion, border, cholesky_lower, couple, forces_of_rows, triangular
 from .elastic_balls import ball_rows, evaluate_balls
 from .modes import gradients, soft_factor
-from .newton import (
-    BALANCED,
-    CONVERGED,
-    GROWN,
-    ITERATIONS,
-    NOT_HELD,
-    PATIENCE,
-    ROUNDING,
-    SINGULAR,
-    TRIALS,
-    WHOLE_STEPS,
-    ball_mismatch,
-)
+from .newton import BALANCED, CONVERGED, GROWN, ITERATIONS, NOT_HELD, PATIENCE, SINGULAR, WHOLE_STEPS, ball_mismatch
+from .search import TRIALS, first_trial, next_trial
 
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
 FORCING = 0.1
@@ -211,30 +200,16 @@ def search_forces(
     limit: float,
     tiny: float,
 ) -> tuple[float, float, int]:
-    """Step length along a step, as ``newton.line_search``; state, f, g and v are left at the accepted point."""
+    """Search along a step (see ``search``); state, f, g and v are left at the accepted point."""
     begin = SearchStart(state.phi.copy(), state.a.copy(), g.copy(), v.copy())
-    low, high, t = 0.0, 0.0, min(1.0, limit)
-    new, scale, rounding = energy, 0.0, ROUNDING * abs(energy)
-    evaluations = 0
-    while evaluations < TRIALS:
-        shift_state(bodies, state, begin, step, t, g, v)
+    trial, go_on = first_trial(energy, slope, limit), True
+    new, scale = energy, 0.0
+    while go_on:
+        shift_state(bodies, state, begin, step, trial.t, g, v)
         own, scale = evaluate_balls(v, contacts, state, f, tiny)
         new = own + stored(bodies, state, g)
-        evaluations += 1
-        ahead = slope_of(bodies, f, g, step)
-        if ahead > 0.0:
-            if ahead <= 0.5 * abs(slope) and new <= energy + rounding:
-                break
-            if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
-                break
-            high = t
-            t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
-        else:
-            if ahead >= 0.9 * slope or high > 0.0 or t >= limit:
-                break
-            low = t
-            t = min(4.0 * t, limit)
-    return new, scale, evaluations
+        trial, go_on = next_trial(trial, new, slope_of(bodies, f, g, step))
+    return new, scale, trial.tried
 
 
 @kernel

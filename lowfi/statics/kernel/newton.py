@@ -9,23 +9,53 @@ from math import sqrt
 import numpy as np
 
 from lowfi.jit import kernel
-from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
+from lowfi.statics.records import (
+    Array,
+    BeamArrays,
+    BeamContacts,
+    BeamOptions,
+    BeamSlopes,
+    BeamState,
+    MemberArrays,
+    MemberStates,
+    Outcome,
+)
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle
-from .banded import solve_banded
-from .beam import add_element, element_force, positions
+from .banded import factor_band, substitute_band
+from .beam import force_of, positions
+from .search import TRIALS, first_trial, next_trial
 
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
-#: Relative round-off of an energy, summed over springs of both signs of work.
-ROUNDING = 1e-14
 #: Relative residual from which on whole steps are tried first, and growth at which one is taken back and searched along.
 WHOLE_STEPS, GROWN = 1e-7, 10.0
-#: Trials of a line search: on a convex energy they never run out, where they do twice the iteration ends.
-TRIALS = 60
+#: Residual over the one before from which on, near the end, the stiffness is factored anew; below, the last factor serves.
+KEPT = 1e-3
 #: Iterations in which the residual was not halved once, after which the iteration ends.
 PATIENCE = 60
 #: Net force on a ball over the largest force up to which it counts as balanced.
 BALANCED = 1e-10
+
+
+@kernel
+def flank_shift(contacts: BeamContacts, motion: Array, i: int, m: int, shift: Array) -> None:
+    """Motions [m] of the screw's flanks at ball i by the nodal motions (6 n,); shift (4, 2)."""
+    B = contacts.B
+    for s in range(2):
+        if contacts.geometry[i, s, USE] != 0.0:
+            start = 6 * contacts.node[i, s]
+            x, z = 0.0, 0.0
+            for k in range(m):
+                x += B[i, s, 0, k] * motion[start + k]
+                z += B[i, s, 1, k] * motion[start + k]
+            shift[s, 0], shift[s, 1] = x, z
+
+
+@kernel
+def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: float, fz: float) -> None:
+    """Add what the force (fx, fz) [N] of ball i on flank s does to the gradient (6 n,)."""
+    for k in range(m):
+        gradient[start + k] -= fx * B[i, s, 0, k] + fz * B[i, s, 1, k]
 
 
 @kernel
@@ -34,7 +64,7 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
 
     The scale [N] is the largest force met: applied, in an element, or of a contact.
     """
-    lengths, sections, _, load = beam
+    lengths, load, constants = beam.lengths, beam.load, beam.constants
     node, B, geometry, closure, r_ball, profile, tiny = contacts
     q, d, p, contact = state
     gradient, hessians = out
@@ -48,7 +78,8 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
                 scale = max(scale, abs(load[i, k]))
     f = np.empty(6)
     for e in range(lengths.shape[0]):
-        element_force(d[e], lengths[e], sections[e], f)
+        c = constants[e]
+        force_of(d[e], (c[0], c[1], c[2], c[3], c[4]), f)
         for k in range(6):
             energy += 0.5 * f[k] * d[e, k]
             gradient[e, k] -= f[k]
@@ -62,14 +93,10 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
     grad = gradient.ravel()
     m = B.shape[3]
     for i in range(r_ball.shape[0]):
-        for s in range(2):
-            if geometry[i, s, USE] != 0.0:
-                start = 6 * node[i, s]
-                x, z = 0.0, 0.0
-                for k in range(m):
-                    x += B[i, s, 0, k] * flat[start + k]
-                    z += B[i, s, 1, k] * flat[start + k]
-                shift[s, 0], shift[s, 1] = x, z
+        if m == 6:  # by its number: the compiler then unrolls the loops
+            flank_shift(contacts, flat, i, 6, shift)
+        else:
+            flank_shift(contacts, flat, i, m, shift)
         energy += settle(p[i], shift, geometry[i], closure[i], r_ball[i], profile, tiny, contact[i])
         reduced_hessian(contact[i], hessians[i])
         for s in range(4):
@@ -77,21 +104,34 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
         for s in range(2):
             f = contact[i, s, FORCE]
             if f > 0.0:
-                start = 6 * node[i, s]
                 fx, fz = f * contact[i, s, MX], f * contact[i, s, MZ]
-                for k in range(m):
-                    grad[start + k] -= fx * B[i, s, 0, k] + fz * B[i, s, 1, k]
+                if m == 6:
+                    pull(grad, B, i, s, 6, 6 * node[i, s], fx, fz)
+                else:
+                    pull(grad, B, i, s, m, 6 * node[i, s], fx, fz)
     return energy, scale
+
+
+@kernel
+def add_stiffness(
+    band: Array, B: Array, hessians: Array, i: int, s: int, t: int, m: int, rows: int, columns: int, hb: Array
+) -> None:
+    """Add ball i's stiffness between the flanks s and t to the lower band; hb (2, m): room."""
+    for a in range(2):
+        x, z = hessians[i, 2 * s + a, 2 * t], hessians[i, 2 * s + a, 2 * t + 1]
+        for k in range(m):
+            hb[a, k] = x * B[i, t, 0, k] + z * B[i, t, 1, k]
+    for j in range(m):
+        x, z = B[i, s, 0, j], B[i, s, 1, j]
+        for k in range(min(m, rows - columns + j + 1)):
+            band[columns + k, rows - columns + j - k] += x * hb[0, k] + z * hb[1, k]
 
 
 @kernel
 def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float) -> None:
     """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
-    lengths, sections, fixed, _ = beam
-    node, B = contacts.node, contacts.B
-    band[:, :] = 0.0
-    for e in range(lengths.shape[0]):
-        add_element(band, e, lengths[e], sections[e])
+    fixed, node, B = beam.fixed, contacts.node, contacts.B
+    band[:, :] = beam.band
     m = B.shape[3]
     hb = np.empty((2, m))
     for i in range(node.shape[0]):
@@ -99,20 +139,11 @@ def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Ar
             for t in range(2):
                 if hessians[i, 2 * s, 2 * t] == 0.0 and hessians[i, 2 * s + 1, 2 * t + 1] == 0.0:
                     continue
-                for a in range(2):
-                    for k in range(m):
-                        hb[a, k] = (
-                            hessians[i, 2 * s + a, 2 * t] * B[i, t, 0, k]
-                            + hessians[i, 2 * s + a, 2 * t + 1] * B[i, t, 1, k]
-                        )
-                rows, cols = 6 * node[i, s], 6 * node[i, t]
-                for j in range(m):
-                    b0, b1 = B[i, s, 0, j], B[i, s, 1, j]
-                    row = rows + j
-                    for k in range(m):
-                        col = cols + k
-                        if row >= col:
-                            band[col, row - col] += b0 * hb[0, k] + b1 * hb[1, k]
+                rows, columns = 6 * node[i, s], 6 * node[i, t]
+                if m == 6 and rows == columns:
+                    add_stiffness(band, B, hessians, i, s, t, 6, rows, rows, hb)
+                else:
+                    add_stiffness(band, B, hessians, i, s, t, m, rows, columns, hb)
     n, width = band.shape
     for i in range(n):
         band[i, 0] += shift * (1.0 if i % 6 < 3 else arm * arm)
@@ -180,34 +211,19 @@ def line_search(
     slope: float,
     limit: float,
 ) -> tuple[float, float, int]:
-    """Step length along ``step``: shrunk on overshoot, stretched while the slope does not change (open gaps).
+    """Search along ``step`` from the state (see ``search``), which is left at the accepted point.
 
-    limit: largest step length, also of the first trial: a step that carries flanks past their balls says nothing of the
-    contacts. Returns the energy, scale, and the number of evaluations; the state is left at the accepted point.
+    limit: largest step length. Returns the energy, scale, and the number of evaluations.
     """
     q, d, fixed = state.q, state.d, beam.fixed
     q0, d0 = q[0].copy(), d.copy()
-    low, high, t = 0.0, 0.0, min(1.0, limit)
-    new, scale, rounding = energy, 0.0, ROUNDING * abs(energy)
-    evaluations = 0
-    while evaluations < TRIALS:
-        advance(q, d, beam.lengths, q0, d0, step, t)
+    trial, go_on = first_trial(energy, slope, limit), True
+    new, scale = energy, 0.0
+    while go_on:
+        advance(q, d, beam.lengths, q0, d0, step, trial.t)
         new, scale = evaluate(beam, contacts, state, out)
-        evaluations += 1
-        ahead = slope_along(out.gradient, step, fixed)
-        if ahead > 0.0:
-            if ahead <= 0.5 * abs(slope) and new <= energy + rounding:
-                break
-            if new <= energy + 1e-4 * t * slope and ahead <= 0.9 * abs(slope):
-                break
-            high = t
-            t = low + (0.5 if low > 0.0 else 0.35) * (high - low)
-        else:
-            if ahead >= 0.9 * slope or high > 0.0 or t >= limit:
-                break
-            low = t
-            t = min(4.0 * t, limit)
-    return new, scale, evaluations
+        trial, go_on = next_trial(trial, new, slope_along(out.gradient, step, fixed))
+    return new, scale, trial.tried
 
 
 @kernel
@@ -223,7 +239,8 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
     floor = options.floor
     f = np.empty(6)
     for e in range(lengths.shape[0]):
-        element_force(d[e], lengths[e], beam.sections[e], f)
+        c = beam.constants[e]
+        force_of(d[e], (c[0], c[1], c[2], c[3], c[4]), f)
         for k in range(3, 6):
             floor = max(floor, abs(f[k]) / arm)
     out = BeamSlopes(np.empty((n, 6)), np.zeros((contacts.node.shape[0], 4, 4)))
@@ -235,26 +252,27 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
     residual = residual_of(out.gradient, fixed, scale, arm)
     history[0] = residual
     evaluations, stalled, factor, furthest = 1, 0, 1e-3, contacts.r_ball.max()
-    status, it, stuck = ITERATIONS, 0, 0
+    status, it, stuck, fresh = ITERATIONS, 0, 0, True
     best = residual
     if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
         return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
     for it in range(1, options.most + 1):
         step = np.empty((n, 6))
         solved = False
-        for _ in range(12):
+        for _ in range(12 if fresh else 0):
             shift = factor * stiffness * min(1.0, residual)
             assemble(band, beam, contacts, out.hessians, shift, arm)
-            for i in range(n):
-                for k in range(6):
-                    step[i, k] = 0.0 if fixed[i, k] else -out.gradient[i, k]
-            solved = solve_banded(band, step.ravel())
+            solved = factor_band(band)
             if solved:
                 break
             factor *= 100.0
-        if not solved:
+        if fresh and not solved:
             status = SINGULAR
             break
+        for i in range(n):
+            for k in range(6):
+                step[i, k] = 0.0 if fixed[i, k] else -out.gradient[i, k]
+        substitute_band(band, step.ravel())
         slope = slope_along(out.gradient, step, fixed)
         reach = flank_reach(contacts, step.ravel())
         limit = furthest / reach if reach > 0.0 else 1e12
@@ -286,6 +304,7 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
             status = NOT_HELD
             break
         stalled = stalled + 1 if residual >= 0.5 * best else 0
+        fresh = residual >= WHOLE_STEPS or residual >= KEPT * best
         best = min(best, residual)
         if (stalled >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
             break
@@ -299,40 +318,38 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
 def ensemble(
     beam: BeamArrays,
     contacts: BeamContacts,
-    state: BeamState,
+    begin: BeamState,
     options: BeamOptions,
-    radii: Array,
-    closures: Array,
-    geometries: Array,
-    forces: Array,
-    statuses: Array,
-    residuals: Array,
-    works: Array,
+    members: MemberArrays,
+    found: MemberStates,
 ) -> int:
-    """Solve many specimens of one screw from the same start; they differ in ball radii [m] and groove centres.
+    """Solve many specimens of one screw from the same start; they differ in ball radii, groove centres and lever arms.
 
-    radii (M, N), closures (M, N, 2), geometries (M, N, 4, 9) replace those of ``contacts``; forces (M, N, 4),
-    statuses (M,), residuals (M,), works (M,), load times motion [J], are filled. Returns the total number of iterations.
+    Every member begins where ``begin`` is, which stays as it is, so that calls may run side by side; fills ``found``.
+    Returns the total number of iterations.
     """
-    node, B, _, _, _, profile, tiny = contacts
-    q, d, contact = state.q, state.d, state.contact
-    q0, d0 = q.copy(), d.copy()
+    state = BeamState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy())
+    q, d, p, contact = state
     history = np.empty(options.most + 1)
-    total = 0
-    for member in range(radii.shape[0]):
-        q[:], d[:] = q0, d0
-        own = BeamContacts(node, B, geometries[member], closures[member], radii[member], profile, tiny)
-        found = solve(beam, own, state, options, history)
-        statuses[member], residuals[member] = found.status, found.residual
+    total, shared = 0, members.B.shape[0] == 1
+    for m in range(members.r_ball.shape[0]):
+        q[:], d[:] = begin.q, begin.d
+        own = BeamContacts(
+            contacts.node,
+            members.B[0 if shared else m],
+            members.geometry[m],
+            members.closure[m],
+            members.r_ball[m],
+            contacts.profile,
+            contacts.tiny,
+        )
+        outcome = solve(beam, own, state, options, history)
+        found.status[m], found.residual[m] = outcome.status, outcome.residual
+        found.q[m], found.p[m] = q, p
         for i in range(contact.shape[0]):
             for s in range(4):
-                forces[member, i, s] = contact[i, s, FORCE]
-        work = 0.0
-        for i in range(q.shape[0]):
-            for k in range(6):
-                work += beam.load[i, k] * q[i, k]
-        works[member] = work
-        total += found.iterations
+                found.force[m, i, s] = contact[i, s, FORCE]
+        total += outcome.iterations
     return total
 
 
@@ -344,7 +361,7 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
     flank goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn
     first, as those of a contact angle near zero under an axial load.
     """
-    lengths, sections, fixed, load = beam
+    lengths, fixed, load = beam.lengths, beam.fixed, beam.load
     geometry, limit = contacts.geometry, contacts.r_ball.max()
     q, d = state.q, state.d
     stiffness, arm = options.stiffness, options.arm
@@ -367,7 +384,8 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
         for k in range(6):
             step[i, k] = load[i, k]
     for e in range(lengths.shape[0]):
-        element_force(d[e], lengths[e], sections[e], f)
+        c = beam.constants[e]
+        force_of(d[e], (c[0], c[1], c[2], c[3], c[4]), f)
         for k in range(6):
             step[e, k] += f[k]
             step[e + 1, k] -= f[k]
@@ -377,8 +395,9 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
         for k in range(6):
             if fixed[i, k]:
                 step[i, k] = 0.0
-    if not solve_banded(band, step.ravel()):
+    if not factor_band(band):
         return False
+    substitute_band(band, step.ravel())
     reach = flank_reach(contacts, step.ravel())
     advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0 if reach <= limit else limit / reach)
     return True
@@ -387,14 +406,13 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
 @kernel
 def flank_reach(contacts: BeamContacts, motion: Array) -> float:
     """Largest displacement [m] of a flank by the nodal motions (6 n,)."""
-    node, B, geometry = contacts.node, contacts.B, contacts.geometry
-    largest = 0.0
-    for i in range(node.shape[0]):
+    m, geometry = contacts.B.shape[3], contacts.geometry
+    largest, shift = 0.0, np.zeros((4, 2))
+    for i in range(geometry.shape[0]):
+        if m == 6:
+            flank_shift(contacts, motion, i, 6, shift)
+        else:
+            flank_shift(contacts, motion, i, m, shift)
         for s in range(2):
-            if geometry[i, s, USE] != 0.0:
-                x, z = 0.0, 0.0
-                for k in range(B.shape[3]):
-                    x += B[i, s, 0, k] * motion[6 * node[i, s] + k]
-                    z += B[i, s, 1, k] * motion[6 * node[i, s] + k]
-                largest = max(largest, sqrt(x * x + z * z))
-    return largest
+            largest = max(largest, shift[s, 0] ** 2 + shift[s, 1] ** 2)
+    return sqrt(largest)

@@ -5,14 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.models.ensemble import GENERAL_PATH, RADII_PATH, _radii, only_radii_differ, run_ensemble, work_of
+from compare.models.ensemble import BATCH_PATH, GENERAL_PATH, one_pass, run_ensemble, work_of
 from compare.scenes.catalogue import scene as shipped
 from lowfi.statics.static import solve_static
-from meshes.errors import specimen
+from meshes.errors import specimen, specimens
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, FourierTerm, Load, SideErrors
 
 BASE = shipped("lin-random")
+PITCH = SideErrors(pitch=(FourierTerm(1.0, sigma=2e-6), FourierTerm(3.0, cos=1e-6)), pitch_along="axis")
+ROUND = SideErrors(pitch=(FourierTerm(2.0, sigma=1e-6),), roundness=(FourierTerm(2.0, sin=1e-6, sigma=1e-6),))
 
 
 def with_errors(sigma, oversize=0.0, distribution="normal", **more):
@@ -39,20 +41,45 @@ def assert_same_loads(scene, result, members):
         pytest.param(replace(BASE, ingredients=replace(BASE.ingredients, screw="rigid")), 0, id="rigid screw"),
         pytest.param(replace(BASE, ingredients=replace(BASE.ingredients, partition="source")), 0, id="15 mm elements"),
         pytest.param(with_errors(1e-6, SL=SideErrors(pitch=(FourierTerm(1.0, sin=3e-6),))), 0, id="with pitch error"),
+        pytest.param(with_errors(1e-6, SL=PITCH, NR=ROUND), 0, id="random pitch and roundness"),
+        pytest.param(replace(with_errors(0.0, 7e-6, SL=PITCH), loads=()), 6, id="preloaded, random pitch"),
+        pytest.param(
+            replace(with_errors(1e-6, SL=PITCH), ingredients=replace(BASE.ingredients, partition="source")),
+            0,
+            id="random pitch on 15 mm elements",
+        ),
+        pytest.param(
+            replace(with_errors(1e-6, SL=PITCH), ingredients=replace(BASE.ingredients, screw="rigid")),
+            0,
+            id="random pitch of a rigid screw",
+        ),
     ],
 )
 def test_fast_path_equals_single_solves(scene, all_sides):
     result = run_ensemble(scene, 6)
-    assert (result.path, result.general) == (RADII_PATH, 0)
+    assert (result.path, result.general) == (BATCH_PATH, 0)
     assert result.all_sides == all_sides
     assert_same_loads(scene, result, 6)
 
 
-def test_radii_are_those_of_the_specimens():
-    scene = with_errors(3e-6, distribution="uniform")
+@pytest.mark.parametrize("distribution", ["normal", "uniform"])
+def test_many_specimens_are_those_drawn_one_by_one(distribution):
+    scene = with_errors(3e-6, 1e-6, distribution, SL=PITCH, NR=ROUND, SR=SideErrors(profile=(1e-6,)))
     layout = ball_layout(scene)
-    for m in (0, 7):
-        np.testing.assert_array_equal(_radii(scene, m), specimen(scene, layout, m).ball_radius)
+    many = specimens(scene, layout, 6, 3)
+    for k in range(3):
+        one = specimen(scene, layout, 6 + k)
+        np.testing.assert_array_equal(many.ball_radius[k], one.ball_radius)
+        np.testing.assert_allclose(many.centre[k], one.centre, rtol=0, atol=1e-19)
+        np.testing.assert_array_equal(many.radius, one.radius)
+    assert np.ptp(many.centre[:, :, 0, 1], axis=0).max() > 1e-7
+
+
+def test_numbers_do_not_depend_on_threads():
+    scene = with_errors(2e-6, SL=PITCH)
+    one, two = (run_ensemble(scene, 40, threads=n) for n in (1, 3))
+    np.testing.assert_array_equal(one.loads, two.loads)
+    np.testing.assert_array_equal(one.works, two.works)
 
 
 @pytest.mark.parametrize(
@@ -62,16 +89,16 @@ def test_radii_are_those_of_the_specimens():
         ({"profile": (1e-6,)}, True),
         ({"profile": (1e-6, 1e-6)}, False),
         ({"profile_sigma": (1e-6,)}, False),
-        ({"pitch": (FourierTerm(1.0, sigma=1e-6),)}, False),
-        ({"roundness": (FourierTerm(2.0, sigma=1e-6),)}, False),
+        ({"pitch": (FourierTerm(1.0, sigma=1e-6),)}, True),
+        ({"roundness": (FourierTerm(2.0, sigma=1e-6),)}, True),
     ],
 )
-def test_fast_path_serves_random_radii_only(change, fast):
-    assert only_radii_differ(with_errors(1e-6, NR=SideErrors(**change))) is fast
+def test_fast_path_serves_exact_arcs_only(change, fast):
+    assert one_pass(with_errors(1e-6, NR=SideErrors(**change))) is fast
 
 
 def test_general_path():
-    scene = with_errors(1e-6, SL=SideErrors(pitch=(FourierTerm(1.0, sigma=1e-6),)))
+    scene = with_errors(1e-6, SL=SideErrors(profile_sigma=(1e-6,)))
     result = run_ensemble(scene, 3)
     assert (result.path, result.general) == (GENERAL_PATH, 3)
     assert_same_loads(scene, result, 3)

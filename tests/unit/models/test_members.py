@@ -11,10 +11,11 @@ from scipy.stats import binom, norm
 
 from compare.cli import main
 from compare.errors import InputError
-from compare.models.members import KEPT, STEP, error_free, life_sum, run_members, statistics
+from compare.models.members import KEPT, STEP, life_sum, run_members, statistics
 from compare.models.registry import Options, run_model
 from compare.reference.jobs import Engine
 from compare.scenes.catalogue import scene as shipped
+from meshes.errors import without_draws
 from meshes.parts import BallErrors, FourierTerm, SideErrors
 
 RANDOM = shipped("lin-random")
@@ -69,7 +70,7 @@ def test_moments_of_balls_between_rigid_rings():
         ingredients=replace(base.ingredients, hertz="error-free"),
     )
     found = run_members(scene, "lin", count)
-    bare = run_model(error_free(scene), "lin", Options(discretisation=False))
+    bare = run_model(without_draws(scene), "lin", Options(discretisation=False))
     ball, side = np.unravel_index(bare.load.argmax(), bare.load.shape)
     both = bare.hertz_C[ball, side] + bare.hertz_C[ball, 3 - side]
     start = both * bare.load[ball, side] ** (2.0 / 3.0)
@@ -89,7 +90,7 @@ def test_moments_of_balls_between_rigid_rings():
 def test_random_errors_are_left_out_and_others_kept():
     side = SideErrors(profile=(1e-6,), profile_sigma=(1e-6,), pitch=(FourierTerm(1.0, sin=2e-6, sigma=1e-6),))
     scene = replace(RANDOM, errors=replace(RANDOM.errors, SL=side))
-    bare = error_free(scene)
+    bare = without_draws(scene)
     assert not bare.errors.random
     assert bare.errors.SL.profile == (1e-6,)
     assert bare.errors.SL.pitch == (FourierTerm(1.0, sin=2e-6),)
