@@ -466,7 +466,7 @@ def _along_track(setup: Setup, sides: tuple[int, ...]) -> Array:
     """Helical motion of the track at the contact nodes, ``(n, 3)``, of unit length at the ball's centre."""
     m = setup.map
     x = np.concatenate([setup.patches[s].groove.points for s in sides])
-    return np.stack([-x[:, 1], x[:, 0], np.full(len(x), m.rg)], axis=1) * (np.cos(m.alpha) / m.R)
+    return np.asarray(np.stack([-x[:, 1], x[:, 0], np.full(len(x), m.rg)], axis=1) * (np.cos(m.alpha) / m.R))
 
 
 def _places(setup: Setup, zones: _Zones, forces: Array) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -57,11 +57,12 @@ def solve(scene: Scene | Assembly | str | Path, model: str = "", *, member: int 
 
 def _solve_axis(axis: Assembly, model: str, member: int) -> Solution:
     """A shaft with several rolling sets."""
-    from compare.commands.axis_output import solve_shown
+    from compare.commands.axis_output import as_json
+    from compare.models.axis import run_axis
+    from compare.models.axis_answers import gather
 
-    kept: list[Any] = []
-    solve_shown(axis, model, (False, member, None), True, kept.append, kept.append)
-    data = kept[0]
+    result = run_axis(axis, model, member=member)
+    data = as_json(axis, result, gather(axis, result, member) if result.converged else None, member)
     return Solution(data, "sets", (f"{axis.name}, {data['model']}: {data['status']}",))
 
 

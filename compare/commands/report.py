@@ -252,8 +252,8 @@ def make_report(
         page = write(report, out, partial(progress.step))
     except (ValueError, OSError) as error:
         raise _bad_folder(out, error) from None
-    for said in (*([] if checked is None else [checked]), *missed):
-        print(said.line(), flush=True)
+    for line in (*([] if checked is None else [checked.line()]), *(gap.line() for gap in missed)):
+        print(line, flush=True)
     print(f"report: {page} ({perf_counter() - start:.0f} s)", flush=True)
     return 0 if checked is None or checked.agrees else 1
 
