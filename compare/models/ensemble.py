@@ -196,7 +196,7 @@ class _Batch:
                 good &= ~near.touched(found.q.reshape(part.size, -1), found.p, arrays.geometry, found.force)
             kept = part[good]
             self.loads[kept], self.residuals[kept] = found.force[good], found.residual[good]
-            self.works[kept] = found.q[good].reshape(kept.size, -1) @ prepared.beam.load.ravel()
+            self.works[kept] = np.tensordot(found.q[good], prepared.beam.load, axes=2)
             self.solved[kept] = True
             if near is not None and 2 * np.count_nonzero(self.solved[members[:last]]) < last:
                 break

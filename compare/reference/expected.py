@@ -14,12 +14,12 @@ from compare.reference.runs import Task, needed_sides
 from compare.system import available_GB
 
 #: Seconds of the contact patches, by level: they do not depend on the number of contacts.
-PATCHES = {0: 3.0, 1: 20.0, 2: 30.0, 3: 60.0, 4: 190.0}
+PATCHES = {0: 3.0, 1: 20.0, 2: 30.0, 3: 60.0, 4: 190.0, 5: 380.0}
 #: Seconds a contact of the stages that do, on level 1, and how they grow with the level.
 A_CONTACT = {"meshes": 0.02, "shaft section": 0.05, "screw": 0.08, "nut": 0.06, "contact loads": 0.02}
-GROWTH = {0: 0.4, 1: 1.0, 2: 1.2, 3: 1.8, 4: 3.0}
+GROWTH = {0: 0.4, 1: 1.0, 2: 1.2, 3: 1.8, 4: 3.0, 5: 6.0}
 #: Memory [GB]: of all that does not grow with the contacts, by level, and a contact.
-BASE_GB = {0: 0.6, 1: 0.9, 2: 1.2, 3: 2.0, 4: 4.5}
+BASE_GB = {0: 0.6, 1: 0.9, 2: 1.2, 3: 2.0, 4: 4.5, 5: 8.0}
 CONTACT_GB = 0.018
 #: The same beyond so many contacts, from where on the factors of bodies are not held (`hifi.solvers.LARGE`).
 HELD, BEYOND_GB = 128, 0.008

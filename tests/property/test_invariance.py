@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from compare.scenes import catalogue
+from lowfi.statics.records import MemberArrays, MemberStates
 from meshes.parts import BallErrors, Errors, Load, Material, SideErrors, Support
 from tests.helpers import FLANK_ERRORS, NO_PROFILES, prepared, relative, small_screw, solved, with_ingredients
 
@@ -258,14 +259,12 @@ def test_members_of_an_ensemble_are_single_solutions():
         replace(base, errors=replace(FLANK_ERRORS, balls=BallErrors(oversize=x), **NO_PROFILES)) for x in (4e-6, -1e-6, 0.0)
     ]
     ready = [prepared(s, "compiled") for s in scenes]
-    stacks = [
-        np.stack([getattr(r.problem, name) for r in ready]) if name else np.stack([r.contacts.r_ball for r in ready])
-        for name in ("", "closure", "geometry")
-    ]
-    forces, statuses, residuals, works = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3), np.empty(3)
+    geometry, closure, B = (np.stack([getattr(r.problem, name) for r in ready]) for name in ("geometry", "closure", "B"))
+    members = MemberArrays(B, geometry, closure, np.stack([r.contacts.r_ball for r in ready]))
+    forces, statuses, residuals = np.empty((3, 9, 4)), np.empty(3, dtype=np.int64), np.empty(3)
     first = ready[0]
-    found = (forces, statuses, residuals, works)
-    first.engine.ensemble(first.beam, first.contacts, first.state, first.options, *stacks, *found)
+    found = MemberStates(forces, statuses, residuals, *(np.empty((3, *x.shape)) for x in (first.state.q, first.state.p)))
+    first.engine.ensemble(first.beam, first.contacts, first.state, first.options, members, found)
     assert not statuses.any()
     assert residuals.max() <= 1e-10
     for scene, force in zip(scenes, forces, strict=True):

@@ -333,7 +333,7 @@ def ensemble(
     history = np.empty(options.most + 1)
     total, shared = 0, members.B.shape[0] == 1
     for m in range(members.r_ball.shape[0]):
-        q[:], d[:] = begin.q, begin.d
+        q[:], d[:], p[:], contact[:] = begin.q, begin.d, begin.p, begin.contact
         own = BeamContacts(
             contacts.node,
             members.B[0 if shared else m],

@@ -114,7 +114,7 @@ def test_a_model_that_does_not_converge_fails(monkeypatch: pytest.MonkeyPatch) -
     [
         (("--model", "lin"), ("--model", "name the scenes")),
         (("--no-compute",), ("--no-compute", "name the scenes")),
-        (("two-balls", "--levels", "5"), ("--levels", "1 to 4")),
+        (("two-balls", "--levels", "6"), ("--levels", "1 to 5")),
         (("two-balls", "--levels", "2", "--no-compute"), ("--levels", "--no-compute")),
         (("two-balls", "--stored", "nowhere"), ("--stored", "nowhere")),
         (("two-balls", "--model", "condensed", "--no-compute"), ("--model", "refined")),

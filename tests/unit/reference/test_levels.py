@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from compare.reference.levels import BALL, BEYOND, LEVELS, PRODUCTION, SOURCE_LEVEL, SOURCE_MESH, scaled
+from compare.reference.levels import BALL, BEYOND, LEVELS, PRODUCTION, SOURCE_LEVEL, SOURCE_MESH, STUDIED, scaled
 from compare.reference.variants import VARIANTS
 from hifi.fit import Settings
 
@@ -38,7 +38,7 @@ def test_levels_are_settings(level):
 
 def test_every_choice_is_refined_from_level_to_level_or_stays():
     assert list(LEVELS) == list(range(1, len(LEVELS) + 1))
-    assert max(LEVELS) == PRODUCTION + 1
+    assert STUDIED == (1, 2, 3, PRODUCTION + 1)
     for a, b in zip(list(LEVELS)[:-1], list(LEVELS)[1:], strict=True):
         coarse, fine = LEVELS[a], LEVELS[b]
         assert coarse.keys() == fine.keys()

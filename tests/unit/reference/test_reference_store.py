@@ -11,14 +11,14 @@ from compare.errors import InputError
 from compare.gate import gate
 from compare.models import comparison
 from compare.models.comparison import from_model, gate_points, reference_answers, rows
-from compare.models.ladder import LARGE, UNSEEN
+from compare.models.ladder import DEEP, UNSEEN
 from compare.models.mesh_study import study_table
 from compare.models.registry import MODELS
 from compare.models.study import Study
 from compare.reference import jobs
 from compare.reference import runs as reference
 from compare.reference.grid_summary import summarise
-from compare.reference.levels import LEVELS
+from compare.reference.levels import LEVELS, STUDIED
 from compare.reference.runs import (
     Run,
     Task,
@@ -289,7 +289,7 @@ def test_levels_of_the_command_line(text: str, levels: tuple[int, ...]) -> None:
     assert parse_levels(text) == levels
 
 
-@pytest.mark.parametrize("text", ["5", "0", "", "fine", "1;2"])
+@pytest.mark.parametrize("text", ["6", "0", "", "fine", "1;2"])
 def test_wrong_levels_are_refused(text: str) -> None:
     with pytest.raises(InputError, match="--levels"):
         parse_levels(text)
@@ -298,7 +298,7 @@ def test_wrong_levels_are_refused(text: str) -> None:
 @pytest.mark.parametrize("name", comparison.REFERENCED)
 def test_shipped_runs_are_converged_and_in_balance(name: str) -> None:
     found = _found(name)
-    assert [r.level for r in found.runs] == list(LEVELS)
+    assert tuple(r.level for r in found.runs) == STUDIED
     for run in found.runs:
         assert run.status == "converged"
         assert max(run.balance, run.screw_balance) < 1e-8
@@ -384,7 +384,7 @@ def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     share = sum(found.uncertainty[k, 0] / found.load[k, 0] for k in ends)
     ratio = next(r for r in own if r.quantity.startswith("largest over smallest"))
     assert ratio.reference_error == pytest.approx(comparison.load_ratio(found.load) * share)
-    finest = next(a for a in reference_answers(found, None) if a.model == f"3D level {max(LEVELS)}")
+    finest = next(a for a in reference_answers(found, None) if a.model == f"3D level {max(STUDIED)}")
     assert all(r.error_percent == 0.0 for r in rows(scene, finest, found) if r.quantity == "load")
 
 
@@ -392,7 +392,7 @@ def test_mesh_study_says_why_there_is_an_order_or_none() -> None:
     scene = catalogue.scene("lin-case1")
     table = study_table(scene, None)
     largest = next(row for row in table if row["quantity"] == "largest load, SL")
-    levels = {f"level {k}" for k in LEVELS}
+    levels = {f"level {k}" for k in STUDIED}
     assert levels | {"uncertainty", "kind"} <= set(largest)
     found = _found("lin-case1")
     for row in table:
@@ -437,7 +437,7 @@ def test_levels_of_one_order_are_extrapolated(tmp_path: Path) -> None:
     scene = catalogue.scene("lin-case1")
     limit = np.linspace(100.0, 200.0, 128).reshape(32, 4)
     slope = np.linspace(-3.0, 4.0, 128).reshape(32, 4)
-    for level in LEVELS:
+    for level in STUDIED:
         h = LEVELS[1]["b_over_h"] / LEVELS[level]["b_over_h"]
         save(tmp_path, scene, run_of("lin-case1", level, limit + slope * h**1.5))
     found = reference.reference(scene, (tmp_path,))
@@ -446,9 +446,9 @@ def test_levels_of_one_order_are_extrapolated(tmp_path: Path) -> None:
     s = summarise(found)
     assert s.pooled is not None
     assert s.pooled.order == pytest.approx(1.5, abs=1e-3)
-    last = (LEVELS[1]["b_over_h"] / LEVELS[max(LEVELS)]["b_over_h"]) ** 1.5
+    last = (LEVELS[1]["b_over_h"] / LEVELS[max(STUDIED)]["b_over_h"]) ** 1.5
     assert s.largest == pytest.approx(1.25 * 4.0 * last / s.mean * 100.0, rel=1e-2)
-    assert s.levels == len(LEVELS)
+    assert s.levels == len(STUDIED)
 
 
 def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -468,5 +468,6 @@ def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     cases = [t for t in full if t.scenes[0].name in comparison.REFERENCED]
     assert [t.ablate for t in cases if t.level == 1 and not t.variant] == [True]
     unseen = {(t.level, s.name) for t in full for s in t.scenes if s.name in UNSEEN}
-    assert unseen == {(k, n) for n in UNSEEN for k in ((1, 2, 3) if n in LARGE else LEVELS)}
+    assert unseen == {(k, n) for n in UNSEEN for k in STUDIED}
+    assert {s.name for t in full for s in t.scenes if t.level == max(LEVELS)} == set(DEEP)
     assert [(t.level, [s.name for s in t.scenes]) for t in quick] == [(1, ["lin-case1", "lin-case2"])]
