@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 
 #: Screws and a bearing that were not used while the refined model was developed: changed parts, and catalogue sizes.
 CHANGED, CATALOGUE, UNSEEN = (with_role(f"unseen{kind}") for kind in (", changed", ", catalogue", ""))
-#: Small scenes that four mesh levels leave with an uncertainty above 0.3 %, by lightly loaded contacts beside heavy ones.
-DEEP = ("two-balls",)
+#: Scenes that four mesh levels leave with an uncertainty above 0.3 %, by lightly loaded contacts beside heavy ones.
+DEEP = ("two-balls", "unseen-25x5")
 #: Models on the ladder, from the source's upwards.
 RUNGS = tuple(sorted((m for m in MODELS.values() if m.ladder_step), key=lambda m: m.ladder_step or (0, "")))
 
