@@ -20,8 +20,8 @@ def test_a_scene_that_passes_and_one_that_does_not(tmp_path: Path) -> None:
     here = Rollbench(tmp_path)
     (verdict,) = here.check("two-balls.toml", max_error=7, compute=False)
     assert verdict.word == "pass"
-    with pytest.raises(pytest.fail.Exception, match=r"UNDECIDED: two-balls, refined: .* limit 1 %"):
-        here.check("two-balls.toml", max_error=1, compute=False)
+    with pytest.raises(pytest.fail.Exception, match=r"UNDECIDED: two-balls, refined: .* limit 0\.4 %"):
+        here.check("two-balls.toml", max_error=0.4, compute=False)
     with pytest.raises(pytest.fail.Exception, match=r"none\.toml: file: got no such file"):
         here.check("none.toml", compute=False)
 

@@ -18,6 +18,7 @@ def test_every_kind_of_check_is_there() -> None:
     kinds = {row.kind for row in gate.run_gate(7.0)}
     assert kinds == {
         "printed, hard",
+        "external, band",
         "printed, as-printed",
         "input, held by its scene",
         "claim, hard",
