@@ -160,7 +160,8 @@ def time_figure(
     panel = Panel("", "run time of a cold start / s", "largest error / % of the mean load", tuple(series), log="xy")
     caption = (
         f"Light points: {len(points)} scenes. Marked: medians, with what the reference's grid uncertainty leaves of them "
-        "as bars. A level that is itself the best estimate stands at its uncertainty."
+        "as bars. A level that is itself the best estimate stands at its uncertainty; condensed reads bodies that a 3D run "
+        "has made, which its time leaves out."
     )
     return Figure(name, TITLE, (panel,), caption, columns=1, size=size)
 

@@ -60,6 +60,12 @@ def cache(tmp_path_factory):
     return tmp_path_factory.mktemp("cache")
 
 
+@pytest.fixture(scope="module")
+def parts_cache(tmp_path_factory):
+    """Of parts at level 1 as it is: no coarser ones among them, whatever ran before."""
+    return tmp_path_factory.mktemp("parts")
+
+
 def exported(part: str, tmp_path: Path, cache: Path, level: int = 1) -> tuple[meshio.Mesh, str]:
     """The file of a part, read again, and what was said about it."""
     said = []
@@ -83,8 +89,8 @@ def area(mesh: meshio.Mesh, group: str) -> float:
 
 
 @pytest.mark.parametrize("part", ["screw", "nut", "ball"])
-def test_bodies_with_their_ends_and_sockets(part, tmp_path: Path, cache: Path):
-    mesh, said = exported(part, tmp_path, cache)
+def test_bodies_with_their_ends_and_sockets(part, tmp_path: Path, parts_cache: Path):
+    mesh, said = exported(part, tmp_path, parts_cache)
     name, cells = our_cells(mesh)
     assert name == "P2"
     assert f"{len(mesh.points)} nodes, {len(cells)} 10-node tetrahedra" in said
@@ -105,7 +111,7 @@ def test_bodies_with_their_ends_and_sockets(part, tmp_path: Path, cache: Path):
     np.testing.assert_array_equal(high, np.abs(z - z.max()) < 1e-9)
     if part == "nut":
         assert z.max() - z.min() == pytest.approx(SCENE.nut.length, rel=1e-9)
-    assert len(list(cache.rglob("output.pkl"))) == 3  # screw, nut and ball, shared with the reference and each other
+    assert len(list(parts_cache.rglob("output.pkl"))) == 3  # screw, nut and ball, shared with the reference and each other
     assert 0.0 < area(mesh, "sockets") / SCENE.ball_count < 8.0 * SCENE.balls.radius**2
 
 
