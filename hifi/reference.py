@@ -250,7 +250,7 @@ def _solve(setup: Setup, scene: Scene, updates: int, sides: tuple[int, ...], lea
     load, angle = _loads(setup, vectors, zones)
     net = vectors.sum(axis=1)
     largest = max(float(load.max()), 1e-300)
-    y3 = np.array([0.0, np.cos(m.alpha), np.sin(m.alpha)])
+    y3 = _tangent(setup)
     status = result.status
     if status == "converged" and _at_rim(setup, forces, zones):
         status = AT_RIM
@@ -457,9 +457,14 @@ def _relative_motion(
         for i in range(count):
             v = np.linalg.lstsq(directions[i, part], along[i, part], rcond=1e-6)[0]
             shift[i, part] = y[i] - v
-    y3 = np.array([0.0, np.cos(setup.map.alpha), np.sin(setup.map.alpha)])
+    y3 = _tangent(setup)
     shift -= (shift @ y3)[..., None] * y3  # motion along the track: `_places`
     return shift
+
+
+def _tangent(setup: Setup) -> Array:
+    """Unit tangent of the track at the ball's centre, ``(3,)``, in the frame of a ball at azimuth 0."""
+    return np.array([0.0, np.cos(setup.map.alpha), np.sin(setup.map.alpha)])
 
 
 def _along_track(setup: Setup, sides: tuple[int, ...]) -> Array:
@@ -474,10 +479,11 @@ def _places(setup: Setup, zones: _Zones, forces: Array) -> Array:
     the contacts of a ball have in common: a ball may stand anywhere on its track.
 
     A groove is invariant under its helical motion, which therefore changes no gap, and does no work on what presses on it
-    without friction: every contact stands abreast of the ball. A screw that winds up by 1 mrad moves its contacts 10 um
-    along, by linear kinematics beyond their section and R (1 mrad)^2/2 out of it; what is moved so far is taken back.
+    without friction: every contact stands abreast of the ball. By linear kinematics a screw that winds up by theta moves
+    its contacts R theta/2 along, and R theta^2/2 out of their section; what is moved so far is taken back. forces: of the
+    contact nodes along their normals, ``(balls, n)`` [N].
     """
-    y3 = np.array([0.0, np.cos(setup.map.alpha), np.sin(setup.map.alpha)])
+    y3 = _tangent(setup)
     middle = np.full((len(forces), len(zones.sides)), np.nan)
     for k, (part, s) in enumerate(zip(zones.parts, zones.sides, strict=True)):
         total = forces[:, part].sum(axis=1)

@@ -119,9 +119,10 @@ SOURCE_MESH: dict[str, Any] = {
     "modes": 16,
     "ball_modes": 1000,
 }
-#: Finest level of a production run, from which single choices are refined alone; the one beyond it tells the order of the
-#: method. Level 5 is for scenes whose uncertainty four levels leave above 0.3 %.
+#: Finest level of a production run, from which single choices are refined alone.
 PRODUCTION = 3
+#: Levels of a study: the one beyond production tells the order of the method. Level 5 is for scenes whose uncertainty four
+#: levels leave above 0.3 %.
 STUDIED = (1, 2, 3, 4)
 _RATIOS = ("b_over_h", "growth")
 

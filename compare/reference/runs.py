@@ -42,9 +42,9 @@ ENLARGE, BEYOND, LARGER = 2, 1.2, 4
 #: Share by which a patch must grow to be built again.
 GROWN = 5e-3
 #: Levels that a scene's uncertainty is taken from, the finest: the coarsest of more lie furthest from what a power of the
-#: cell size says (contacts of 40 N of two-balls: 0.4 % of the mean load on level 1, 0.01 % from level 2 on).
+#: cell size says (lightly loaded contacts of two-balls: `rollbench mesh-study two-balls`).
 FITTED = 4
-#: The same for the condensed bodies.
+#: As `SCHEMA`, for the condensed bodies.
 BODIES = 4
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rollbench
+from hatchling.builders.wheel import WheelBuilder
 
 from compare.cli import main
 from tests.axes import one_set
@@ -97,9 +98,6 @@ def test_a_module_of_that_name_that_is_loaded_already_is_named(tmp_path: Path) -
 
 
 def test_the_wheel_holds_the_module_once(tmp_path: Path) -> None:
-    pytest.importorskip("hatchling")
-    from hatchling.builders.wheel import WheelBuilder
-
     (made,) = WheelBuilder(str(ROOT)).build(directory=str(tmp_path), versions=["standard"])
     names = zipfile.ZipFile(made).namelist()
     assert {"rollbench/__init__.py", "rollbench/__main__.py", "compare/api/calls.py"} <= set(names)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import struct
 import zipfile
@@ -135,7 +136,7 @@ def test_a_small_file_that_declares_a_huge_one_is_refused(tmp_path, capsys):
         archive.writestr("screw.npy", b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head.encode())
     assert "larger than it is" in refused(capsys, "solve", SCENE, "--condensed", str(path))
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        np.lib.format.write_array(member := __import__("io").BytesIO(), np.zeros(26_000_000))
+        np.lib.format.write_array(member := io.BytesIO(), np.zeros(26_000_000))
         archive.writestr("screw.npy", member.getvalue())
     assert path.stat().st_size < 1_000_000
     assert "declares" in refused(capsys, "solve", SCENE, "--condensed", str(path))

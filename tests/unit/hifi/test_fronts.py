@@ -58,4 +58,15 @@ def test_where_the_supernodes_are_not_shown_the_bordered_factor_serves(monkeypat
     K, B = body(5), loads(375, 12)
     expected = gram(K, B)
     monkeypatch.setattr(solvers, "structure", lambda *_: None)
-    np.testing.assert_allclose(gram(K, B), expected, atol=1e-12 * np.abs(expected).max())
+    with pytest.warns(RuntimeWarning, match="supernodes; the factor is held whole"):
+        np.testing.assert_allclose(gram(K, B), expected, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.usefixtures("_streamed")
+def test_a_known_answer_that_is_missed_is_said_and_the_bordered_factor_serves(monkeypatch: pytest.MonkeyPatch) -> None:
+    K, B = body(5), loads(375, 12)
+    expected = gram(K, B)
+    real = solvers.gram_by_fronts
+    monkeypatch.setattr(solvers, "gram_by_fronts", lambda *a: 1.001 * real(*a))
+    with pytest.warns(RuntimeWarning, match="a known answer is missed by 0.001 front by front"):
+        np.testing.assert_allclose(gram(K, B), expected, atol=1e-12 * np.abs(expected).max())
