@@ -28,9 +28,9 @@ from hifi.bodies import (
     of_order,
     patch_modes,
 )
-from hifi.cell import Homogenised, homogenise, with_core
+from hifi.cell import Homogenised, homogenise
 from hifi.fit import Settings
-from hifi.mounting import Stretch, without_cuts
+from hifi.mounting import Stretch, as_stiff_as, without_cuts
 from hifi.part_meshes import Meshes, body_kind, mesh_parts, placed, sockets_of
 from hifi.patch import CondensedPatch
 from hifi.response import compliance, transport
@@ -196,7 +196,9 @@ def prepare(
     shaft, screw, *nuts, ball = made(bodies)
     nut: NutResponse | None = nuts[0] if nuts else None
     if shaft.homogenised is not None:
-        screw = replace(screw, stretch=without_cuts(screw.stretch, shaft.homogenised.cut, m, stations))
+        along = np.repeat(layout.z, sum(s < 2 for s in sides))
+        stretch = as_stiff_as(screw.stretch, screw.rigid, along, shaft.section, shaft.homogenised.cut, m)
+        screw = replace(screw, stretch=without_cuts(stretch, shaft.homogenised.cut, m, stations))
     count = layout.z.size
     unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * count
     unknowns += sum(p.groove.unknowns + p.ball.unknowns for p in patches.values()) * count
@@ -293,8 +295,8 @@ def shaft_section(scene: Scene, m: GrooveMap, dims: Dimensions, size: float, sta
         bore = round_section(scene.screw.bore / 2.0, e.youngs_modulus, e.poissons_ratio)
         own = ShaftSection(plain.EA - bore.EA, plain.EI - bore.EI, plain.GJ - bore.GJ, plain.kGA - bore.kGA)
         return Shaft(own, None)
-    found = homogenise(m, outer, dims.hole, e, size)
-    return Shaft(with_core(found.section, dims.hole, e) if scene.screw.bore == 0.0 else found.section, found)
+    found = homogenise(m, outer, scene.screw.bore / 2.0, dims.hole, e, size)
+    return Shaft(found.section, found)
 
 
 def screw_response(

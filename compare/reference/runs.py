@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 Step = Callable[[str], None]
 
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
-SCHEMA = 7
+SCHEMA = 8
 #: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
 ENLARGE, BEYOND, LARGER = 2, 1.2, 4
 #: Share by which a patch must grow to be built again.
