@@ -21,7 +21,7 @@ from lowfi.compliance.bodies import (
     geometry_only,
     grooved_section,
 )
-from lowfi.compliance.imported import Condensed
+from lowfi.compliance.imported import PARTS, Condensed
 from lowfi.compliance.modes import soft_modes
 from lowfi.statics.conformity import oblique_term
 from lowfi.statics.problem import Problem, build, nominal_hertz
@@ -165,7 +165,7 @@ def flanks_of(
         if condensed is not None:
             for s in condensed.sides_of(sides):
                 e[:, s], h[:, s] = condensed.bodies.own_law(s)
-                e[:, s] += ball.e
+                e[:, s] += condensed.ball(scene, typical_axes(problem)).e
         own = body.G[np.ix_(order, order)]
         if screw:
             beam, moved, rigid = flank_response(shaft, sides)
@@ -233,7 +233,8 @@ def ready(
         raise AssertionError("uneven flanks are solved with all four sides")
     shaft = shaft_of(problem)
     axes = typical_axes(problem)
-    ball = ball_compliance(problem.scene, axes, backend) if condensed is None else condensed.ball(problem.scene, axes)
+    whole = condensed is not None and condensed.parts == PARTS
+    ball = condensed.ball(problem.scene, axes) if whole else ball_compliance(problem.scene, axes, backend)
     flanks, assumed = flanks_of(problem, shaft, backend, condensed, layout, ball)
     pair = one_pair(problem)
     local = np.zeros((N, 4, 3))
