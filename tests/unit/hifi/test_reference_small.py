@@ -1,5 +1,6 @@
 """The 3D reference on two balls: condensation against the whole mesh, statics, symmetry."""
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +20,7 @@ from hifi.part_meshes import placed
 from hifi.patch import hat_rows
 from hifi.pressures import mean_weights
 from hifi.response import compliance
+from hifi.side_by_side import Part, make
 from meshes.cache import Cache
 from meshes.parts import Load, Support
 from meshes.sockets import local_points
@@ -309,3 +311,27 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr(grid_wave, "MEAN", (12, 10))
             assert condensed.patch_approaches(small, s, loads) == pytest.approx(approach, rel=8e-3)
+
+
+def test_a_set_up_in_two_processes_is_the_same(small, tmp_path):
+    made = setup.prepare(small.scene, small.sides, SMALL, cache=Cache(tmp_path), processes=2)
+    assert made.others_MB > 100.0
+    assert list(made.seconds) == list(small.seconds)
+    for s in small.sides:
+        np.testing.assert_array_equal(made.patches[s].own, small.patches[s].own)
+    assert made.nut is not None
+    np.testing.assert_array_equal(made.nut.G, small.nut.G)
+    np.testing.assert_array_equal(made.screw.stretch.F, small.screw.stretch.F)
+    again = Cache(tmp_path)
+    setup.prepare(small.scene, small.sides, SMALL, cache=again)
+    assert again.misses == 0
+
+
+def end_it():
+    os._exit(1)
+
+
+def test_a_process_that_is_ended_from_outside_is_a_lack_of_memory():
+    part = Part("any", "any", 0, end_it, (), float)
+    with pytest.raises(MemoryError, match="ended from outside"):
+        make([part, part], Cache(None), 2)
