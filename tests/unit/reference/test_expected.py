@@ -106,5 +106,5 @@ def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatc
         raise MemoryError("a process of the set-up was ended from outside")
 
     monkeypatch.setattr("hifi.setup.prepare", ended)
-    with pytest.raises(InputError, match="memory.*ended from outside.*fewer workers"):
+    with pytest.raises(InputError, match=r"memory.*ended from outside.*fewer workers"):
         compute(Task((catalogue.scene("lin-case1"),), 1))
