@@ -12,9 +12,10 @@ from compare.evidence.registry import evidence
 from compare.printed.printed_data import load_table, tables
 from lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
 from lowfi.random_errors.ensemble import percentile, solve_ensemble
-from tests.literature.entries import STUDY, check, keys
+from tests.evidence_study import GROUP, STUDY
+from tests.literature.entries import check, keys
 
-pytestmark = pytest.mark.xdist_group("Liu")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 TABLES = ("liu-2", "liu-3", "liu-4.1", "liu-4.2", "liu-4.3", "liu-4.4")
 #: Random numbers of sections 4.3 and 4.4.

@@ -11,9 +11,10 @@ from compare.evidence.smith import ball, case, screw, taper, trials
 from compare.printed.printed_data import load_table, tables
 from lowfi.bearings import as_printed
 from lowfi.bearings.angular_contact import contact_parameters
-from tests.literature.entries import STUDY, check, found, keys
+from tests.evidence_study import GROUP, STUDY
+from tests.literature.entries import check, found, keys
 
-pytestmark = pytest.mark.xdist_group("Smith")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 TABLES = (
     "smith-table-2-1",
