@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import time
 
-from compare.costs.bench import ROOT, SINGLE_THREAD
+from compare.costs.timing import ROOT, SINGLE_THREAD
 
 #: Longest wait for a process [s].
 PATIENCE = 600.0
@@ -30,7 +30,7 @@ from time import perf_counter, time
 from pathlib import Path
 import json
 from compare.scenes import catalogue
-from compare.reference.memory import peak_MB
+from meshes.memory import peak_MB
 from compare.models.registry import Options, run_model
 ask = json.loads({ask!r})
 scene = catalogue.scene(ask["scene"])
