@@ -56,7 +56,9 @@ def solve_refined(
 
 def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, name: str) -> AxisResult:
     start = perf_counter()
-    mounted, notes = mount(assembly, lambda other: _solve(other, engine, member, backend, name))
+    mounted, notes, unmet = mount(assembly, lambda other: _solve(other, engine, member, backend, name))
+    if unmet:
+        return failed_axis(assembly, name, f"not converged: {unmet}", perf_counter() - start)
     kernels = engine_for(assembly, engine)
     system = build(mounted, member)
     loose = loose_motions(system)

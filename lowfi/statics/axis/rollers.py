@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class RollerElements:
     """M rollers of all rows. node (M,): of the shaft; outer (M,): row of the cup's motions, -1 where it stands; B
-    (M, 2, 2, 6): the normal motion of cone and cup at the roller's middle, and its slope along the roller times the length [m], by the
-    motions of those rows."""
+    (M, 2, 2, 6): the normal motion of cone and cup at the roller's middle, and its slope along the roller times the
+    length [m], by the motions of those rows."""
 
     node: NDArray[np.int64]
     outer: NDArray[np.int64]

@@ -89,7 +89,9 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     without equilibrium: ``status`` names the reason. Raises ValueError for dimensions that leave no body.
     """
     start = perf_counter()
-    mounted, notes = mount(assembly, lambda other: solve_assembly(other, engine=engine, member=member))
+    mounted, notes, unmet = mount(assembly, lambda other: solve_assembly(other, engine=engine, member=member))
+    if unmet:
+        return failed_axis(assembly, "lin", f"not converged: {unmet}", perf_counter() - start)
     kernels = engine_for(assembly, engine)
     uses = likely_sides(mounted, member)
     while True:

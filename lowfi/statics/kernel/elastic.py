@@ -31,8 +31,7 @@ from .search import TRIALS, first_trial, next_trial
 
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
 FORCING = 0.1
-#: And by how much less, once a search along such a step has found nothing: a step that is not exact may not go down.
-STRICT = 1e-8
+STRICT = 1e-8  # of it, once a search has found nothing: a step that is not exact may not go down
 
 
 @kernel
