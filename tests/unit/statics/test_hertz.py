@@ -6,7 +6,7 @@ from scipy.special import ellipe, ellipk
 
 from compare.scenes import catalogue
 from lowfi.hertz import axis_ratio, contact_modulus, hertz_constants
-from lowfi.statics.problem import actual_hertz, nominal_hertz
+from lowfi.statics.problem import actual_hertz, nominal_curvatures, nominal_hertz, relative_curvatures
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from tests.helpers import relative, small_screw, solved, with_ingredients
