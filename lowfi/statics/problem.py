@@ -86,42 +86,30 @@ def nominal_hertz(scene: Scene) -> HertzConstants:
 
     Kept for all solutions of a scene: not to be written to.
     """
-    return _hertz_of(_bare(scene))
+    found = constants_of(scene, nominal_curvatures(scene))
+    for values in (found.C, found.C_a, found.C_b, found.eccentricity):
+        values.flags.writeable = False
+    return found
 
 
 def nominal_curvatures(scene: Scene) -> Array:
     """Relative principal curvatures of the error-free parts at the nominal contact angle, ``(4, 2)`` [1/m], that across the
     groove first. Kept for all scenes of the same parts: not to be written to."""
-    return _curvatures_of(_bare(scene))
-
-
-def _bare(scene: Scene) -> Scene:
-    """What nominal contacts depend on: the same for all sets of equal parts on a shaft."""
-    return replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
+    return _curvatures_of(replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0)))
 
 
 def forget_nominal() -> None:
     """Clear what is kept of nominal contacts, so that the next solve is timed with its set-up."""
     _curvatures_of.cache_clear()
-    _hertz_of.cache_clear()
     nominal_hertz.cache_clear()
 
 
 @lru_cache(maxsize=64)
 def _curvatures_of(bare: Scene) -> Array:
-    drawn, angle = specimen(bare, ball_layout(bare)), np.array([bare.track.contact_angle])
-    screw, nut = (principal_curvatures(bare, drawn, side, angle)[0] for side in (0, 2))
-    # half a turn about the ball's radius makes of one flank without errors the other
-    found = 1.0 / drawn.ball_radius[0] + np.stack([screw, screw, nut, nut])
+    scene, layout = bare, ball_layout(bare)
+    drawn = specimen(bare, layout)
+    found: Array = relative_curvatures(bare, drawn, np.full((layout.z.size, 4), scene.track.contact_angle))[0]
     found.flags.writeable = False
-    return found
-
-
-@lru_cache(maxsize=64)
-def _hertz_of(bare: Scene) -> HertzConstants:
-    found = constants_of(bare, _curvatures_of(bare))
-    for values in (found.C, found.C_a, found.C_b, found.eccentricity):
-        values.flags.writeable = False
     return found
 
 

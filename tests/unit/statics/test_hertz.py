@@ -6,7 +6,7 @@ from scipy.special import ellipe, ellipk
 
 from compare.scenes import catalogue
 from lowfi.hertz import axis_ratio, contact_modulus, hertz_constants
-from lowfi.statics.problem import actual_hertz, nominal_curvatures, nominal_hertz, relative_curvatures
+from lowfi.statics.problem import actual_hertz, nominal_hertz
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from tests.helpers import relative, small_screw, solved, with_ingredients
@@ -134,12 +134,3 @@ def test_constants_of_a_bearing():
         expected = hertz_constants(1 / r - 1 / groove, along, MODULUS)
         for name in ("C", "C_a", "C_b", "eccentricity"):
             assert getattr(found, name)[side] == pytest.approx(getattr(expected, name), rel=1e-12)
-
-
-@pytest.mark.parametrize("options", [{}, {"hand": "left"}, {"lead": 0.0, "turns": 1.0}, {"lead": 40e-3}])
-def test_nominal_curvatures_of_two_flanks_hold_for_all_four(options):
-    scene = small_screw(**options)
-    layout = ball_layout(scene)
-    angles = np.full((layout.z.size, 4), scene.track.contact_angle)
-    every = relative_curvatures(scene, specimen(scene, layout), angles)
-    assert relative(every, np.broadcast_to(nominal_curvatures(scene), every.shape)) < 1e-13
