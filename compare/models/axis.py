@@ -11,12 +11,12 @@ from lowfi.statics.axis.refined import solve_refined
 from lowfi.statics.axis.result import AxisResult
 from lowfi.statics.axis.solve import solve_assembly
 from lowfi.statics.static import Engine
-from meshes.axis import Assembly, RollerRow
+from meshes.axis import Assembly
 from meshes.parts import Scene
 
 #: Models that know several sets on one shaft: the source's and the steps of the ladder to the refined one.
 AXIS_MODELS = ("refined", "lin", "lin-cell", "lin-nut")
-#: The one that is used unless another is asked for, or rollers or inner rings on housings are there, which only lin has.
+#: The one that is used unless another is asked for, or inner rings on housings are there, which only lin has.
 AXIS_DEFAULT = "refined"
 #: Why the others do not.
 ONE_SET = {
@@ -36,8 +36,7 @@ def random_errors(assembly: Assembly) -> bool:
 
 def default_model(assembly: Assembly) -> str:
     """The model of an assembly where none is asked for."""
-    only_lin = any(isinstance(s.parts, RollerRow) or s.carrier is not None for s in assembly.sets)
-    return "lin" if only_lin else AXIS_DEFAULT
+    return "lin" if any(s.carrier is not None for s in assembly.sets) else AXIS_DEFAULT
 
 
 def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto", member: int = 0) -> AxisResult:

@@ -101,7 +101,9 @@ class SetKeys(Table):
     offset: Deviation = key(
         "shift of its outer part along the shaft against its housing (spacer, lead offset)", "0 um", "4 um"
     )
-    preload: Push = key("axial force set by such a shift at mounting, without loads, and then locked", "0 N", "500 N")
+    preload: Push = key(
+        "axial force set by such a shift at mounting, without loads and warming, and then locked", "0 N", "500 N"
+    )
     position: Station | None = key("of rollers: station of the middle of the cup's contact lines", None, "30 mm")
     track: TrackKeys | None = key("path of the ball centres", None)
     screw: InnerKeys | None = key("its inner ring, or groove on the shaft where that is another", None)

@@ -25,7 +25,7 @@ from lowfi.compliance.imported import PARTS, Condensed
 from lowfi.compliance.modes import soft_modes
 from lowfi.statics.conformity import oblique_term
 from lowfi.statics.problem import Problem, build, nominal_hertz
-from lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
+from lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyOptions, BodyState
 from lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from lowfi.statics.squeeze import loaded_beyond, squeezed
 from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, reference_scale
@@ -113,9 +113,9 @@ def typical_force(problem: Problem) -> float:
     return max(reference_scale(problem)[0], 1e-6)
 
 
-def contact_compliance(problem: Problem) -> float:
-    """Tangent compliance [m/N] of a typical contact."""
-    return float(2.0 / 3.0 * np.mean(problem.C) / np.cbrt(typical_force(problem)))
+def contact_compliance(problem: Problem, force: float) -> float:
+    """Tangent compliance [m/N] of a contact under a force [N]."""
+    return float(2.0 / 3.0 * np.mean(problem.C) / np.cbrt(force))
 
 
 def by_ball(N: int, sides: Sequence[int]) -> NDArray[np.int64]:
@@ -137,9 +137,9 @@ def positive(G: Array) -> tuple[Array, float]:
     return G, 0.0
 
 
-def typical_axes(problem: Problem) -> tuple[float, float]:
-    """Semi-axes [m] of a typical contact, across the groove and along it."""
-    constants, grow = nominal_hertz(problem.scene), float(np.cbrt(typical_force(problem)))
+def typical_axes(problem: Problem, force: float) -> tuple[float, float]:
+    """Semi-axes [m] of a contact under a force [N], across the groove and along it."""
+    constants, grow = nominal_hertz(problem.scene), float(np.cbrt(force))
     return float(np.mean(constants.C_a)) * grow, float(np.mean(constants.C_b)) * grow
 
 
@@ -149,7 +149,8 @@ def flanks_of(
     """Motions of all flanks of a problem for a backend, with what balls add to the contacts' laws, and what is assumed for
     the bodies."""
     scene, N = problem.scene, layout.z.size
-    size = float(np.cbrt(typical_force(problem)))
+    force = typical_force(problem)
+    size = float(np.cbrt(force))
     oblique = oblique_term(nominal_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
     pair = one_pair(problem)
     e, h, assumed, G = np.zeros((N, 4)), np.zeros((N, 4)), [], []
@@ -157,7 +158,7 @@ def flanks_of(
     outward: Array | None = None
     for screw in (True, False):
         sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.use[s]]
-        body = body_compliance(scene, layout, screw, backend, typical_axes(problem))
+        body = body_compliance(scene, layout, screw, backend, typical_axes(problem, force))
         assumed += [x for x in body.assumed if x not in assumed]
         order = by_ball(N, sides)
         slope = body.slope + ball.slope  # by the logarithm of F^(1/3), which its tangent at the typical force stands for
@@ -165,7 +166,7 @@ def flanks_of(
         if condensed is not None:
             for s in condensed.sides_of(sides):
                 e[:, s], h[:, s] = condensed.bodies.own_law(s)
-                e[:, s] += condensed.ball(scene, typical_axes(problem)).e
+                e[:, s] += condensed.ball(scene, typical_axes(problem, force)).e
         own = body.G[np.ix_(order, order)]
         if screw:
             beam, moved, rigid = flank_response(shaft, sides)
@@ -197,7 +198,7 @@ def flanks_of(
         shaft.work,
         e,
         h,
-        clipped / contact_compliance(problem),
+        clipped / contact_compliance(problem, force),
         (G[0], G[1], v0, R),
         outward,
     )
@@ -232,7 +233,7 @@ def ready(
     if problem.drawn.profile.shape[1] and not np.all(problem.use):
         raise AssertionError("uneven flanks are solved with all four sides")
     shaft = shaft_of(problem)
-    axes = typical_axes(problem)
+    axes = typical_axes(problem, typical_force(problem))
     ball = ball_compliance(problem.scene, axes, backend)
     if condensed is not None and condensed.parts == PARTS:
         ball = condensed.ball(problem.scene, axes)
@@ -249,10 +250,10 @@ def ready(
     force, stiffness = reference_scale(problem)
     modes = [np.zeros((0, 0))] * 2
     if N >= MODES_FROM:
-        modes = [soft_modes(G, contact_compliance(problem)) for G in (flanks.first, flanks.second)]
+        modes = [soft_modes(G, contact_compliance(problem, typical_force(problem))) for G in (flanks.first, flanks.second)]
     bodies = Bodies(flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *modes)
     contacts = BallContacts(
-        problem.geometry, problem.closure, local, problem.drawn.ball_radius, problem.drawn.profile, rows
+        problem.geometry, problem.closure, local, problem.drawn.ball_radius, problem.drawn.profile, rows, NO_ROLLERS
     )
     state = BodyState(
         np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))

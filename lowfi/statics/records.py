@@ -6,6 +6,7 @@ for four flanks, 2 where one diagonal pair has a closed form. Sides in the order
 
 from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
 #: Array of floats (masks and node numbers are passed the same way).
@@ -208,8 +209,20 @@ class Bodies(NamedTuple):
     soft_second: Array
 
 
+class RollerContacts(NamedTuple):
+    """Rollers between rings of elastic bodies, K slices each at most; see `lowfi.statics.kernel.rollers`."""
+
+    #: Places (M, K) of the slices over the roller's length, their widths (M, K) [m] (0: none) and lost approach (M, K) [m].
+    place: Array
+    width: Array
+    drop: Array
+    #: g (M,) and S (M,) of `lowfi.bearings.line_contact.LineLaw` [m^2/N].
+    g: Array
+    s: Array
+
+
 class BallContacts(NamedTuple):
-    """Balls between flanks of elastic bodies."""
+    """Balls between flanks of elastic bodies, and rollers after them."""
 
     #: Rows of the contacts (N, 4, 9), see `lowfi.statics.kernel.ball`.
     geometry: Array
@@ -223,6 +236,12 @@ class BallContacts(NamedTuple):
     profile: Array
     #: Rows (N, 7) of balls between two opposite arcs, see `lowfi.statics.kernel.elastic_balls.pair_balls`.
     pair: Array
+    #: Rollers, whose rows in all arrays over elements come after the balls'.
+    rollers: RollerContacts
+
+
+#: Balls alone.
+NO_ROLLERS = RollerContacts(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0), np.zeros(0))
 
 
 class BodyState(NamedTuple):

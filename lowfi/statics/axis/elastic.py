@@ -15,8 +15,10 @@ from scipy.linalg import block_diag, cho_factor, cho_solve, qr
 
 from lowfi.compliance.bodies import Backend, ball_compliance, body_compliance, geometry_only, grooved_section
 from lowfi.compliance.modes import soft_modes
+from lowfi.statics.axis.rollers import RollerElements, roller_elements, roller_springs
 from lowfi.statics.axis.structure import Structure, threaded
 from lowfi.statics.axis.system import BallSet, System
+from lowfi.statics.axis.typical import typical, typical_force
 from lowfi.statics.conformity import oblique_term
 from lowfi.statics.elastic_system import (
     LARGEST,
@@ -26,7 +28,6 @@ from lowfi.statics.elastic_system import (
     positive,
     spring_rows,
     typical_axes,
-    typical_force,
 )
 from lowfi.statics.problem import Problem, nominal_hertz
 from lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
@@ -109,19 +110,20 @@ def housings_of(structure: Structure, arm: float) -> Housings:
     return replace(found, given=given + found.solve((load - K @ given)[:, None])[:, 0])
 
 
-def combined(system: System, backend: Backend) -> Problem:
-    """All balls of all sets as one problem on one shaft, for the beam alone."""
+def combined(system: System, rollers: RollerElements, backend: Backend) -> Problem:
+    """All balls of all sets, then all rollers, as one problem on one shaft, for the beam alone."""
     s, problems = system.structure, [b.problem for b in system.balls]
     sections, thread = list(s.sections), threaded(system.assembly)
     if backend.section == "cell" and thread is not None:
         base, cell = screw_section(thread), grooved_section(geometry_only(thread), True)
         sections = [cell if x == base else x for x in sections]
     first = problems[0]
+    on_cones = np.stack([rollers.B[:, 0], np.zeros((rollers.count, 2, 6))], axis=1)
     return replace(
         first,
         fixed=s.fixed[: s.nodes.size],
-        node=np.concatenate([p.node for p in problems]),
-        B=np.concatenate([p.B for p in problems]),
+        node=np.concatenate([*(p.node for p in problems), np.repeat(rollers.node[:, None], 2, axis=1)]),
+        B=np.concatenate([*(p.B for p in problems), on_cones]),
         geometry=system.contacts.geometry,
         closure=system.contacts.closure,
         use=np.ones(4, dtype=bool),
@@ -129,11 +131,16 @@ def combined(system: System, backend: Backend) -> Problem:
     )
 
 
-def own_bodies(b: BallSet, backend: Backend) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
-    """Compliance of a set's own screw and nut (4 N, 4 N) [m/N]; e, h (N, 4) beside Hertz; the ball's coupling g (4,)."""
+def own_bodies(
+    b: BallSet, backend: Backend, force: float
+) -> tuple[tuple[Array, Array], Array, Array, Array, tuple[str, ...]]:
+    """Compliance of a set's own screw and nut (4 N, 4 N) [m/N]; e, h (N, 4) beside Hertz; the ball's coupling g (4,).
+
+    force [N]: of a typical contact, at which terms that depend on its size are taken.
+    """
     problem, scene = b.problem, b.problem.scene
     N, layout = problem.layout.z.size, problem.layout
-    axes, size = typical_axes(problem), float(np.cbrt(typical_force(problem)))
+    axes, size = typical_axes(problem, force), float(np.cbrt(force))
     ball = ball_compliance(scene, axes, backend)
     oblique = oblique_term(nominal_hertz(scene), scene.balls.radius) if backend.ball == "sphere" else np.zeros(4)
     e, h, found, assumed = np.zeros((N, 4)), np.zeros((N, 4)), [], []
@@ -148,59 +155,77 @@ def own_bodies(b: BallSet, backend: Backend) -> tuple[tuple[Array, Array], Array
     return (found[0], found[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
 
 
-def ready(system: System, backend: Backend, engine: ModuleType, scale: tuple[float, float, float]) -> ElasticAxis:
-    """Arrays for the kernels; scale: typical force [N], stiffness [N/m], and least force that residuals count by [N].
+def outer_rows(system: System, rollers: RollerElements) -> Array:
+    """Motion (4 N, 6 m) of the outer flanks of all balls, then of the cups of all rollers, by that of m housings."""
+    n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
+    rows = np.zeros((balls + rollers.count, 2, 2, 6 * m))
+    for b in system.balls:
+        if b.outer >= 0:
+            j = 6 * (b.outer - n)
+            rows[b.balls, :, :, j : j + 6] = b.B[:, 2:]
+    for i in np.flatnonzero(rollers.outer >= 0):
+        j = 6 * (int(rollers.outer[i]) - n)
+        rows[balls + i, 0, :, j : j + 6] = rollers.B[i, 1]
+    return rows.reshape(4 * (balls + rollers.count), 6 * m)
 
-    Raises ValueError for rollers, uneven flanks, too many balls, or bodies that the dimensions make impossible.
+
+def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
+    """Arrays for the kernels.
+
+    Some set has balls. Raises ValueError for inner rings on housings, uneven flanks, too many elements, or bodies that the
+    dimensions make impossible.
     """
-    if system.rollers:
-        raise ValueError(
-            "tapered rollers: elastic bodies answer point contacts of balls only, while a roller's line contact already "
-            "holds both rings to their depth: use the model lin, in which the shaft bends and rollers are the same slices"
-        )
     if any(b.of.carrier is not None for b in system.balls):
         raise ValueError(
             "an inner ring on a housing: elastic inner bodies are stretches of the shaft, and housings are rigid: use the "
             "model lin"
         )
-    N = system.contacts.r_ball.size
+    rollers = roller_elements(system.rollers)
+    balls = system.contacts.r_ball.size
+    N = balls + rollers.count
     if N > LARGEST:
-        raise ValueError(f"{N} balls: elastic bodies are limited to {LARGEST}; use the model lin")
+        raise ValueError(f"{N} balls and rollers: elastic bodies are limited to {LARGEST}; use the model lin")
     if system.contacts.profile.shape[2]:
         raise ValueError("groove profiles of varying shape on several sets: use the model lin")
-    whole, s = combined(system, backend), system.structure
+    whole, s = combined(system, rollers, backend), system.structure
     shaft, housings = shaft_of(whole), housings_of(s, system.arm)
     order = by_ball(N, (0, 1))
     beam, moved, rigid = flank_response(shaft, [0, 1])
-    parts = [own_bodies(b, backend) for b in system.balls]
-    rows = np.zeros((N, 2, 2, 6 * s.at.size))
-    for b in system.balls:
-        if b.outer >= 0:
-            j = 6 * (b.outer - s.nodes.size)
-            rows[b.balls, :, :, j : j + 6] = b.B[:, 2:]
-    flat = rows.reshape(4 * N, -1)
-    first, low = positive(beam[np.ix_(order, order)] + block_diag(*(p[0][0] for p in parts)))
-    second, high = positive(flat @ housings.solve(flat.T) + block_diag(*(p[0][1] for p in parts)))
+    forces = [typical_force(system, b) for b in system.balls]
+    parts = [own_bodies(b, backend, x) for b, x in zip(system.balls, forces, strict=True)]
+    flat = outer_rows(system, rollers)
+    rigid_rings = np.zeros((4 * rollers.count,) * 2)
+    first, low = positive(beam[np.ix_(order, order)] + block_diag(*(p[0][0] for p in parts), rigid_rings))
+    second, high = positive(flat @ housings.solve(flat.T) + block_diag(*(p[0][1] for p in parts), rigid_rings))
     v0, k = np.zeros((N, 4, 2)), shaft.work.size
     R = np.zeros((N, 4, 2, k + housings.work.size))
     v0[:, :2], R[:, :2, :, :k] = moved[order].reshape(N, 2, 2), rigid[order].reshape(N, 2, 2, -1)
-    v0[:, 2:] = (flat @ housings.given).reshape(N, 2, 2) + system.contacts.v0[:, 2:]
+    v0[:, 2:] = (flat @ housings.given).reshape(N, 2, 2)
+    v0[:balls, 2:] += system.contacts.v0[:, 2:]
     R[:, 2:, :, k:] = (flat @ housings.motions).reshape(N, 2, 2, -1)
-    local = np.zeros((N, 4, 3))
+    local = np.zeros((balls, 4, 3))
     for b, p in zip(system.balls, parts, strict=True):
         local[b.balls, :, 0], local[b.balls, :, 2], local[b.balls, :, 1] = p[1], p[2], p[3]
-    compliance = min(contact_compliance(b.problem) for b in system.balls)
+    compliance = min(contact_compliance(b.problem, x) for b, x in zip(system.balls, forces, strict=True))
     modes = [soft_modes(G, compliance) if N >= MODES_FROM else np.zeros((0, 0)) for G in (first, second)]
     work = np.concatenate([shaft.work, housings.work])
     bodies = Bodies(first, second, R.reshape(N, 8, -1), v0.reshape(N, 8), work, modes[0], modes[1])
-    force, stiffness, floor = scale
+    force, stiffness, floor = typical(system)
     used = system.contacts.geometry[..., 5] > 0.0
-    springs = spring_rows(whole, None, stiffness) * used[:, None, :].repeat(2, axis=2)
+    springs = np.concatenate(
+        [spring_rows(whole, None, stiffness) * used[:, None, :].repeat(2, axis=2), roller_springs(rollers.count, stiffness)]
+    )
     options = BodyOptions(
         TOLERANCE, MAX_ITERATIONS, stiffness, 1e-14 * force, 1e3, floor, float(system.contacts.r_ball.max())
     )
     contacts = BallContacts(
-        system.contacts.geometry, system.contacts.closure, local, system.contacts.r_ball, np.zeros((4, 0)), np.zeros((N, 7))
+        system.contacts.geometry,
+        system.contacts.closure,
+        local,
+        system.contacts.r_ball,
+        np.zeros((4, 0)),
+        np.zeros((balls, 7)),
+        rollers.contacts,
     )
     state = BodyState(np.zeros((N, 8)), np.zeros(work.size), np.zeros((N, 3)), np.zeros((N, 4, 5)))
     cut = max(low, high) / compliance

@@ -17,27 +17,28 @@ Array = NDArray[np.float64]
 
 #: Part of the largest preload that its error may have, and steps that are tried.
 ERROR, STEPS = 1e-12, 60
+#: Relative errors of a preload that are told, and that are a failure.
+TOLD, FAILED = 1e-8, 1e-4
 
 
-def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[Assembly, tuple[str, ...]]:
-    """The assembly with its preloads by force as offsets: those at which each such set carries its force, without loads.
+def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[Assembly, tuple[str, ...], str]:
+    """The assembly with its preloads by force as offsets: those at which each such set carries its force, without loads
+    and before the shaft warms.
 
     Secant method on the axial forces of these sets by their offsets, logarithms of both: a law of a power is a line.
-    Returns the assembly and notes; an equilibrium that is not found is said there.
+    Returns the assembly, notes, and words for preloads that are not met (else empty).
     """
     which = [i for i, s in enumerate(assembly.sets) if s.preload > 0.0]
     if not which:
-        return assembly, ()
+        return assembly, (), ""
     idle = tuple(replace(h, force=(0.0, 0.0, 0.0), moment=(0.0, 0.0, 0.0)) for h in assembly.housings)
-    bare = replace(assembly, loads=(), housings=idle)
+    bare = replace(assembly, loads=(), housings=idle, thermal_strain=0.0)
     goal = np.log([assembly.sets[i].preload for i in which])
 
     def excess(depth: Array) -> Array:
         found = solve(_shifted(bare, which, np.exp(depth)))
-        if not found.converged:
-            return np.full(len(which), np.nan)
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.log([abs(found.sets[i].force[2]) for i in which]) - goal)
+        forces = np.array([abs(found.sets[i].force[2]) for i in which]) if found.converged else np.zeros(len(which))
+        return np.asarray(np.log(np.where(forces > 0.0, forces, np.nan)) - goal)
 
     depth = np.log([2.0 * closing(assembly.sets[i]) for i in which])
     value = excess(depth)
@@ -57,9 +58,10 @@ def mount(assembly: Assembly, solve: Callable[[Assembly], AxisResult]) -> tuple[
     words = ", ".join(f"{assembly.sets[i].name} {1e6 * d:.5g} um" for i, d in zip(which, shift, strict=True))
     note = f"preload by force: before loading, outer parts are moved against their rows by {words}"
     worst = float(np.abs(value).max())
-    if not worst < 1e-8:
+    if not worst < TOLD:
         note += f"; the forces are off by {100.0 * worst:.1e} %"
-    return _shifted(assembly, which, shift), (note,)
+    failed = "" if worst < FAILED else f"preloads by force are not met, off by {100.0 * worst:.2g} %: {words}"
+    return _shifted(assembly, which, shift), (note,), failed
 
 
 def closing(one: RollingSet) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -14,7 +15,7 @@ from lowfi.statics.axis.elastic import ElasticAxis, ready
 from lowfi.statics.axis.loose import loose_motions, pinned
 from lowfi.statics.axis.mount import mount
 from lowfi.statics.axis.result import AxisResult
-from lowfi.statics.axis.solve import axis_verdict, engine_for, typical
+from lowfi.statics.axis.solve import axis_verdict, engine_for, solve_assembly
 from lowfi.statics.axis.stiffness import asked_station, inverse, rigid_rows
 from lowfi.statics.axis.summary import Ending, assemble_axis, failed_axis
 from lowfi.statics.axis.system import BallSet, build
@@ -23,7 +24,7 @@ from lowfi.statics.result import SolverReport
 from lowfi.statics.shaft import flank_loads, node_motions
 from lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, Engine
 from lowfi.statics.summary import ELASTIC_ASSUMPTIONS
-from meshes.axis import Assembly
+from meshes.axis import Assembly, RollerRow
 
 Array = NDArray[np.float64]
 
@@ -34,6 +35,8 @@ ASSUMPTIONS = (
     "housings are rigid; nuts and outer rings are held in them as a scene of one set holds them",
     *ELASTIC_ASSUMPTIONS,
 )
+#: What a row of rollers leaves out.
+RIGID_RINGS = "elastic rings: cone and cup are rigid beyond the line contacts, whose law holds both to their depth"
 
 
 def solve_refined(
@@ -41,21 +44,27 @@ def solve_refined(
 ) -> AxisResult:
     """Loads, stiffness and motions of an assembly with elastic bodies; arguments as for `solve_assembly`.
 
-    Raises ValueError for rollers, uneven flanks, more than `LARGEST` balls, or bodies that cannot be.
+    Rollers alone leave nothing but the beam and their line contacts to be elastic: the model lin. Raises ValueError
+    for inner rings on housings, uneven flanks, more than `LARGEST` balls and rollers, or bodies that cannot be.
     """
+    if not assembly.ball_count:
+        found = solve_assembly(assembly, engine=engine, member=member)
+        return replace(found, model=name, left_out=(*found.left_out, *rigid_rings(assembly)))
     with threadpool_limits(1, "blas"):
         return _solve(assembly, engine, member, backend, name)
 
 
 def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, name: str) -> AxisResult:
     start = perf_counter()
-    mounted, notes = mount(assembly, lambda other: _solve(other, engine, member, backend, name))
+    mounted, notes, unmet = mount(assembly, lambda other: _solve(other, engine, member, backend, name))
+    if unmet:
+        return failed_axis(assembly, name, f"not converged: {unmet}", perf_counter() - start)
     kernels = engine_for(assembly, engine)
     system = build(mounted, member)
     loose = loose_motions(system)
     if loose.driven:
         return failed_axis(assembly, name, f"not held: {loose.text}", perf_counter() - start)
-    elastic = ready(pinned(system, loose), backend, kernels, typical(system))
+    elastic = ready(pinned(system, loose), backend, kernels)
     prepared_at = perf_counter()
     arrays = elastic.bodies, elastic.contacts, elastic.state
     kernels.start_forces(elastic.bodies, elastic.state, elastic.springs, elastic.options)
@@ -81,8 +90,14 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     S = ball_roots(elastic)
     sets = [own_stiffness(elastic, i, b, S) for i, b in enumerate(system.balls)]
     whole = elastic_stiffness(elastic, S)
-    ending = Ending(status, report, loose.text, held, sets, whole, name, (*ASSUMPTIONS, *elastic.assumed))
+    rigid = rigid_rings(assembly)
+    ending = Ending(status, report, loose.text, held, sets, whole, name, (*ASSUMPTIONS, *elastic.assumed), rigid)
     return assemble_axis(elastic.system, state, ending)
+
+
+def rigid_rings(assembly: Assembly) -> tuple[str, ...]:
+    """What rows of rollers leave out, a sentence each."""
+    return tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
 
 
 def round_off(elastic: ElasticAxis, scale: float) -> float:
@@ -120,13 +135,15 @@ def state_of(elastic: ElasticAxis) -> tuple[AxisState, Array]:
     loads[n:] += on_outer.reshape(-1, 6)
     taken = np.concatenate([shaft.times(q[:n].ravel()), h.stiffness @ outer]).reshape(-1, 6)
     held = np.where(structure.fixed, taken - loads, 0.0)
-    state = AxisState(q, np.zeros((n - 1, 6)), elastic.state.inner[:, :2], elastic.state.contact, np.zeros((0, 2)))
+    slices = np.zeros((system.slices.drop.size, 2))
+    elastic.engine.roller_forces(system.slices, q, slices, np.zeros_like(q))
+    state = AxisState(q, np.zeros((n - 1, 6)), elastic.state.inner[:, :2], elastic.state.contact, slices)
     return state, held
 
 
 def ball_roots(elastic: ElasticAxis) -> list[Array]:
     """Square roots S_i (rows, 8) of the balls' stiffness by the motion of their flanks."""
-    N = elastic.contacts.r_ball.size
+    N = elastic.state.contact.shape[0]
     S, counts = np.zeros((N, 6, 8)), np.zeros(N, dtype=np.int64)
     elastic.engine.ball_rows(elastic.contacts, elastic.state.contact, S, counts)
     return [S[i, : counts[i]] for i in range(N)]

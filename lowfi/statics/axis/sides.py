@@ -6,6 +6,7 @@ the flanks left out at the solution without them, that is the solution with them
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -47,9 +48,10 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
     C = np.array([nominal_hertz(scene).C for _, scene in sets])
     k = sin**2.5 * [scene.ball_count for _, scene in sets] / (C[:, 0] + C[:, 3]) ** 1.5
     offset = np.array([s.offset for s, _ in sets])
+    pairs = list(zip(k.tolist(), offset.tolist(), strict=True))  # few sets: plain numbers are faster than arrays
 
     def rest(u: float) -> float:
-        return float(np.sum(k * np.sign(u - offset) * np.abs(u - offset) ** 1.5)) - force
+        return sum(math.copysign(x * abs(u - o) ** 1.5, u - o) for x, o in pairs) - force
 
     reach = 1e-9 + (abs(force) / k.min()) ** (2.0 / 3.0)
     return float(brentq(rest, offset.min() - reach, offset.max() + reach, xtol=1e-9))

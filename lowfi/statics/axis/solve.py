@@ -18,6 +18,7 @@ from lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
 from lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
 from lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
 from lowfi.statics.axis.system import System, build
+from lowfi.statics.axis.typical import typical
 from lowfi.statics.problem import actual_hertz
 from lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
 from lowfi.statics.result import SolverReport
@@ -48,34 +49,6 @@ def axis_verdict(outcome: Outcome, bound: float, system: System) -> str:
     if outcome.status == 3:
         return "stopped: the stiffness matrix is not positive definite"
     return f"not converged: relative residual {outcome.residual:.1e} after {outcome.iterations} iterations"
-
-
-def typical(system: System) -> tuple[float, float, float]:
-    """Force [N] of a typical loaded contact, its secant stiffness [N/m], and least force [N] that residuals count by."""
-    load = system.structure.load
-    elements = max(1, system.contacts.r_ball.size + sum(r.row.count for r in system.rollers))
-    applied = float(np.abs(load[:, :3]).sum() + np.abs(load[:, 3:]).sum() / system.arm)
-    force, stiffness, floor = applied / elements, 1.0, 0.0
-    squeezed = 0.0
-    for b in system.balls:
-        C = b.problem.C
-        pair = float(np.mean(C[:, 0] + C[:, 3]))
-        squeeze = max(
-            0.0, float(b.problem.closure.max(initial=0.0)), abs(b.of.offset) * np.sin(b.problem.scene.track.contact_angle)
-        )
-        squeezed = max(squeezed, (squeeze / pair) ** 1.5)
-        if force == 0.0 and squeezed == 0.0 and np.any(system.structure.prescribed):
-            squeezed = (1e-6 / pair) ** 1.5
-    force = max(force, squeezed)
-    for b in system.balls:
-        pair = float(np.mean(b.problem.C[:, 0] + b.problem.C[:, 3]))
-        stiffness = max(stiffness, float(np.cbrt(force) / pair) if force > 0.0 else 1.0)
-    for r in system.rollers:
-        per_length = max(force, 1.0) / r.row.length
-        law = r.arrays
-        stiffness = max(stiffness, r.row.length / r.row.slices / float(law.g[0] - law.s[0] * np.log(per_length)))
-    floor = max(float(np.abs(load[:, :3]).max()), float(np.abs(load[:, 3:]).max()) / system.arm, squeezed)
-    return force, stiffness, floor
 
 
 def prepare(system: System, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
@@ -116,7 +89,9 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     without equilibrium: ``status`` names the reason. Raises ValueError for dimensions that leave no body.
     """
     start = perf_counter()
-    mounted, notes = mount(assembly, lambda other: solve_assembly(other, engine=engine, member=member))
+    mounted, notes, unmet = mount(assembly, lambda other: solve_assembly(other, engine=engine, member=member))
+    if unmet:
+        return failed_axis(assembly, "lin", f"not converged: {unmet}", perf_counter() - start)
     kernels = engine_for(assembly, engine)
     uses = likely_sides(mounted, member)
     while True:

@@ -41,7 +41,8 @@ APEX = 1e-6
 @dataclass(frozen=True)
 class Ending:
     """How a solve ended: status, report, words for what was held because nothing resists it; held (r, 6): forces of what
-    holds the rows [N, N m]; stiffness: of each set of balls (6, 6), and of the whole; model, and what it assumes."""
+    holds the rows [N, N m]; stiffness: of each set of balls (6, 6), and of the whole; model, what it assumes
+    and leaves out."""
 
     status: str
     report: SolverReport
@@ -51,6 +52,7 @@ class Ending:
     whole: Array | None
     model: str
     assumed: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
 
 
 def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
@@ -73,7 +75,7 @@ def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
         end.whole,
         end.report,
         (*assembly.assumed, *end.assumed, *((ROLLERS,) if system.rollers else ())),
-        (*held, *left_out(system)),
+        (*held, *end.left_out, *left_out(system)),
         tuple(f"{s.of.name}: {w}" for s in sets if s.balls is not None for w in s.balls.warnings),
     )
 

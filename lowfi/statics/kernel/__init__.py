@@ -8,6 +8,7 @@ from .beam import assemble_beam
 from .elastic import solve_forces, start_forces
 from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
 from .newton import ensemble, evaluate, linear_start, solve
+from .rollers import roller_forces
 
 __all__ = [
     "add_axis",
@@ -20,6 +21,7 @@ __all__ = [
     "evaluate_balls",
     "linear_start",
     "rest",
+    "roller_forces",
     "settle",
     "solve",
     "solve_axis",

@@ -5,7 +5,7 @@ unknowns are the motions of the shaft's nodes and of the bodies; the matrix is h
 the cost is linear in the number of sets. Steps and line search as in ``newton``: the case of one set whose nut stands.
 """
 
-from math import exp, log, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from .axis_matrix import add_axis, add_balls, add_rollers, hold
 from .ball import FORCE, MX, MZ, block, settle
 from .beam import element_force, positions
 from .newton import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR, residual_of, slope_along
+from .rollers import roller_forces
 from .search import first_trial, next_trial
 from .skyline import factor, substitute
 
@@ -57,34 +58,6 @@ def flank_hessian(contact: Array, out: Array) -> None:
             out[o, o + 1] += y
             out[o + 1, o] += z
             out[o + 1, o + 1] += w
-
-
-@kernel
-def roller_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
-    """Line load q [N/m], its slope by the approach, and energy [J/m], of delta = q (g - S ln q), delta > 0.
-
-    Beyond exp(-3) of the load at which the law bends back, far above any real one, it goes on along its tangent, so that
-    the energy stays convex.
-    """
-    edge = exp(g / s - 4.0)
-    limit = edge * (g - s * log(edge))
-    rest = delta - limit
-    delta = min(delta, limit)
-    q = delta / g
-    for _ in range(60):
-        step = (q * (g - s * log(q)) - delta) / (g - s * (1.0 + log(q)))
-        new = q - step
-        if new <= 0.0:
-            new = 0.5 * q
-        if abs(new - q) <= 1e-16 * q:
-            break
-        q = new
-    slope = 1.0 / (g - s * (1.0 + log(q)))
-    energy = 0.5 * q * q * (g - s * (0.5 + log(q)))
-    if rest > 0.0:
-        energy += rest * (q + 0.5 * slope * rest)
-        q += slope * rest
-    return q, slope, energy
 
 
 @kernel
@@ -171,33 +144,6 @@ def ball_shift(balls: AxisBalls, q: Array, i: int, shift: Array) -> None:
                 for k in range(6):
                     x += balls.B[i, s, a, k] * q[row, k]
             shift[s, a] = x
-
-
-@kernel
-def roller_forces(rollers: AxisRollers, q: Array, slices: Array, gradient: Array) -> tuple[float, float]:
-    """Forces and stiffnesses of all slices; adds them to the gradient; returns their energy and the largest force."""
-    energy, scale = 0.0, 0.0
-    for i in range(rollers.drop.shape[0]):
-        delta = -rollers.drop[i]
-        for end in range(2):
-            row = rollers.row[i, end]
-            if row >= 0:
-                for k in range(6):
-                    delta += rollers.B[i, end, k] * q[row, k]
-        slices[i, 0], slices[i, 1] = 0.0, 0.0
-        if delta <= 0.0:
-            continue
-        load, slope, stored = roller_law(delta, rollers.g[i], rollers.s[i])
-        force = rollers.width[i] * load
-        slices[i, 0], slices[i, 1] = force, rollers.width[i] * slope
-        energy += rollers.width[i] * stored
-        scale = max(scale, force)
-        for end in range(2):
-            row = rollers.row[i, end]
-            if row >= 0:
-                for k in range(6):
-                    gradient[row, k] += force * rollers.B[i, end, k]
-    return energy, scale
 
 
 @kernel

@@ -31,6 +31,7 @@ from .search import TRIALS, first_trial, next_trial
 
 #: Residual asked of the linear equations, as a fraction of that of the contact forces: a tenth keeps Newton's own order.
 FORCING = 0.1
+STRICT = 1e-8  # of it, once a search has found nothing: a step that is not exact may not go down
 
 
 @kernel
@@ -268,7 +269,7 @@ def solve_forces(
         solved = False
         for _ in range(12):
             hold = factor * stiffness * min(1.0, residual)
-            wanted = max(FORCING * min(0.1, residual), 0.01 * tolerance / residual)
+            wanted = max(FORCING * min(0.1, residual), 0.01 * tolerance / residual) * (STRICT if stuck else 1.0)
             solved = newton_forces(bodies, contacts, state, f, hold, wanted, fresh, rows, factors, step)
             if solved:
                 break

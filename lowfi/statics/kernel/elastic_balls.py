@@ -13,6 +13,7 @@ from lowfi.jit import kernel
 from lowfi.statics.records import Array, BallContacts, BodyState
 
 from .ball import FORCE, HALVINGS, HERTZ, KN, KT, MX, MZ, SETTLING, USE, meet, start_centre
+from .rollers import roller_elements, roller_rows
 
 LINEAR, BODY, HIGHER = range(3)
 
@@ -284,12 +285,13 @@ def full_balls(
 ) -> tuple[float, float]:
     """Forces f (N, 8) of all balls on their flanks at motions v (N, 8); returns energy and the largest contact force.
 
-    Fills inner (N, 3) and contact (N, 4, 5).
+    Fills inner (N, 3) and contact (N, 4, 5). Rollers come after the balls.
     """
-    geometry, closure, local, r_ball, profile, _ = contacts
+    geometry, closure, local, r_ball, profile = contacts[:5]
     energy, scale = 0.0, 0.0
     work = np.empty((5, 3))
-    for i in range(v.shape[0]):
+    balls = r_ball.shape[0]
+    for i in range(balls):
         energy += rest(
             inner[i], v[i].reshape(4, 2), geometry[i], closure[i], local[i], r_ball[i], profile, tiny, contact[i], work
         )
@@ -298,7 +300,8 @@ def full_balls(
             scale = max(scale, force)
             f[i, 2 * s] = force * contact[i, s, MX] if force > 0.0 else 0.0
             f[i, 2 * s + 1] = force * contact[i, s, MZ] if force > 0.0 else 0.0
-    return energy, scale
+    more, largest = roller_elements(v[balls:], contacts.rollers, contact[balls:], f[balls:], tiny)
+    return energy + more, max(scale, largest)
 
 
 @kernel
@@ -342,11 +345,13 @@ def evaluate_balls(v: Array, contacts: BallContacts, state: BodyState, f: Array,
 
 @kernel
 def ball_rows(contacts: BallContacts, contact: Array, S: Array, counts: Array) -> int:
-    """Rows S (N, 6 or 2, d) of all balls and their numbers; returns the total."""
+    """Rows S (N, 6 or 2, d) of all balls and rollers, and their numbers; returns the total."""
     total = 0
     d = S.shape[2]
     for i in range(S.shape[0]):
-        if d == 8:
+        if i >= contacts.r_ball.shape[0]:
+            counts[i] = roller_rows(contact[i], S[i])
+        elif d == 8:
             counts[i] = flank_rows(contact[i], contacts.local[i], S[i])
         elif contact[i, 0, FORCE] > 0.0:
             mx, mz = contact[i, 0, MX], contact[i, 0, MZ]

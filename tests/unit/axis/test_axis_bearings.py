@@ -92,6 +92,21 @@ def test_preload_by_force_is_carried_before_loading_and_locked_then():
     assert sum(s.force[2] for s in loaded.sets) == pytest.approx(-300.0, rel=1e-9)
 
 
+def test_preload_is_set_before_the_shaft_warms():
+    sets = bearing("a", 0.03, "-z", preload=700.0), bearing("b", 0.27, "+z")
+    cold = assembly(*sets, supports=(GUIDED,))
+    warm = solved(replace(cold, thermal_strain=2e-5))
+    assert warm.solver.notes == solved(cold).solver.notes
+    assert warm.sets[0].force[2] > 1.2 * 700.0
+
+
+def test_a_preload_that_cannot_be_met_is_a_failure():
+    alone = bearing("a", 0.03, "+z", preload=700.0)
+    found = solve_assembly(assembly(alone, segments=THICK, supports=(GUIDED,)))
+    assert found.status.startswith("not converged: preloads by force are not met")
+    assert not found.sets
+
+
 @pytest.mark.compiles(19)
 def test_two_preloads_by_force_are_met_together():
     axis = fixed_axis((0.0, 0.0, 0.0))

@@ -9,7 +9,7 @@ from lowfi import jit
 from lowfi.bearings.line_contact import LineLaw
 from lowfi.statics.axis.solve import prepare, run
 from lowfi.statics.axis.system import build, tapered
-from lowfi.statics.kernel import axis, axis_matrix, ball, skyline
+from lowfi.statics.kernel import axis, axis_matrix, ball, rollers, skyline
 from lowfi.statics.records import AxisSlopes
 from meshes.axis import Housing, Joint, RollingSet, diagonal
 from meshes.parts import Load
@@ -133,7 +133,7 @@ def test_law_of_a_slice_is_that_of_the_bearings():
     law = tapered(ROLLERS).law()
     exact = LineLaw(law.g, law.s)
     for delta in (1e-8, 3e-6, 2e-5):
-        load, slope, energy = axis.roller_law(delta, float(law.g), law.s)
+        load, slope, energy = rollers.roller_law(delta, float(law.g), law.s)
         assert load == pytest.approx(float(exact.line_load(delta)), rel=1e-12)
         assert slope == pytest.approx(float(exact.slope(load)), rel=1e-12)
         assert energy == pytest.approx(float(exact.energy(load)), rel=1e-12)
@@ -143,9 +143,9 @@ def test_law_of_a_slice_goes_on_smoothly_beyond_its_range():
     law = tapered(ROLLERS).law()
     edge = np.exp(float(law.g) / law.s - 4.0)
     delta = edge * (float(law.g) - law.s * np.log(edge))
-    low, high = (axis.roller_law(delta * t, float(law.g), law.s) for t in (1.0 - 1e-9, 1.0 + 1e-9))
+    low, high = (rollers.roller_law(delta * t, float(law.g), law.s) for t in (1.0 - 1e-9, 1.0 + 1e-9))
     assert np.allclose(low, high, rtol=1e-7)
-    more = axis.roller_law(2.0 * delta, float(law.g), law.s)
+    more = rollers.roller_law(2.0 * delta, float(law.g), law.s)
     assert (more[2] - high[2]) / delta == pytest.approx(0.5 * (more[0] + high[0]), rel=1e-6)
 
 

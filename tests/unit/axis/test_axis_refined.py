@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from lowfi.compliance.bodies import LADDER
+from lowfi.statics.axis import elastic
 from lowfi.statics.axis.refined import solve_refined
+from lowfi.statics.axis.system import build
+from lowfi.statics.axis.typical import typical_force
 from lowfi.statics.elastic import solve_elastic
 from meshes.axis import RollingSet
-from meshes.parts import SideErrors
+from meshes.parts import Load, SideErrors
 from tests.axes import ROLLERS, bearing, double_nut, fixed_axis, mirrored, one_set, solved
 from tests.helpers import relative, small_screw
 
@@ -28,15 +31,68 @@ def test_one_set_is_the_refined_model_of_one_set(oversize):
     assert found.equilibrium.force_residual < 1e-11
 
 
-@pytest.mark.parametrize("parts", [double_nut(), fixed_axis((0.0, 0.0, 500.0))], ids=["double nut", "axis"])
+def with_rollers():
+    """An axis whose left pair are tapered rollers, one row of them in the carriage."""
+    axis = fixed_axis((150.0, 80.0, 600.0))
+    rows = [
+        RollingSet(f"rollers {t}", "tapered roller bearing", ROLLERS, z, thrust=t) for t, z in (("+z", 0.03), ("-z", 0.07))
+    ]
+    rows = replace(rows[0], offset=-2e-6), replace(rows[1], offset=2e-6, housing="carriage")
+    return replace(axis, sets=(*rows, *axis.sets[2:]))
+
+
+@pytest.mark.parametrize(
+    "parts", [double_nut(), fixed_axis((0.0, 0.0, 500.0)), with_rollers()], ids=["double nut", "axis", "rollers"]
+)
 def test_with_rigid_bodies_it_is_the_model_lin(parts):
     one, other = solved(parts), refined(parts, backend=LADDER["lin"])
     for a, b in zip(one.sets, other.sets, strict=True):
-        assert relative(b.balls.load, a.balls.load) < 1e-9
+        loads = [x.line_loads if x.balls is None else x.balls.load for x in (a, b)]
+        assert relative(loads[1], loads[0]) < 1e-9
         assert relative(b.stiffness, a.stiffness) < 1e-9
         assert relative(b.outer, a.outer) < 1e-9
     assert other.stiffness[2, 2] == pytest.approx(one.stiffness[2, 2], rel=1e-9)
-    assert all(h.residual < 1e-11 for h in other.housings)
+    assert all(h.residual < 1e-10 for h in other.housings)
+
+
+def test_rollers_stand_in_one_equilibrium_with_elastic_balls():
+    parts = with_rollers()
+    found = refined(parts)
+    assert found.equilibrium.force_residual < 1e-10
+    assert all(h.residual < 1e-10 for h in found.housings)
+    rollers, balls = found.sets[0], found.sets[2]
+    assert relative(rollers.reaction, -np.concatenate([rollers.force, rollers.moment])) < 1e-12
+    rigid = refined(parts, backend=LADDER["lin"])
+    assert abs(balls.force[2] / rigid.sets[2].force[2] - 1.0) > 1e-3  # elastic bodies where there are any
+    assert sum("elastic rings: cone and cup are rigid" in x for x in found.left_out) == 2
+    push = replace(parts, housings=(replace(parts.housings[0], force=(150.0, 80.0, 600.3)),))
+    slope = 0.3 / (refined(push).housings[0].motion[2] - found.housings[0].motion[2])
+    assert found.stiffness[2, 2] == pytest.approx(slope, rel=1e-5)
+
+
+def test_rollers_alone_are_the_model_lin():
+    rows = [RollingSet(t, "tapered roller bearing", ROLLERS, z, thrust=t) for t, z in (("+z", 0.03), ("-z", 0.07))]
+    rows[0] = replace(rows[0], preload=900.0)
+    parts = replace(fixed_axis(), sets=tuple(rows), housings=(), loads=(Load(0.15, (0.0, 200.0, 300.0)),))
+    found = refined(parts)
+    assert np.array_equal(found.sets[0].line_loads, solved(parts).sets[0].line_loads)
+    assert found.model == "refined"
+    assert "elastic rings" in found.left_out[0]
+
+
+def test_a_search_that_finds_nothing_is_followed_by_an_exact_step(monkeypatch):
+    monkeypatch.setattr(elastic, "contact_compliance", lambda *_: 1.0)  # as if contacts were softer than all bodies
+    assert refined(with_rollers()).solver.iterations < 12
+
+
+def test_terms_by_size_are_taken_at_the_force_that_offsets_make():
+    parts = fixed_axis((0.0, 0.0, 0.0))
+    system = build(parts)
+    loads = [s.balls.load.max() for s in solved(parts).sets]
+    for b, load in zip(system.balls[:4], loads, strict=False):
+        assert 0.3 < typical_force(system, b) / load < 3.0
+    opened = build(replace(parts, sets=tuple(replace(s, offset=-s.offset) for s in parts.sets)))
+    assert typical_force(opened, opened.balls[0]) == 1e-6
 
 
 def test_elastic_nuts_carry_what_the_load_and_the_spacer_ask():
@@ -57,9 +113,6 @@ def test_what_it_does_not_know_is_refused():
     uneven = replace(parts, sets=(replace(parts.sets[0], parts=replace(first, errors=errors)), parts.sets[1]))
     with pytest.raises(ValueError, match="profiles of varying shape"):
         solve_refined(uneven)
-    rollers = RollingSet("r", "tapered roller bearing", ROLLERS, 0.25, thrust="+z")
-    with pytest.raises(ValueError, match="tapered rollers: elastic bodies answer point contacts of balls only"):
-        solve_refined(replace(parts, sets=(*parts.sets, rollers)))
     carried = replace(bearing("c", 0.14, "both"), carrier="h")
     with pytest.raises(ValueError, match="an inner ring on a housing"):
         solve_refined(replace(parts, sets=(*parts.sets, carried)))

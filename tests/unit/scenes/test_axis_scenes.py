@@ -83,7 +83,7 @@ def test_units_positions_and_heat_are_read():
     assert found.thermal_strain == pytest.approx(1e-4)
     assert found.housings[0].stiffness[2][2] == pytest.approx(1e6 * 4.4482216152605 / 0.0254)
     result = run_axis(found)
-    assert result.model == "lin"
+    assert result.model == "refined"
     assert result.converged
 
 
