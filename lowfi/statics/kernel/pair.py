@@ -11,10 +11,14 @@ from lowfi.statics.records import BeamContacts, BeamSlopes, BeamState
 
 from .ball import APPROACH, FORCE, HERTZ, KN, KT, MX, MZ, SIZE, USE, WX, WZ
 
+#: Distance of two groove centres [m] below which the line through them says nothing.
+APART = 1e-12
+
 
 @kernel
 def pair_alone(contacts: BeamContacts) -> int:
-    """The only diagonal pair (0: SL and NR, 1: SR and NL) whose flanks take part, -1 where there is none or a profile."""
+    """The only diagonal pair (0: SL and NR, 1: SR and NL) whose flanks take part, -1 where there is none, a profile, or
+    groove centres that coincide."""
     geometry = contacts.geometry
     if contacts.profile.shape[1] > 0 or geometry.shape[0] == 0:
         return -1
@@ -23,6 +27,9 @@ def pair_alone(contacts: BeamContacts) -> int:
         for s in range(4):
             if (geometry[i, s, USE] != 0.0) != (s == pair or s == 3 - pair):
                 return -1
+        dx, dz = geometry[i, 3 - pair, WX] - geometry[i, pair, WX], geometry[i, 3 - pair, WZ] - geometry[i, pair, WZ]
+        if dx * dx + dz * dz < APART * APART:
+            return -1
     return pair
 
 
@@ -32,7 +39,8 @@ def add_pairs(
 ) -> tuple[float, float]:
     """Add the balls that the pair a holds to energy [J] and slopes; fills centres and contacts as `ball.settle` does.
 
-    Returns the energy and the largest force met [N]. Six freedoms a flank.
+    A ball without load stands so that both flanks have their share of the gap. Returns the energy and the largest force
+    met [N]. Six freedoms a flank.
     """
     node, B, geometry, closure, _, _, tiny = contacts
     p, contact, hessians, b = state.p, state.contact, out.hessians, 3 - a
@@ -47,25 +55,23 @@ def add_pairs(
         wx, wz, size = geometry[i, b, WX], geometry[i, b, WZ], geometry[i, b, SIZE]
         dx, dz = wx - geometry[i, a, WX], wz - geometry[i, a, WZ]
         x, z = dx + vx, dz + vz
-        before, now = sqrt(dx * dx + dz * dz), sqrt(x * x + z * z)
+        before, now = sqrt(dx * dx + dz * dz), max(sqrt(x * x + z * z), APART)
         change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (now + before)
-        part = max(closure[i, a] + change, 0.0) / (ca + cb)
-        root = sqrt(part)
-        force = part * root
+        part = (closure[i, a] + change) / (ca + cb)
         inverse = 1.0 / now
         nx, nz = x * inverse, z * inverse
-        if force <= tiny:  # free between the flanks
-            p[i, 0], p[i, 1] = 0.5 * vx, 0.5 * vz
+        # from the nut's groove centre along the pair's line: by the change of that direction, no difference of unit vectors
+        more, turned = part * cb - geometry[i, b, APPROACH], size / before
+        p[i, 0] = nx * more + (vx * before - dx * change) * inverse * turned + (dx * turned - wx)
+        p[i, 1] = nz * more + (vz * before - dz * change) * inverse * turned + (dz * turned - wz)
+        root = sqrt(max(part, 0.0))
+        force, stiff = part * root, 1.5 * root
+        if force <= tiny:  # free between the flanks, which share the gap
             for s in range(4):
                 contact[i, s, FORCE] = 0.0
             for s in range(2):
                 hessians[i, o + s, o], hessians[i, o + s, o + 1] = 0.0, 0.0
             continue
-        # from the nut's groove centre along the pair's line: by the change of that direction, no difference of unit vectors
-        more, turned = part * cb - geometry[i, b, APPROACH], size / before
-        p[i, 0] = nx * more + (vx * before - dx * change) * inverse * turned + (dx * turned - wx)
-        p[i, 1] = nz * more + (vz * before - dz * change) * inverse * turned + (dz * turned - wz)
-        stiff = 1.5 * root
         contact[i, a, FORCE], contact[i, a, MX], contact[i, a, MZ] = force, -nx, -nz
         contact[i, b, FORCE], contact[i, b, MX], contact[i, b, MZ] = force, nx, nz
         contact[i, a, KN], contact[i, b, KN] = stiff / ca, stiff / cb

@@ -57,12 +57,16 @@ def test_closed_form_is_the_minimum_over_the_centre(name, engine):
         kernels.ball.reduced_hessian(contact, hessian)
         own = contact[:, 0] > 0.0
         assert np.array_equal(state.contact[i, :, 0] > 0.0, own)
+        if not own.any():  # it stands free of both flanks
+            moved = np.array([state.p[i] - shift[k] for k in (pair, 3 - pair)])
+            at_rest = contacts.geometry[i, [pair, 3 - pair]]
+            assert np.all(np.hypot(*(at_rest[:, :2] + moved).T) - at_rest[:, 2] + at_rest[:, 3] < 0.0)
+            continue
         assert state.p[i] == pytest.approx(p, abs=1e-18)
         assert out.hessians[i] == pytest.approx(hessian, rel=1e-9, abs=1e-11 * np.abs(hessian).max())
-        if own.any():
-            assert state.contact[i][own] == pytest.approx(contact[own], rel=1e-10)
-            assert scale >= contact[:, 0].max()
-            loaded += 1
+        assert state.contact[i][own] == pytest.approx(contact[own], rel=1e-10)
+        assert scale >= contact[:, 0].max()
+        loaded += 1
     assert 2 <= loaded < len(contacts.r_ball)
 
 
@@ -81,7 +85,8 @@ def test_gradient_is_the_slope_of_the_energy(name):
         z = prepared.problem.nodes - prepared.problem.nodes[0]
         expected = gradient[:, k].sum()
         expected += {3: -z @ gradient[:, 1], 4: z @ gradient[:, 0]}.get(k, 0.0)
-        assert (energies[1] - energies[0]) / (2.0 * h) == pytest.approx(expected, rel=1e-4, abs=1e-4 * np.abs(gradient).max())
+        slope = (energies[1] - energies[0]) / (2.0 * h)
+        assert slope == pytest.approx(expected, rel=1e-4, abs=1e-4 * np.abs(gradient).max())
 
 
 def test_other_flanks_or_profiles_are_left_to_the_general_ball():
@@ -91,3 +96,6 @@ def test_other_flanks_or_profiles_are_left_to_the_general_ball():
     held = system(PAIRS["SL and NR"][1], "interpreted").contacts
     assert alone(held) == 0
     assert alone(held._replace(profile=np.zeros((4, 2)))) == -1
+    same = held.geometry.copy()
+    same[4, 3, :2] = same[4, 0, :2]
+    assert alone(held._replace(geometry=same)) == -1
