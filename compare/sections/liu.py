@@ -138,8 +138,8 @@ def solid_table(study: Study) -> Table:
     ]
     levels = " and ".join(str(k) for k in bodies.SOLID_LEVELS)
     note = (
-        f"3D reference on the mesh levels {levels}: 156 contacts. Both models of the first two rows hold the nut rigid. The "
-        "drawn errors are those of the scene's seed, the same for all models."
+        f"3D reference on the mesh levels {levels}: 156 contacts. Both models of the first two rows hold the nut rigid. "
+        "The drawn errors are those of the scene's seed, the same for all models."
     )
     return Table("liu-solid", "The axial-only idealisation, beam and refined model against 3D", columns, rows, note)
 
