@@ -131,6 +131,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     if not source.compute or source.stores is None:
         return
     from compare.crosscheck.study import STUDIES
+    from compare.evidence.liu.bodies import SOLID, SOLID_LEVELS
     from compare.models.ladder import DEEP, UNSEEN
     from compare.reference import grid_order
     from compare.reference.runs import reference
@@ -144,7 +145,12 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
             tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
         tasks += plan([study.scene(name) for name in (*UNSEEN, *STUDIES)], STUDIED)
         tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
+<<<<<<< HEAD
         tasks.sort(key=lambda task: -expected(task).seconds)
+=======
+        tasks += plan([study.scene(name) for name in SOLID], SOLID_LEVELS)
+        tasks.sort(key=lambda task: -task.weight)
+>>>>>>> h13
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
     if not source.quick:
         known = [reference(study.scene(name), source.stores) for name in dict.fromkeys((*REFERENCED, *STUDIES, *UNSEEN))]

@@ -31,6 +31,9 @@ ENGINE: Engine = "compiled"
 
 #: A flank left out at first counts as touched when a ball comes this near [m]: the member is solved with all four.
 MARGIN = 1e-7
+#: Relative residual to which a member of a batch is solved: one step of Newton's method less than a single solve takes, and
+#: far below what its loads are used for.
+ENOUGH = 1e-11
 #: Members tried first with fewer sides; the rest only if at least half of them pass.
 TRIAL = 32
 #: Members per call of the kernel that runs through them (bounds its memory).
@@ -175,7 +178,7 @@ class _Batch:
         mechanism = free_motions(problem)
         if mechanism.driven:
             return None
-        prepared = prepare(pin(problem, mechanism), pick_engine(ENGINE, self.scene.ball_count))
+        prepared = prepare(pin(problem, mechanism), pick_engine(ENGINE, self.scene.ball_count), tolerance=ENOUGH)
         run(prepared)
         return prepared
 

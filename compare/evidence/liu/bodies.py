@@ -1,4 +1,4 @@
-"""Where the axial-only idealisation misleads: Liu's screw by the axial chain, the beam model and the refined one.
+"""Where the axial-only idealisation misleads: Liu's screw by the axial chain, the beam model, the refined one, and in 3D.
 
 The chain has the axial compliance of the same screw with a rigid nut, as the beam model has: what differs between the two
 is bending, twist and where on the circumference a ball sits. What differs between beam and refined model is the nut, and
@@ -12,14 +12,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compare.evidence.liu import case
-from compare.measure import error_percent
+from compare.measure import error_percent, load_error
 from compare.models.study import Study
+from compare.reference.grid_summary import uncertainty_percent
 from lowfi.random_errors.chain import Array, Chain, solve_chain
 from lowfi.random_errors.ensemble import draw_errors
+from meshes.errors import specimen
+from meshes.helix import ball_layout
 from meshes.parts import Scene
 from meshes.section import screw_section
 
 SCENE = "liu-screw"
+#: Scenes of that screw with references in 3D, and the mesh levels of these: 156 contacts, minutes a level.
+SOLID = (SCENE, "liu-small", "liu-drawn", "liu-drawn-1kN")
+SOLID_LEVELS = (1, 2)
 #: Loads [N]; half range of the drawn errors [m] and how many screws are drawn.
 LOADS, HALF_RANGE, DRAWN = (1000.0, 5000.0), 2e-6, 3
 
@@ -73,3 +79,39 @@ def _compared(study: Study, scene: Scene, chain: Chain, name: str, errors: Array
     own = with_errors(scene, errors, load)
     beam, refined = (study.solve(own, model).load[:, 0] for model in ("lin", "refined"))
     return Compared(name, load, solve_chain(chain, errors, load).load, beam, refined)
+
+
+@dataclass(frozen=True)
+class Solid:
+    """One scene of the screw against its 3D reference, in per cent of the mean load: RMS and largest difference of a model,
+    with the ball of the largest, and the reference's grid uncertainty; balls that carry load in the model and in 3D."""
+
+    scene: str
+    title: str
+    model: str
+    rms: float
+    largest: float
+    ball: int
+    uncertainty: float | None
+    loaded: int
+    loaded_in_3d: int
+
+
+def compare_solid(study: Study) -> tuple[Solid, ...]:
+    """The chain, the beam model and the refined one against 3D, on the scenes that have a stored reference."""
+    rows = []
+    for name, found in study.references(SOLID).items():
+        scene, bar = study.scene(name), uncertainty_percent(found)
+        for model in ("axial", "lin", "refined"):
+            load = axial_loads(scene) if model == "axial" else study.solve(scene, model).load
+            e = load_error(load, found.load)
+            carried, held = (int(np.count_nonzero(x[:, 0] > 0.0)) for x in (load, found.load))
+            rows.append(Solid(name, scene.title, model, e.rms_percent, e.max_percent, e.ball, bar, carried, held))
+    return tuple(rows)
+
+
+def axial_loads(scene: Scene) -> Array:
+    """Loads (78, 4) [N] of the chain on a scene of the screw; both contacts of a ball carry the same."""
+    errors = 2.0 * (specimen(scene, ball_layout(scene)).ball_radius - scene.balls.radius)
+    load = solve_chain(same_screw(scene), errors, scene.loads[0].force[2]).load
+    return np.stack([load, np.zeros(load.size), np.zeros(load.size), load], axis=1)

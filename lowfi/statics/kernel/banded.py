@@ -40,18 +40,41 @@ def ldl_factor(band: Array) -> bool:
 
 
 @kernel
+def forward(band: Array, b: Array, j: int, m: int) -> None:
+    """Take unknown j from the m - 1 that follow it."""
+    x = b[j]
+    for i in range(1, m):
+        b[j + i] -= band[j, i] * x
+
+
+@kernel
+def backward(band: Array, b: Array, j: int, m: int) -> None:
+    """Solve for unknown j by the m - 1 > 0 that follow it: the one found last at the end, so that nothing waits for it."""
+    near, far, half = 0.0, 0.0, (m + 1) // 2
+    for i in range(2, half):
+        near += band[j, i] * b[j + i]
+    for i in range(half, m):
+        far += band[j, i] * b[j + i]
+    b[j] = b[j] * band[j, 0] - (near + far) - band[j, 1] * b[j + 1]
+
+
+@kernel
 def ldl_substitute(band: Array, b: Array) -> None:
     """Overwrite b (n,) by the solution, from the factors."""
     n, width = band.shape
     for j in range(n):
-        x = b[j]
-        for i in range(1, min(width, n - j)):
-            b[j + i] -= band[j, i] * x
+        if width == 12 and j + 12 <= n:
+            forward(band, b, j, 12)
+        else:
+            forward(band, b, j, min(width, n - j))
     for j in range(n - 1, -1, -1):
-        x = b[j] * band[j, 0]
-        for i in range(1, min(width, n - j)):
-            x -= band[j, i] * b[j + i]
-        b[j] = x
+        if width == 12 and j + 12 <= n:
+            backward(band, b, j, 12)
+        else:
+            x = b[j] * band[j, 0]
+            for i in range(1, min(width, n - j)):
+                x -= band[j, i] * b[j + i]
+            b[j] = x
 
 
 def _lapack_factor(band: Array) -> bool:

@@ -24,6 +24,7 @@ from lowfi.statics.records import (
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle
 from .banded import factor_band, substitute_band
 from .beam import force_of, positions
+from .pair import add_pairs, pair_alone
 from .search import TRIALS, first_trial, next_trial
 
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
@@ -92,6 +93,9 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
     flat = q.ravel()
     grad = gradient.ravel()
     m = B.shape[3]
+    pair = pair_alone(contacts)
+    if pair >= 0 and m == 6:
+        return add_pairs(contacts, state, out, pair, energy, scale)
     for i in range(r_ball.shape[0]):
         if m == 6:  # by its number: the compiler then unrolls the loops
             flank_shift(contacts, flat, i, 6, shift)

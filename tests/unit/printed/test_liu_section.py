@@ -21,7 +21,7 @@ def made():
 
 def test_tables_show_every_entry(made):
     tables = {item.name: item for item in made.items if isinstance(item, Table)}
-    assert list(tables) == [*liu.TITLES, "liu-bodies"]
+    assert list(tables) == [*liu.TITLES, "liu-bodies", "liu-solid"]
     for name in liu.TITLES:
         assert [r["printed"] for r in tables[name].rows] == [p.printed or "–" for p in load_table(name)]
         assert all(row["verdict"] for row in tables[name].rows)

@@ -56,7 +56,7 @@ def test_shipped_scene_loads(name):
     assert scene.name == name
     assert scene.title
     own = {"unseen": "rollbench, ", "two": "rollbench, made", "lin-case1-cut": "rollbench, cut out of"}
-    own |= {"liu-screw": "Liu et al. (2025)", "lin-case3-tolerances": "rollbench, on Lin (2019)"}
+    own |= {"liu": "Liu et al. (2025)", "lin-case3-tolerances": "rollbench, on Lin (2019)"}
     own |= {"external": "Catalogue of "}
     assert scene.source.startswith(own.get(name, own.get(name.split("-")[0], "Lin (2019)")))
     assert all(sentence.endswith(".") for sentence in scene.assumed)

@@ -1,0 +1,90 @@
+"""Balls that one diagonal pair of exact arcs can hold, and no other flank: closed form, with its stiffness.
+
+The interference of the pair is total = closure + |D + v| - |D|, D between the groove centres and v the motion of the
+screw's flank (the nut's stands); its energy is 2/5 total^(5/2) / (C_a + C_b)^(3/2). Force and stiffness are its derivatives by v.
+"""
+
+from math import sqrt
+
+from lowfi.jit import kernel
+from lowfi.statics.records import BeamContacts, BeamSlopes, BeamState
+
+from .ball import APPROACH, FORCE, HERTZ, KN, KT, MX, MZ, SIZE, USE, WX, WZ
+
+#: Distance of two groove centres [m] below which the line through them says nothing.
+APART = 1e-12
+
+
+@kernel
+def pair_alone(contacts: BeamContacts) -> int:
+    """The only diagonal pair (0: SL and NR, 1: SR and NL) whose flanks take part, -1 where there is none, a profile, or
+    groove centres that coincide."""
+    geometry = contacts.geometry
+    if contacts.profile.shape[1] > 0 or geometry.shape[0] == 0:
+        return -1
+    pair = 0 if geometry[0, 0, USE] != 0.0 else 1
+    for i in range(geometry.shape[0]):
+        for s in range(4):
+            if (geometry[i, s, USE] != 0.0) != (s == pair or s == 3 - pair):
+                return -1
+        dx, dz = geometry[i, 3 - pair, WX] - geometry[i, pair, WX], geometry[i, 3 - pair, WZ] - geometry[i, pair, WZ]
+        if dx * dx + dz * dz < APART * APART:
+            return -1
+    return pair
+
+
+@kernel
+def add_pairs(
+    contacts: BeamContacts, state: BeamState, out: BeamSlopes, a: int, energy: float, scale: float
+) -> tuple[float, float]:
+    """Add the balls that the pair a holds to energy [J] and slopes; fills centres and contacts as `ball.settle` does.
+
+    A ball without load stands so that both flanks have their share of the gap. Returns the energy and the largest force
+    met [N]. Six freedoms a flank.
+    """
+    node, B, geometry, closure, _, _, tiny = contacts
+    p, contact, hessians, b = state.p, state.contact, out.hessians, 3 - a
+    motion, gradient, o = state.q.ravel(), out.gradient.ravel(), 2 * a
+    for i in range(node.shape[0]):
+        start = 6 * node[i, a]
+        vx, vz = 0.0, 0.0
+        for k in range(6):
+            vx += B[i, a, 0, k] * motion[start + k]
+            vz += B[i, a, 1, k] * motion[start + k]
+        ca, cb = geometry[i, a, HERTZ], geometry[i, b, HERTZ]
+        wx, wz, size = geometry[i, b, WX], geometry[i, b, WZ], geometry[i, b, SIZE]
+        dx, dz = wx - geometry[i, a, WX], wz - geometry[i, a, WZ]
+        x, z = dx + vx, dz + vz
+        before, now = sqrt(dx * dx + dz * dz), max(sqrt(x * x + z * z), APART)
+        change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (now + before)
+        part = (closure[i, a] + change) / (ca + cb)
+        inverse = 1.0 / now
+        nx, nz = x * inverse, z * inverse
+        # from the nut's groove centre along the pair's line: by the change of that direction, no difference of unit vectors
+        more, turned = part * cb - geometry[i, b, APPROACH], size / before
+        p[i, 0] = nx * more + (vx * before - dx * change) * inverse * turned + (dx * turned - wx)
+        p[i, 1] = nz * more + (vz * before - dz * change) * inverse * turned + (dz * turned - wz)
+        root = sqrt(max(part, 0.0))
+        force, stiff = part * root, 1.5 * root
+        if force <= tiny:  # free between the flanks, which share the gap
+            for s in range(4):
+                contact[i, s, FORCE] = 0.0
+            for s in range(2):
+                hessians[i, o + s, o], hessians[i, o + s, o + 1] = 0.0, 0.0
+            continue
+        contact[i, a, FORCE], contact[i, a, MX], contact[i, a, MZ] = force, -nx, -nz
+        contact[i, b, FORCE], contact[i, b, MX], contact[i, b, MZ] = force, nx, nz
+        contact[i, a, KN], contact[i, b, KN] = stiff / ca, stiff / cb
+        contact[i, a, KT] = force / (geometry[i, a, SIZE] + ca * part - geometry[i, a, APPROACH])
+        contact[i, b, KT] = force / (size + more)
+        along, across = stiff / (ca + cb), force * inverse
+        hessians[i, o, o] = along * nx * nx + across * nz * nz
+        hessians[i, o, o + 1] = (along - across) * nx * nz
+        hessians[i, o + 1, o] = hessians[i, o, o + 1]
+        hessians[i, o + 1, o + 1] = along * nz * nz + across * nx * nx
+        energy += 0.4 * (ca + cb) * part * force
+        scale = max(scale, force)
+        fx, fz = force * nx, force * nz
+        for k in range(6):
+            gradient[start + k] += fx * B[i, a, 0, k] + fz * B[i, a, 1, k]
+    return energy, scale

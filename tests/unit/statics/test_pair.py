@@ -1,0 +1,101 @@
+"""Balls that one diagonal pair holds, in closed form: against the ball's own minimum and its reduced stiffness."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi import jit
+from lowfi.statics.problem import build
+from lowfi.statics.records import BeamSlopes
+from lowfi.statics.static import prepare
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import BallErrors, Errors
+from tests.helpers import FLANK_ERRORS, NO_PROFILES, small_screw
+
+PAIRS = {"SL and NR": (0, np.array([True, False, False, True])), "SR and NL": (1, np.array([False, True, True, False]))}
+
+
+def system(use, engine, errors=FLANK_ERRORS):
+    """Arrays of a small screw whose balls are partly loose, at random motions of its nodes."""
+    scene = small_screw(count=9)
+    balls = BallErrors(listed=tuple((i + 1, 2e-6 * (i - 4)) for i in range(9)))
+    scene = replace(scene, errors=replace(errors, balls=balls, **NO_PROFILES))
+    layout = ball_layout(scene)
+    problem = build(scene, specimen(scene, layout), layout, use)
+    prepared = prepare(problem, jit.kernels(jit.STATICS, compiled=engine == "compiled"))
+    rng = np.random.default_rng(5)
+    prepared.state.q[0] = np.concatenate([rng.normal(0.0, 2e-6, 3), rng.normal(0.0, 2e-5, 3)])
+    prepared.state.d[:] = rng.normal(0.0, 1e-7, prepared.state.d.shape)
+    return prepared
+
+
+def evaluated(prepared):
+    """Energy, largest force, and slopes."""
+    n, count = prepared.state.q.shape[0], prepared.contacts.node.shape[0]
+    out = BeamSlopes(np.empty((n, 6)), np.zeros((count, 4, 4)))
+    return (*prepared.engine.evaluate(prepared.beam, prepared.contacts, prepared.state, out), out)
+
+
+@pytest.mark.parametrize("engine", ["interpreted", "compiled"])
+@pytest.mark.parametrize("name", PAIRS)
+def test_closed_form_is_the_minimum_over_the_centre(name, engine):
+    pair, use = PAIRS[name]
+    prepared = system(use, engine)
+    contacts, state, kernels = prepared.contacts, prepared.state, jit.kernels(jit.STATICS, compiled=False)
+    _, scale, out = evaluated(prepared)
+    assert kernels.pair.pair_alone(contacts) == pair
+    loaded, motion = 0, state.q.ravel()
+    for i in range(len(contacts.r_ball)):
+        shift = np.zeros((4, 2))
+        start = 6 * contacts.node[i, pair]
+        shift[pair] = contacts.B[i, pair] @ motion[start : start + 6]
+        p, contact, hessian = np.zeros(2), np.zeros((4, 5)), np.zeros((4, 4))
+        at = contacts.geometry[i], contacts.closure[i], contacts.r_ball[i], contacts.profile, contacts.tiny
+        kernels.settle(p, shift, *at, contact)
+        kernels.ball.reduced_hessian(contact, hessian)
+        own = contact[:, 0] > 0.0
+        assert np.array_equal(state.contact[i, :, 0] > 0.0, own)
+        if not own.any():  # it stands free of both flanks
+            moved = np.array([state.p[i] - shift[k] for k in (pair, 3 - pair)])
+            at_rest = contacts.geometry[i, [pair, 3 - pair]]
+            assert np.all(np.hypot(*(at_rest[:, :2] + moved).T) - at_rest[:, 2] + at_rest[:, 3] < 0.0)
+            continue
+        assert state.p[i] == pytest.approx(p, abs=1e-18)
+        assert out.hessians[i] == pytest.approx(hessian, rel=1e-9, abs=1e-11 * np.abs(hessian).max())
+        assert state.contact[i][own] == pytest.approx(contact[own], rel=1e-10)
+        assert scale >= contact[:, 0].max()
+        loaded += 1
+    assert 2 <= loaded < len(contacts.r_ball)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_gradient_is_the_slope_of_the_energy(name):
+    prepared = system(PAIRS[name][1], "interpreted")
+    _, _, out = evaluated(prepared)
+    gradient, q = out.gradient.copy(), prepared.state.q[0].copy()
+    for k in range(6):  # the whole screw moves: sums over all nodes of the forces and of their moments about the first
+        h = 1e-9 if k < 3 else 1e-7
+        energies = []
+        for sign in (-1.0, 1.0):
+            prepared.state.q[0] = q
+            prepared.state.q[0, k] += sign * h
+            energies.append(evaluated(prepared)[0])
+        z = prepared.problem.nodes - prepared.problem.nodes[0]
+        expected = gradient[:, k].sum()
+        expected += {3: -z @ gradient[:, 1], 4: z @ gradient[:, 0]}.get(k, 0.0)
+        slope = (energies[1] - energies[0]) / (2.0 * h)
+        assert slope == pytest.approx(expected, rel=1e-4, abs=1e-4 * np.abs(gradient).max())
+
+
+def test_other_flanks_or_profiles_are_left_to_the_general_ball():
+    alone = jit.kernels(jit.STATICS, compiled=False).pair.pair_alone
+    for use in ([1, 1, 1, 1], [1, 0, 1, 1], [1, 0, 0, 0], [1, 0, 1, 0]):
+        assert alone(system(np.array(use, dtype=bool), "interpreted", Errors()).contacts) == -1
+    held = system(PAIRS["SL and NR"][1], "interpreted").contacts
+    assert alone(held) == 0
+    assert alone(held._replace(profile=np.zeros((4, 2)))) == -1
+    same = held.geometry.copy()
+    same[4, 3, :2] = same[4, 0, :2]
+    assert alone(held._replace(geometry=same)) == -1
