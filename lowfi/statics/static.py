@@ -74,16 +74,17 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
 
 
 def reference_scale(problem: Problem) -> tuple[float, float]:
-    """Force [N] of a typical loaded contact and its secant stiffness [N/m], from loads, interference, given motion."""
+    """Force [N] of a typical loaded contact and its secant stiffness [N/m], from loads, interference, or else an approach of
+    a micrometre."""
     count = max(1, problem.C.shape[0])
     pair = float(np.mean(problem.C[:, 0] + problem.C[:, 3]))
     arm = problem.scene.track.pitch_radius
     applied = float(np.abs(problem.load[:, :3]).sum() + np.abs(problem.load[:, 3:]).sum() / arm)
     squeeze = max(0.0, float(problem.closure.max(initial=0.0)))
     force = max(applied / count, (squeeze / pair) ** 1.5)
-    if force == 0.0 and np.any(problem.prescribed):
+    if force == 0.0:  # given motions, or errors that squeeze a ball by three flanks
         force = (1e-6 / pair) ** 1.5
-    return force, (np.cbrt(force) / pair if force > 0.0 else 1.0)
+    return force, float(np.cbrt(force) / pair)
 
 
 def force_floor(problem: Problem) -> float:

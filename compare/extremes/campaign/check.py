@@ -22,6 +22,10 @@ WAYS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
 FREEDOM = {name: k for k, name in enumerate(("ux", "uy", "uz", "rx", "ry", "rz"))}
 #: Share of the largest force (or moment) that may be out of balance: printed numbers and lever arms of the nominal state.
 BALLS, SCREW = 1e-6, 1e-4
+#: Approach [m] of a contact force that counts as none, whatever the others are.
+NOTHING = 1e-11
+#: Share of the largest force (or moment) that the pin of a motion which moves no flank may take, as the result states it.
+PIN = 0.05
 
 
 def frames(scene: Scene) -> tuple[Array, Array]:
@@ -81,23 +85,36 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     size = max(float(load.max()), float(np.abs(applied).max()))
     if size == 0.0:
         return ""
-    if float(np.linalg.norm(own.sum(axis=1), axis=1).max()) > BALLS * size:
+    none = float((NOTHING / result.hertz_C.mean()) ** 1.5)
+    if float(np.linalg.norm(own.sum(axis=1), axis=1).max()) > max(BALLS * size, none):
         return f"ball {int(np.linalg.norm(own.sum(axis=1), axis=1).argmax()) + 1} is not in balance"
     middle = np.array([0.0, 0.0, scene.nut.position])
     total = applied.copy()
     for s in (0, 1):
         total[:3] += own[:, s].sum(axis=0)
         total[3:] += np.cross(result.contact_point[:, s] - middle, own[:, s]).sum(axis=0) / scene.track.pitch_radius
-    # what no support can carry must vanish; a free motion along the helix is held by a pin of the model
+    # what no support can carry must vanish; a free motion along the helix is held by a pin of the model, which the result states
     free = free_of(scene)
-    left = free.T @ total
-    helix = neutral(scene, free)
-    left -= helix @ (helix.T @ left)
     largest = max(size, float(np.abs(own[:, :2].sum(axis=(0, 1))).max()), float(load.sum()) * 1e-3)
     arm = max(1.0, float(np.abs(centre[:, 2] - scene.nut.position).max()) / scene.track.pitch_radius)
-    if float(np.abs(left).max(initial=0.0)) > SCREW * largest * arm:
+    if neutral(scene, free).size:
+        taken = wrench_of_pin(scene, result)
+        if float(np.abs(taken).max()) > PIN * largest * arm:
+            return f"the pin of a free motion takes {float(np.abs(taken).max()):.3g} N"
+        total += taken
+    left = free.T @ total
+    if float(np.abs(left).max(initial=0.0)) > max(SCREW * largest, none) * arm:
         return f"the screw is out of balance by {float(np.abs(left).max()):.3g} N"
     return ""
+
+
+def wrench_of_pin(scene: Scene, result: StaticResult) -> Array:
+    """What a pin takes by the result, about the nut's centre (moments over the pitch radius) ``(6,)`` [N]."""
+    balance = result.equilibrium
+    if balance is None:
+        return np.zeros(6)
+    moment = balance.pin_moment - np.cross([0.0, 0.0, scene.nut.position], balance.pin_force)
+    return np.concatenate([balance.pin_force, moment / scene.track.pitch_radius])
 
 
 def neutral(scene: Scene, free: Array) -> Array:
