@@ -24,6 +24,8 @@ FREEDOM = {name: k for k, name in enumerate(("ux", "uy", "uz", "rx", "ry", "rz")
 BALLS, SCREW = 1e-6, 1e-4
 #: Approach [m] of a contact force that counts as none, whatever the others are.
 NOTHING = 1e-11
+#: Share of the forces of a strained screw that double precision leaves out of balance.
+STRAINED = 1e-13
 #: Share of the largest force (or moment) that the pin of a motion which moves no flank may take, as the result states it.
 PIN = 0.05
 
@@ -75,6 +77,17 @@ def wrench_of_loads(scene: Scene) -> Array:
     return total
 
 
+def nothing(scene: Scene, result: StaticResult) -> float:
+    """Force [N] that counts as none: of an approach of ``NOTHING``, or the round-off of what supports strain the screw by."""
+    felt, arm = float((NOTHING / result.hertz_C.mean()) ** 1.5), scene.track.pitch_radius
+    moved = [abs(v) * (arm if name[0] == "r" else 1.0) for s in scene.supports for name, v in s.fixed]
+    apart = np.diff(sorted({s.at for s in scene.supports}))
+    if scene.ingredients.screw == "rigid" or not apart.size:
+        return felt
+    stiff = scene.screw.material.youngs_modulus * np.pi * (scene.screw.outer_diameter / 2.0) ** 2 / float(apart.min())
+    return max(felt, STRAINED * stiff * max(moved, default=0.0))
+
+
 def unbalanced(scene: Scene, result: StaticResult) -> str:
     """What is out of balance in a converged result, in words; empty where nothing is."""
     load = result.load
@@ -85,7 +98,7 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     size = max(float(load.max()), float(np.abs(applied).max()))
     if size == 0.0:
         return ""
-    none = float((NOTHING / result.hertz_C.mean()) ** 1.5)
+    none = nothing(scene, result)
     if float(np.linalg.norm(own.sum(axis=1), axis=1).max()) > max(BALLS * size, none):
         return f"ball {int(np.linalg.norm(own.sum(axis=1), axis=1).argmax()) + 1} is not in balance"
     middle = np.array([0.0, 0.0, scene.nut.position])
@@ -99,7 +112,7 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     arm = max(1.0, float(np.abs(centre[:, 2] - scene.nut.position).max()) / scene.track.pitch_radius)
     if neutral(scene, free).size:
         taken = wrench_of_pin(scene, result)
-        if float(np.abs(taken).max()) > PIN * largest * arm:
+        if float(np.abs(taken).max()) > max(PIN * largest, none) * arm:
             return f"the pin of a free motion takes {float(np.abs(taken).max()):.3g} N"
         total += taken
     left = free.T @ total
@@ -191,7 +204,8 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
         slope = np.concatenate([-np.einsum("nsa,nsak->k", push, rows) - free.T @ applied, push.sum(axis=1).ravel()])
         return float((0.4 * force * delta).sum() - (free.T @ applied) @ a), unit * slope
 
-    stored = max(float((0.4 * result.load ** (5.0 / 3.0) * C).sum()), 1e-300)
+    felt = np.maximum(result.load, nothing(scene, result))
+    stored = float((0.4 * felt ** (5.0 / 3.0) * C).sum())
     start = np.zeros(k + 2 * N)
     best, _ = energy(start)
     with np.errstate(all="ignore"):  # trial steps of the minimisation may go anywhere
