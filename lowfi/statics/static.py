@@ -74,8 +74,8 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
 
 
 def reference_scale(problem: Problem) -> tuple[float, float]:
-    """Force [N] of a typical loaded contact and its secant stiffness [N/m], from loads, interference, or else an approach of
-    a micrometre."""
+    """Force [N] of a typical loaded contact and its secant stiffness [N/m], from loads, interference, or else an
+    approach of a micrometre."""
     count = max(1, problem.C.shape[0])
     pair = float(np.mean(problem.C[:, 0] + problem.C[:, 3]))
     arm = problem.scene.track.pitch_radius

@@ -78,7 +78,7 @@ def wrench_of_loads(scene: Scene) -> Array:
 
 
 def nothing(scene: Scene, result: StaticResult) -> float:
-    """Force [N] that counts as none: of an approach of ``NOTHING``, or the round-off of what supports strain the screw by."""
+    """Force [N] that counts as none: of an approach of ``NOTHING``, or the round-off of a strained screw."""
     felt, arm = float((NOTHING / result.hertz_C.mean()) ** 1.5), scene.track.pitch_radius
     moved = [abs(v) * (arm if name[0] == "r" else 1.0) for s in scene.supports for name, v in s.fixed]
     apart = np.diff(sorted({s.at for s in scene.supports}))
@@ -106,7 +106,7 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     for s in (0, 1):
         total[:3] += own[:, s].sum(axis=0)
         total[3:] += np.cross(result.contact_point[:, s] - middle, own[:, s]).sum(axis=0) / scene.track.pitch_radius
-    # what no support can carry must vanish; a free motion along the helix is held by a pin of the model, which the result states
+    # what no support can carry must vanish; a free motion along the helix is held by a pin, which the result states
     free = free_of(scene)
     largest = max(size, float(np.abs(own[:, :2].sum(axis=(0, 1))).max()), float(load.sum()) * 1e-3)
     arm = max(1.0, float(np.abs(centre[:, 2] - scene.nut.position).max()) / scene.track.pitch_radius)

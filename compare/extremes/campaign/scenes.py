@@ -91,8 +91,8 @@ def run(
     known: Mapping[int, Outcome] | None = None,
     keep: Callable[[Outcome], None] | None = None,
 ) -> list[Outcome]:
-    """``count`` scenes one after another; progress: as for ``compare.extremes.static.table``; known: outcomes by number that
-    are taken as they are; keep: called with every new one."""
+    """``count`` scenes one after another; progress: as for ``compare.extremes.static.table``; known: outcomes by number
+    that are taken as they are; keep: called with every new one."""
     found = []
     for number in range(count):
         outcome = None if known is None else known.get(number)
