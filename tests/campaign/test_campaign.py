@@ -28,7 +28,7 @@ ONCE_BAD = {
     "nothing drives them": (1007, 1116, 2266),
     "a support or load beside another station": (2008, 2206, 2688, 3801),
     "a pin that takes a share": (1344, 2572),
-    "loads that are none": (1314, 1676, 6431, 6931),
+    "loads that are none": (1314, 1676, 6431, 6931, 7552, 9898),
     "hundreds of iterations along a flat valley": (4489, 5182, 7594),
     "many uneven contacts of one node": (4076, 7140),
     "contacts far weaker than the strained beam": (5767,),

@@ -168,8 +168,8 @@ def proven(scene: Scene) -> bool:
 
 def brute_force(scene: Scene, result: StaticResult) -> float | None:
     """How much less energy plain minimisation finds than the result has, over its stored energy; None where it does not
-    apply: a rigid screw without a free motion (which the model pins), all supports at zero, no uneven flanks, up to 40
-    balls."""
+    apply: a rigid screw with loads and without a free motion (which the model pins), all supports at zero, no uneven
+    flanks, up to 40 balls."""
     moved = any(value != 0.0 for s in scene.supports for _, value in s.fixed)
     drawn = specimen(scene, ball_layout(scene))
     few = len(drawn.ball_radius) <= 40
@@ -179,6 +179,7 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
         or drawn.profile.shape[1]
         or not few
         or scene.ingredients.arm == "nominal"
+        or float(result.load.max()) <= nothing(scene, result)
     ):
         return None
     free, applied = free_of(scene), wrench_of_loads(scene)
@@ -204,8 +205,7 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
         slope = np.concatenate([-np.einsum("nsa,nsak->k", push, rows) - free.T @ applied, push.sum(axis=1).ravel()])
         return float((0.4 * force * delta).sum() - (free.T @ applied) @ a), unit * slope
 
-    felt = np.maximum(result.load, nothing(scene, result))
-    stored = float((0.4 * felt ** (5.0 / 3.0) * C).sum())
+    stored = float((0.4 * result.load ** (5.0 / 3.0) * C).sum())
     start = np.zeros(k + 2 * N)
     best, _ = energy(start)
     with np.errstate(all="ignore"):  # trial steps of the minimisation may go anywhere
