@@ -76,8 +76,6 @@ def test_the_tangent_is_the_direction_of_the_path(hand):
     along = (path(azimuth + step) - path(azimuth - step)) / (2.0 * step)
     found = layout_at(track, azimuth, pitch * azimuth).tangent
     assert found == pytest.approx(along / np.linalg.norm(along, axis=-1, keepdims=True), abs=1e-9)
-        along / np.linalg.norm(along, axis=-1, keepdims=True), abs=1e-9
-    )
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])
