@@ -48,6 +48,12 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def out_of_memory(reason: object) -> InputError:
+    """For work that this machine could not finish."""
+    advice = "end other programs, take a coarser level or fewer workers, or a cluster (--backend dask)"
+    return InputError("this machine", "memory", str(reason) or "used up", "enough for the run", advice)
+
+
 def available_GB(proc: Path = Path("/proc/meminfo"), group: Path = Path("/sys/fs/cgroup")) -> float | None:
     """Memory that a process can take without swapping [GB], at most what its control group leaves; None where the system
     does not say."""

@@ -12,6 +12,7 @@ guard the step. A plain active set on all balls at once may cycle, because free 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -27,10 +28,12 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 #: Rounds after which the solution over all balls is given up.
 MOST = 60
+#: Stiffness [N/m] that holds, far from equilibrium, what contacts do not: a ten thousandth of a contact's.
+HOLD = 1e4
 
 
 @dataclass
-class _Ball:
+class Ball:
     """State of one ball: forces, active pairs and the factor of their compliance."""
 
     forces: Array
@@ -39,13 +42,13 @@ class _Ball:
     energy: float
 
 
-def press(block: BallBlock, gap: Array, start: _Ball | Flags, most: int = 60) -> _Ball:
+def press(block: BallBlock, gap: Array, start: Ball | Flags, most: int = 60) -> Ball:
     """min 1/2 l^T D l + g^T l over l >= 0: active set from ``start``, non-negative least squares where it cycles.
 
     A state to start from lends its factor: sides whose active pairs stay are not factored anew.
     """
-    known = start.factor if isinstance(start, _Ball) else None
-    active = (start.active if isinstance(start, _Ball) else start).copy()
+    known = start.factor if isinstance(start, Ball) else None
+    active = (start.active if isinstance(start, Ball) else start).copy()
     scale = float(np.abs(gap).max(initial=0.0))
     seen: set[bytes] = set()
     for _ in range(most):
@@ -55,7 +58,7 @@ def press(block: BallBlock, gap: Array, start: _Ball | Flags, most: int = 60) ->
         slack = gap + block.apply(forces)
         new = np.where(active, forces > 0.0, slack < -1e-13 * scale)
         if np.array_equal(new, active):
-            return _Ball(forces, active, known, _energy(block, gap, forces))
+            return Ball(forces, active, known, _energy(block, gap, forces))
         key = new.tobytes()
         if key in seen:
             break
@@ -64,7 +67,7 @@ def press(block: BallBlock, gap: Array, start: _Ball | Flags, most: int = 60) ->
     L = np.linalg.cholesky(block.dense())
     forces, _ = nnls(L.T, np.linalg.solve(L, -gap), maxiter=30 * gap.size)
     active = forces > 1e-12 * max(float(forces.max(initial=0.0)), 1e-300)
-    return _Ball(forces, active, block.factor(active), _energy(block, gap, forces))
+    return Ball(forces, active, block.factor(active), _energy(block, gap, forces))
 
 
 def _energy(block: BallBlock, gap: Array, forces: Array) -> float:
@@ -72,10 +75,19 @@ def _energy(block: BallBlock, gap: Array, forces: Array) -> float:
     return float(-0.5 * forces @ block.apply(forces) - gap @ forces)
 
 
+@dataclass
+class State:
+    """Where a solution ended, or one may begin: amplitudes w, motions y, and, for the same compliance, its balls."""
+
+    w: Array
+    y: Array
+    balls: list[Ball] | None = None
+
+
 class _System:
     """Evaluations of Phi and its Newton step."""
 
-    def __init__(self, C: Compliance, gap: Array, N: sp.csr_matrix, f: Array) -> None:
+    def __init__(self, C: Compliance, gap: Array, N: sp.csr_matrix, f: Array, balls: list[Ball] | None) -> None:
         self.C, self.f = C, f
         starts = C.starts
         self.parts = [slice(int(a), int(b)) for a, b in pairwise(starts)]
@@ -86,7 +98,7 @@ class _System:
             block = self.N[p]
             columns = np.unique(block.indices)
             self.rows.append((columns, block[:, columns].toarray()))
-        self.balls: list[_Ball] = [_Ball(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps]
+        self.balls = balls or [Ball(np.zeros(g.size), g < np.quantile(g, 0.2), None, 0.0) for g in self.gaps]
 
     def evaluate(self, w: Array, y: Array) -> tuple[float, Array, Array]:
         """Phi, U^T lambda - w, and f - N^T lambda; the balls' states are kept."""
@@ -102,6 +114,18 @@ class _System:
             np.add.at(back, self.C.columns[i], self.C.modes[i].T @ ball.forces)
             balance[columns] -= n.T @ ball.forces
         return phi, back, balance
+
+    def in_touch(self, touching: Sequence[Flags]) -> tuple[Array, Array]:
+        """Amplitudes and motions if these pairs of each ball touch, pull where they must, and no other does."""
+        back, balance = np.zeros(self.C.coupling.shape[0]), self.f.copy()
+        for i, (gap, active) in enumerate(zip(self.gaps, touching, strict=True)):
+            factor = self.C.blocks[i].factor(active)
+            forces = factor.solve(-gap)
+            self.balls[i] = Ball(forces, active, factor, 0.0)
+            np.add.at(back, self.C.columns[i], self.C.modes[i].T @ forces)
+            columns, n = self.rows[i]
+            balance[columns] -= n.T @ forces
+        return self.step(back, balance, HOLD)
 
     def step(self, back: Array, balance: Array, shift: float) -> tuple[Array, Array]:
         """Newton step (dw, dy)."""
@@ -130,17 +154,19 @@ def solve_balls(
     N: sp.csr_matrix,
     f: Array,
     *,
-    start: tuple[Array, Array] | None = None,
+    start: State | None = None,
+    touching: Sequence[Flags] = (),
     tolerance: float = 1e-10,
-) -> tuple[ContactResult, Array]:
-    """Forces, gaps and rigid motions, and the amplitudes w; ``start``: (w, y) of a neighbouring solution.
+) -> tuple[ContactResult, State]:
+    """Forces, gaps and rigid motions, and the state they belong to; ``start``: of a neighbouring solution;
+    ``touching``: without one, the pairs ``(n_i,)`` of each ball that are expected to touch.
 
     The residual is the unbalanced force (and the mismatch of w) over the largest force on a ball. A problem that cannot
     be held ends with a status that says that it did not converge.
     """
-    system = _System(C, gap, N, f)
-    r, k = C.coupling.shape[0], f.size
-    w, y = (start[0].copy(), start[1].copy()) if start is not None else (np.zeros(r), np.zeros(k))
+    begin = State(np.zeros(C.coupling.shape[0]), np.zeros(f.size)) if start is None else start
+    system = _System(C, gap, N, f, begin.balls)
+    w, y = system.in_touch(touching) if touching and start is None else (begin.w.copy(), begin.y.copy())
     phi, back, balance = system.evaluate(w, y)
     status, it, residual = "", 0, np.inf
     for it in range(1, MOST + 1):  # noqa: B007
@@ -151,8 +177,7 @@ def solve_balls(
         if residual <= tolerance and mismatch <= tolerance:
             status = "converged"
             break
-        stiff = 1e8 * min(1.0, residual) * 1e-4
-        dw, dy = system.step(back, balance, stiff)
+        dw, dy = system.step(back, balance, HOLD * min(1.0, residual))
         slope = -float(dw @ (C.coupling @ back)) - float(dy @ balance)
         t, done = 1.0, False
         for _ in range(30):
@@ -179,4 +204,5 @@ def solve_balls(
             for i, g in enumerate(system.gaps)
         ]
     )
-    return ContactResult(forces, slack, y, it, status, float(-slack.min(initial=0.0)), residual), w
+    result = ContactResult(forces, slack, y, it, status, float(-slack.min(initial=0.0)), residual)
+    return result, State(w, y, system.balls)

@@ -1,8 +1,9 @@
 """Section of a grooved shaft, homogenised: stiffnesses of the beam that stretches, bends and twists like the 3D shaft.
 
-Two shafts of one and two whole numbers of leads are clamped at one flat end and loaded at the other, a rigid section; the
-difference of their flexibilities is that of the leads between, free of what happens at the ends. What happens there follows
-from the same shafts and a third one that ends in another phase of the groove (`hifi.cut`).
+Its stiffnesses are exact but for a plane mesh (`hifi.helical_section`). What happens where it is cut (`hifi.cut`) follows
+from 3D shafts of one and two whole numbers of leads, and a third one that ends in another phase of the groove, clamped at
+one flat end and loaded at the other, a rigid section; the difference of the first two is that of the leads between. Their
+meshes are too stiff, by a per cent in bending, so that this difference serves the cut alone.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from hifi.assembly import assemble
 from hifi.bodies import end_transform
 from hifi.cut import cut_flexibility
 from hifi.forms import elasticity
+from hifi.helical_section import helical_stiffness
 from hifi.response import compliance
 from hifi.shaft import ShaftSection, round_section
 from meshes.groove_map import GrooveMap
@@ -44,11 +46,11 @@ class Homogenised:
 OTHER_PHASE = 0.25
 
 
-def homogenise(m: GrooveMap, outer: float, hole: float, material: Material, size: float) -> Homogenised:
-    """Homogenised section of a shaft of ``outer`` radius [m] with a ``hole`` of that radius, by elements of ``size`` [m].
+def homogenise(m: GrooveMap, outer: float, bore: float, hole: float, material: Material, size: float) -> Homogenised:
+    """Homogenised section of a shaft with these radii [m] of lands and bore; the cut by elements of ``size`` [m].
 
-    The hole belongs to the mesh alone: its share is given back as if the shaft were solid there, unless ``hole`` is the
-    scene's bore (pass it through ``plain`` first). A shaft without lead is plain beyond its groove.
+    hole: radius of the bore of the 3D meshes [m], which may need one where the shaft has none. A shaft without lead is
+    plain beyond its groove. Raises ValueError where grooves of neighbouring turns overlap.
     """
     young, poisson = material.youngs_modulus, material.poissons_ratio
     lead = 2.0 * np.pi * abs(m.rg)
@@ -56,18 +58,19 @@ def homogenise(m: GrooveMap, outer: float, hole: float, material: Material, size
     lengths = [lead * k for k in (leads, 2 * leads, leads + OTHER_PHASE)]
     short, long, other = (_flexibility(m, outer, hole, material, size, length) for length in lengths)
     per_length = (long - short) / (leads * lead)
-    EA = 1.0 / per_length[2, 2]
-    EI = 2.0 / (per_length[3, 3] + per_length[4, 4])
-    GJ = 1.0 / per_length[5, 5]
+    stiffness, EI = helical_stiffness(m, outer, bore, material)
+    yielding = np.linalg.inv(stiffness)
+    EA, GJ = 1.0 / yielding[0, 0], 1.0 / yielding[1, 1]
     shear = young / (2.0 * (1.0 + poisson))
     radii = (
-        float(np.sqrt(EA / (young * np.pi))),
-        float((4.0 * EI / (young * np.pi)) ** 0.25),
-        float((2.0 * GJ / (shear * np.pi)) ** 0.25),
+        float(np.sqrt(EA / (young * np.pi) + bore**2)),
+        float((4.0 * EI / (young * np.pi) + bore**4) ** 0.25),
+        float((2.0 * GJ / (shear * np.pi) + bore**4) ** 0.25),
     )
     kGA = round_section(radii[1], young, poisson).kGA
-    coupling = float(per_length[2, 5] / np.sqrt(per_length[2, 2] * per_length[5, 5]))
-    uniform = np.diag([1.0 / kGA, 1.0 / kGA, 1.0 / EA, 1.0 / EI, 1.0 / EI, 1.0 / GJ])
+    coupling = float(yielding[0, 1] / np.sqrt(yielding[0, 0] * yielding[1, 1]))
+    bend = 0.5 * (per_length[3, 3] + per_length[4, 4])
+    uniform = np.diag([1.0 / kGA, 1.0 / kGA, per_length[2, 2], bend, bend, per_length[5, 5]])
     uniform[2, 5] = uniform[5, 2] = per_length[2, 5]
     cut = cut_flexibility(m, list(zip(lengths, (short, long, other), strict=True)), uniform)
     return Homogenised(ShaftSection(EA, EI, GJ, kGA), radii, coupling, cut)
@@ -83,9 +86,3 @@ def _flexibility(m: GrooveMap, outer: float, hole: float, material: Material, si
     T = end_transform(mesh.mesh, spec.z_high)
     rows = sp.csr_matrix((np.ones(6), (np.arange(6), T.shape[1] - 6 + np.arange(6))), (6, T.shape[1]))
     return compliance((T.T @ K @ T).tocsc(), rows)
-
-
-def with_core(section: ShaftSection, hole: float, material: Material) -> ShaftSection:
-    """Section with the core back that only the mesh leaves out."""
-    core = round_section(hole, material.youngs_modulus, material.poissons_ratio)
-    return ShaftSection(section.EA + core.EA, section.EI + core.EI, section.GJ + core.GJ, section.kGA)

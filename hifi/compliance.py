@@ -8,12 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, cho_factor, cho_solve, lu_factor, lu_solve
+from scipy.linalg import block_diag, lu_factor, lu_solve
+from scipy.linalg.lapack import dpotrf, dpotrs
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-Cholesky = tuple[Array, bool]
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class BallBlock:
 
     def factor(self, active: Flags, known: BlockFactor | None = None) -> BlockFactor:
         """Factor of the rows and columns of the ``active`` (n,) pairs; sides that are as in ``known`` are taken over."""
-        cholesky: list[Cholesky | None] = []
+        cholesky: list[Array | None] = []
         inner: list[Array] = []
         middles: list[Array] = []
         for s, (i, j) in enumerate(pairwise(self.starts)):
@@ -70,13 +70,25 @@ class BallBlock:
                 inner.append(V)
                 middles.append(np.zeros((V.shape[1], V.shape[1])))
                 continue
-            found: Cholesky = cho_factor(self.own[s][np.ix_(pick, pick)], lower=True, check_finite=False)
-            solved = cho_solve(found, V, check_finite=False)
+            found = _cholesky(self.own[s], np.flatnonzero(pick))
+            solved = dpotrs(found, V, lower=1)[0]
             cholesky.append(found)
             inner.append(solved)
             middles.append(V.T @ solved)
         small = lu_factor(np.eye(len(self.coupling)) + self.coupling @ block_diag(*middles)) if len(self.coupling) else None
         return BlockFactor(self, active.copy(), tuple(cholesky), tuple(inner), tuple(middles), small)
+
+
+def _cholesky(matrix: Array, pick: Indices) -> Array:
+    """Lower Cholesky factor of the picked rows and columns of a symmetric matrix (above its diagonal: anything).
+
+    Raises numpy.linalg.LinAlgError where they are not positive definite. LAPACK itself: SciPy's checks of small matrices
+    take as long as their factors.
+    """
+    L, fault = dpotrf(matrix[pick[:, None], pick].T, lower=1, clean=0, overwrite_a=1)
+    if fault:
+        raise np.linalg.LinAlgError(f"{fault}-th leading minor of a contact's compliance is not positive definite")
+    return np.asarray(L)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +100,7 @@ class BlockFactor:
 
     block: BallBlock
     active: Flags
-    cholesky: tuple[Cholesky | None, ...]
+    cholesky: tuple[Array | None, ...]
     inner: tuple[Array, ...]
     middles: tuple[Array, ...]
     small: tuple[Array, Indices] | None
@@ -102,7 +114,7 @@ class BlockFactor:
             own = i + np.flatnonzero(self.active[i:j])
             places.append(own)
             if found is not None:
-                out[own] = cho_solve(found, columns[own], check_finite=False)
+                out[own] = dpotrs(found, columns[own], lower=1)[0]
         if self.small is not None:
             amplitude = np.concatenate(
                 [v.T @ columns[own] for v, own in zip(self.inner, places, strict=True)]

@@ -1,8 +1,7 @@
-"""The last rows of a Cholesky factor where CHOLMOD keeps them, without a second copy of the factor.
+"""The supernodes of a Cholesky factor where CHOLMOD keeps them.
 
-cvxopt hands factors out only whole, as a sparse matrix: twice the memory, and a third of the time of a Schur complement.
-Its factors are capsules around CHOLMOD's own record (cholmod_factor_struct of SuiteSparse, the same from version 1 to 7),
-which is read here. What does not look like that record is refused, and the caller takes the copy.
+cvxopt hands factors out only whole and numeric. Its factors are capsules around CHOLMOD's own record (cholmod_factor_struct
+of SuiteSparse, the same from version 1 to 7), which is read here. What does not look like that record is refused.
 """
 
 from __future__ import annotations
@@ -32,40 +31,6 @@ class _Factor(ctypes.Structure):
         *((name, ctypes.c_void_p) for name in ("super", "pi", "px", "s")),
         *((name, ctypes.c_int) for name in _FLAGS),
     )
-
-
-def trailing(factor: Any, size: int, count: int) -> Array | None:
-    """Last ``count`` rows and columns of L, ``(count, count)``, lower triangular; None where the record is not as expected.
-
-    factor: cvxopt's, numeric, of a matrix of ``size`` rows.
-    """
-    name = _capsule("PyCapsule_GetName", ctypes.c_char_p)(factor)
-    if name is None or not name.startswith(b"CHOLMOD FACTOR"):
-        return None
-    get = ctypes.pythonapi.PyCapsule_GetPointer
-    get.restype, get.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-    record = _Factor.from_address(get(factor, name))
-    real_super = (record.is_super, record.is_ll, record.xtype, record.dtype) == (1, 1, 1, 0)
-    if not (record.n == record.minor == size and real_super and record.itype in (0, 2) and record.x and record.s):
-        return None
-    integer = ctypes.c_int64 if record.itype == 2 else ctypes.c_int32
-    columns = _view(record.super, record.nsuper + 1, integer)
-    starts, places = _view(record.pi, record.nsuper + 1, integer), _view(record.px, record.nsuper + 1, integer)
-    rows, values = _view(record.s, record.ssize, integer), _view(record.x, record.xsize, ctypes.c_double)
-    if columns[0] != 0 or columns[-1] != size:
-        return None
-    first = size - count
-    out = np.zeros((count, count))
-    for k in range(record.nsuper - 1, -1, -1):
-        low, high = int(columns[k]), int(columns[k + 1])
-        if high <= first:
-            break
-        own = rows[starts[k] : starts[k + 1]]
-        block = values[places[k] : places[k] + own.size * (high - low)].reshape(high - low, own.size)  # by columns of L
-        begin = max(low, first)
-        kept = own >= begin
-        out[np.ix_(own[kept] - first, np.arange(begin, high) - first)] = block[begin - low :, kept].T
-    return np.tril(out)
 
 
 def structure(factor: Any, size: int) -> tuple[Index, Index, Index, Index] | None:

@@ -8,12 +8,13 @@ and of the fronts of one branch, where a bordered factor holds L and Y whole.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.linalg.blas import dgemm, dtrsm
+from scipy.linalg.blas import dgemm, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
 Array = NDArray[np.float64]
@@ -65,10 +66,19 @@ def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Arr
         for child in children:
             down = np.searchsorted(rows, child.rows)
             all_ = np.concatenate([down, rows.size + np.searchsorted(border, child.border)])
-            front[np.ix_(all_, down)] += child.block
+            _extend_add(front, all_, down, child.block)
         children.clear()
         _eliminate(front, high - low, rows, border, found, waiting, owner)
     return found
+
+
+def _extend_add(front: Array, rows: Index, columns: Index, block: Array) -> None:
+    """Add a child's block to its rows and columns of a front, by the runs of its rows that lie together in both."""
+    ends = np.flatnonzero(np.diff(rows) != 1) + 1
+    for low, high in pairwise([0, *ends.tolist(), rows.size]):
+        wide = min(high, columns.size) if low < columns.size else columns.size
+        first = int(rows[low])
+        front[first : first + high - low, columns[:wide]] += block[low:high, :wide]
 
 
 def _eliminate(
@@ -85,6 +95,9 @@ def _eliminate(
     share = below[inner:]
     if border.size:
         found[np.ix_(border, border)] += share @ share.T
-    if inner:
-        rest = dgemm(-1.0, below, below[:inner], 1.0, front[count:, count:], trans_b=1)
+    if inner:  # of the rows' own block the lower triangle counts
+        rest = np.empty((below.shape[0], inner), order="F")
+        rest[:inner] = dsyrk(-1.0, below[:inner], 1.0, front[count : rows.size, count:], lower=1)
+        if border.size:
+            rest[inner:] = dgemm(-1.0, share, below[:inner], 1.0, front[rows.size :, count:], trans_b=1)
         waiting.setdefault(int(owner[rows[count]]), []).append(Update(rows[count:], border, rest))

@@ -80,6 +80,25 @@ def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[
     return replace(stretch, F=0.5 * (F + F.T))
 
 
+def as_stiff_as(stretch: Stretch, rows: Array, stations: Array, section: ShaftSection, cut: Array, m: GrooveMap) -> Stretch:
+    """The stretch, its mesh too stiff as a beam, made to stretch, twist and bend as a shaft of ``section`` does.
+
+    What its end yields to a force, a torque or a moment there, free of what both cut ends do, says as what uniform beam the
+    mesh behaves; that beam is taken off, and one of ``section`` put in its place (local defect correction, as for a
+    contact's own compliance). rows ``(c, k, 6)``, stations ``(c,)`` as for `beam_stretch`; cut: as for `without_cuts`.
+    """
+    low, high = stretch.ends
+    first = stretch.modes + 6 * stretch.ports.index(high)
+    end = np.s_[first : first + 6]
+    B = stretch.B[end]
+    own = np.diag(stretch.F[end, end] - B @ at_low(cut, m, low) @ B.T - at_high(cut, m, high)) / (high - low)
+    bend = 0.5 * (own[3] + own[4])
+    change = np.array([1.0 / section.EA - own[2], 1.0 / section.EI - bend, 1.0 / section.GJ - own[5]])
+    turn, arms = _followed(rows, stations, stretch)
+    F = stretch.F + turn @ _cantilevers(arms, *change) @ turn.T
+    return replace(stretch, F=0.5 * (F + F.T))
+
+
 def mount(stretch: Stretch, scene: Scene, section: ShaftSection) -> Mounted:
     """Supports and loads of a scene on a stretch continued by beams of ``section``.
 
@@ -204,33 +223,41 @@ def beam_stretch(rows: Array, stations: Array, stretch: Stretch, section: ShaftS
     rows: rigid rows ``(c, k, 6)`` of every contact's modes about its own station; stations ``(c,)`` [m].
     """
     c, k, _ = rows.shape
-    places = np.concatenate([stations, np.repeat(stretch.ports, 1), np.array(stretch.observers)])
-    flexibility = np.zeros((6 * places.size, 6 * places.size))
-    for i, a in enumerate(places):
-        for j, b in enumerate(places):
-            flexibility[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] = _cantilever(a - stretch.base, b - stretch.base, section)
-    turn = np.zeros((c * k + 6 * (places.size - c), 6 * places.size))
-    for i in range(c):
-        turn[i * k : (i + 1) * k, 6 * i : 6 * i + 6] = rows[i]
-    turn[c * k :, 6 * c :] = np.eye(6 * (places.size - c))
+    turn, arms = _followed(rows, stations, stretch)
+    flexibility = _cantilevers(arms, 1.0 / section.EA, 1.0 / section.EI, 1.0 / section.GJ)
+    shear = np.minimum(arms[:, None], arms) / section.kGA
+    flexibility[0::6, 0::6] += shear
+    flexibility[1::6, 1::6] += shear
     F = turn @ flexibility @ turn.T
-    B = turn @ np.concatenate([transport(z - stretch.base) for z in places])
+    B = turn @ np.concatenate([transport(a) for a in arms])
     return Stretch(0.5 * (F + F.T), B, stretch.base, stretch.ports, stretch.observers, stretch.ends, c * k)
 
 
-def _cantilever(a: float, b: float, section: ShaftSection) -> Array:
-    """Motion (6,) at arm a by loads (6,) at arm b of a cantilever held at arm 0, ``(6, 6)``; arms of one sign."""
-    if a * b <= 0.0:
-        return np.zeros((6, 6))
-    sign, near = np.sign(a), min(abs(a), abs(b))
-    if near == 0.0:
-        return np.zeros((6, 6))
-    out = np.zeros((6, 6))
-    # flexibility of the part up to the nearer point, loads and motions transported along the axis
-    part = np.linalg.inv(beam_stiffness(near, section)[6:, 6:])
-    if sign < 0:
-        flip = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])  # turn about x by pi
-        part = flip @ part @ flip
-    point = sign * near
-    out = transport(a - point) @ part @ transport(b - point).T
-    return np.asarray(out)
+def _followed(rows: Array, stations: Array, stretch: Stretch) -> tuple[Array, Array]:
+    """Modes, ports and observers of a stretch that follow the sections of a beam rigidly ``(x, 6 s)``, and the arms
+    ``(s,)`` [m] of these sections from the base. Raises ValueError for one below the base."""
+    c, k, _ = rows.shape
+    arms = np.concatenate([stations, stretch.ports, stretch.observers]) - stretch.base
+    if arms.min() < 0.0:
+        raise ValueError("a section lies below the base of the 3D stretch")
+    turn = np.zeros((c * k + 6 * (arms.size - c), 6 * arms.size))
+    for i in range(c):
+        turn[i * k : (i + 1) * k, 6 * i : 6 * i + 6] = rows[i]
+    turn[c * k :, 6 * c :] = np.eye(6 * (arms.size - c))
+    return turn, arms
+
+
+def _cantilevers(arms: Array, axial: float, bending: float, torsion: float) -> Array:
+    """Flexibility ``(6 s, 6 s)`` of a beam's sections at ``arms`` ``(s,)`` [m] from where it is held, from that of its
+    length: motion of section a by loads on section b, to which the part up to the nearer one, m, yields; no shear."""
+    a, b = arms[:, None], arms[None, :]
+    m = np.minimum(a, b)
+    F = np.zeros((6 * arms.size, 6 * arms.size))
+    across = bending * (a * b * m - 0.5 * (a + b) * m**2 + m**3 / 3.0)
+    by_moment = bending * (a * m - 0.5 * m**2)  # u_x by M_y, -u_y by M_x
+    for i, j, entry in ((0, 0, across), (1, 1, across), (0, 4, by_moment), (1, 3, -by_moment)):
+        F[i::6, j::6] = entry
+    F[4::6, 0::6], F[3::6, 1::6] = by_moment.T, -by_moment.T
+    F[3::6, 3::6] = F[4::6, 4::6] = bending * m
+    F[2::6, 2::6], F[5::6, 5::6] = axial * m, torsion * m
+    return F

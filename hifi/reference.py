@@ -16,10 +16,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
-from scipy.sparse.linalg import lsqr
 from threadpoolctl import threadpool_limits
 
-from hifi.balls import solve_balls
+from hifi.balls import State, solve_balls
 from hifi.compliance import BallBlock, Compliance, coupled
 from hifi.contact import ContactResult
 from hifi.mounting import Mounted, beam_stretch, mount
@@ -217,7 +216,7 @@ def _solve(setup: Setup, scene: Scene, updates: int, sides: tuple[int, ...], lea
     load_motion = _modal_motion(C, at_rest)
     shift, level, slid = np.zeros((count, n, 3)), np.zeros((count, n)), np.zeros((count, n))
     along = _along_track(setup, sides)
-    state: tuple[Array, Array] | None = None
+    state: State | None = None
     done = 0
     while True:
         arms = nominal[None] + errors - shift
@@ -230,10 +229,8 @@ def _solve(setup: Setup, scene: Scene, updates: int, sides: tuple[int, ...], lea
         N = _directions_matrix(directions, screw_rows, mounted.motions)
         f = np.concatenate([np.zeros(3 * count), mounted.work])
         rest = (gap + level).ravel() + load_motion
-        if state is None:
-            state = first_guess(setup, scene, C, rest, N, gap, zones)
-        result, amplitude = solve_balls(C, rest, N, f, start=state)
-        state = (amplitude, result.motions)
+        touching = tuple(expected_touch(gap, zones)) if state is None else ()
+        result, state = solve_balls(C, rest, N, f, start=state, touching=touching)
         new = _relative_motion(setup, result, C, directions, zones, at_rest, screw_rows @ mounted.motions)
         smoothed = _wave(setup, zones, result.forces.reshape(count, n), directions)
         place = _places(setup, zones, result.forces.reshape(count, n))
@@ -356,28 +353,14 @@ def _at_rim(setup: Setup, forces: Array, zones: _Zones) -> bool:
     return bool((forces[:, rim] > 0.0).any())
 
 
-def first_guess(
-    setup: Setup, scene: Scene, C: Compliance, rest: Array, N: sp.csr_matrix, gap: Array, zones: _Zones
-) -> tuple[Array, Array]:
-    """Start of the contact iteration: equal loads, spread over the nearest nodes, and motions that close the gaps there."""
-    count, n = gap.shape
-    m = setup.map
-    total = sum(float(np.linalg.norm(load.force)) + float(np.linalg.norm(load.moment)) / m.R for load in scene.loads)
-    share = max(total / (count * np.sin(m.beta) * np.cos(m.alpha)), 1.0)
-    guess = np.zeros((count, n))
-    for part, s in zip(zones.parts, zones.sides, strict=True):
-        areas = setup.patches[s].groove.areas
-        own = gap[:, part] - gap[:, part].min(axis=1, keepdims=True)
-        third = areas.size // 3
-        reach = np.partition(own, third, axis=1)[:, third, None]
-        weight = np.sqrt(np.maximum(1.0 - own / reach, 0.0)) * areas
-        guess[:, part] = weight / weight.sum(axis=1, keepdims=True) * share
-    lam = guess.ravel()
-    w = C.amplitude(lam)
-    loaded = lam > 0.0
-    scale = np.sqrt(lam[loaded])
-    y = lsqr(sp.diags(scale) @ N[loaded], scale * (rest + C.apply(lam))[loaded], atol=1e-14, btol=1e-14, iter_lim=3000)[0]
-    return w, np.asarray(y)
+def expected_touch(gap: Array, zones: _Zones) -> Array:
+    """Contact nodes ``(balls, n)`` expected to touch, by their gaps ``(balls, n)`` [m]: the nearest third of each side."""
+    out = np.zeros(gap.shape, dtype=bool)
+    for part in zones.parts:
+        own = gap[:, part]
+        third = own.shape[1] // 3
+        out[:, part] = own < np.partition(own, third, axis=1)[:, third, None]
+    return out
 
 
 def _groove_errors(setup: Setup, drawn: Specimen, sides: tuple[int, ...]) -> Array:

@@ -6,10 +6,11 @@ fits every socket of that side. All load cases, supports and error patterns of t
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -27,23 +28,23 @@ from hifi.bodies import (
     of_order,
     patch_modes,
 )
-from hifi.cell import Homogenised, homogenise, with_core
+from hifi.cell import Homogenised, homogenise
 from hifi.fit import Settings
-from hifi.mounting import Stretch, without_cuts
+from hifi.mounting import Stretch, as_stiff_as, without_cuts
 from hifi.part_meshes import Meshes, body_kind, mesh_parts, placed, sockets_of
 from hifi.patch import CondensedPatch
 from hifi.response import compliance, transport
 from hifi.rigid import rigid_modes
 from hifi.shaft import ShaftSection, round_section
+from hifi.side_by_side import Part, make
 from hifi.sides import SidePatches, condense_side, congruent, turned
-from hifi.submodel import SOFT
 from meshes.ball_body import BallBody
 from meshes.cache import Cache
 from meshes.fem import nodes_on
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import GroovedBody
 from meshes.helix import BallLayout, ball_layout
-from meshes.parts import SIDES, Scene
+from meshes.parts import Scene
 from meshes.sockets import AZIMUTH_TURNED
 from meshes.solid import Dimensions, dimensions
 
@@ -99,7 +100,11 @@ class Shaft:
 
 @dataclass
 class Setup:
-    """Everything of one geometry that load cases share; ``nut`` is None where it is rigid."""
+    """Everything of one geometry that load cases share; ``nut`` is None where it is rigid.
+
+    seconds: of every stage (their sum passed on the clock: of stages made at once each has a share); others_MB: sum of the
+    peaks of memory of the other processes that helped.
+    """
 
     scene: Scene
     map: GrooveMap
@@ -116,6 +121,7 @@ class Setup:
     unknowns: int
     quality: dict[str, float]
     seconds: dict[str, float] = field(default_factory=dict)
+    others_MB: float = 0.0
 
 
 def prepare(
@@ -126,95 +132,73 @@ def prepare(
     scenes: Sequence[Scene] = (),
     *,
     cache: Cache | None = None,
+    processes: int = 1,
 ) -> Setup:
     """Meshes, patches and bodies of one geometry; ``sides``: which of SL, SR, NL, NR (0 to 3) may carry load.
 
     scenes: further scenes of the same parts that will be solved with this set-up; they may differ in loads, supports and
-    errors. cache: of meshes and condensed parts, keyed by all that they depend on. Raises ValueError where a mesh cannot
-    be built.
+    errors. cache: of meshes and condensed parts, keyed by all that they depend on. processes: that condense patches, then
+    bodies, at once. Raises ValueError where a mesh cannot be built, MemoryError where a process was ended from outside.
     """
     cache = cache or Cache(None)
     seconds: dict[str, float] = {}
     m, layout, dims = GrooveMap.of(scene), ball_layout(scene), dimensions(scene)
+    others: dict[int, float] = {}
 
-    known = [0, 0]
+    def told(stage: str, spent: float, origin: str) -> None:
+        seconds[stage] = spent
+        step(f"{stage}: {spent:.1f} s{origin}")
 
-    def timed(name: str, start: float) -> None:
-        seconds[name] = perf_counter() - start
-        hit, missed = cache.hits > known[0], cache.misses > known[1]
-        known[:] = cache.hits, cache.misses
-        origin = f", {'partly ' if missed else ''}from the cache" if hit else ""
-        step(f"{name}: {seconds[name]:.1f} s{origin}")
+    def made(parts: Sequence[Part]) -> list[Any]:
+        """Records of the parts; each stage has its share of the time that all took."""
+        start = perf_counter()
+        found = make(parts, cache, processes)
+        share = (perf_counter() - start) / max(sum(one.seconds for one in found), 1e-9)
+        for stage in dict.fromkeys(part.stage for part in parts):
+            own = [one for part, one in zip(parts, found, strict=True) if part.stage == stage]
+            told(stage, share * sum(one.seconds for one in own), _origin([one.cached for one in own]))
+        for one in found:
+            if one.process != os.getpid() and one.peak_MB is not None:
+                others[one.process] = max(others.get(one.process, 0.0), one.peak_MB)
+        return [one.value for one in found]
 
-    start = perf_counter()
+    start, known = perf_counter(), (cache.hits, cache.misses)
     meshes = mesh_parts(scene, m, layout, dims, sides, settings, cache)
-    timed("meshes", start)
-    start = perf_counter()
-    patches: dict[int, SidePatches] = {}
-    for s in sides:
-        if settings.element == "Q2" and congruent(m, s) and s - 1 in patches and _same_boxes(meshes, s):
-            patches[s] = turned(patches[s - 1])
-            continue
-        body, part = (meshes.screw, scene.screw) if s < 2 else (meshes.nut, scene.nut)
-        recipe = (
-            m,
-            dims,
-            meshes.size,
-            s,
-            settings,
-            body.sockets[s].xi,
-            body.sockets[s].triangles,
-            meshes.ball.sockets[s].xi,
-            meshes.ball.sockets[s].triangles,
-            part,
-            scene.balls.material,
-        )
-        patches[s] = cache.get("patch", recipe, partial(condense_side, scene, m, dims, meshes, s, settings), SidePatches)
-        step(f"contact of side {SIDES[s]}")
-    timed("patches", start)
-    start = perf_counter()
-    ball = cache.get(
-        "ball-response",
-        (meshes.ball.points, meshes.ball.cells, scene.balls.material, patches, settings),
-        lambda: ball_compliance(scene, meshes.ball, patches, settings),
-        BallResponse,
-    )
-    timed("ball", start)
-    start = perf_counter()
+    hits, misses = cache.hits - known[0], cache.misses - known[1]
+    told("meshes", perf_counter() - start, _origin([True] * hits + [False] * misses))
+    like = {
+        s: s - 1
+        for s in sides
+        if s - 1 in sides and settings.element == "Q2" and congruent(m, s) and _same_boxes(meshes, s)
+    }
+    alone = [s for s in sides if s not in like]
+    patches = dict(zip(alone, made([_patch_part(scene, m, dims, meshes, s, settings) for s in alone]), strict=True))
+    patches = {s: patches[s] if s in patches else turned(patches[like[s]]) for s in sides}
+
     low, high = dims.ends(scene)
     stations = tuple(sorted({z for c in (scene, *scenes) for z in (*(x.at for x in c.supports), *(x.at for x in c.loads))}))
-    shaft = cache.get(
-        "shaft",
-        (m, dims, scene.screw, low, high, stations, settings.cell),
-        lambda: shaft_section(scene, m, dims, settings.cell, stations),
-        Shaft,
-    )
-    timed("shaft section", start)
-    start = perf_counter()
-    own = {s: p.groove for s, p in patches.items() if s < 2}
     inside = tuple(z for z in stations if low < z < high)
-    made_of = (meshes.screw.points, meshes.screw.cells, own, layout, sides, settings, dims, scene.screw, scene.nut, inside)
-    screw = cache.get(
-        "screw-response",
-        made_of,
-        lambda: screw_response(scene, inside, meshes.screw, layout, sides, own, settings, dims),
-        ScrewResponse,
-    )
-    if shaft.homogenised is not None:
-        screw = replace(screw, stretch=without_cuts(screw.stretch, shaft.homogenised.cut, m, stations))
-    timed("screw", start)
-    start = perf_counter()
-    nut = None
+    own = {s: p.groove for s, p in patches.items() if s < 2}
+    facing = {s: p.groove for s, p in patches.items() if s >= 2}
+    ball_of = (meshes.ball.points, meshes.ball.cells, scene.balls.material, patches, settings)
+    shaft_of = (m, dims, scene.screw, low, high, stations, settings.cell)
+    screw_of = (meshes.screw.points, meshes.screw.cells, own, layout, sides, settings, dims, scene.screw, scene.nut, inside)
+    nut_of = (meshes.nut.points, meshes.nut.cells, facing, layout, sides, settings, dims, scene.nut)
+    screw_from = (scene, inside, meshes.screw, layout, sides, own, settings, dims)
+    bodies = [
+        Part("shaft section", "shaft", shaft_of, shaft_section, (scene, m, dims, settings.cell, stations), Shaft),
+        Part("screw", "screw-response", screw_of, screw_response, screw_from, ScrewResponse),
+        Part("ball", "ball-response", ball_of, ball_compliance, (scene, meshes.ball, patches, settings), BallResponse),
+    ]
     if scene.solid.nut == "elastic":
-        facing = {s: p.groove for s, p in patches.items() if s >= 2}
-        nut_of = (meshes.nut.points, meshes.nut.cells, facing, layout, sides, settings, dims, scene.nut)
-        nut = cache.get(
-            "nut-response",
-            nut_of,
-            lambda: nut_response(scene, meshes.nut, layout, sides, facing, settings, dims),
-            NutResponse,
-        )
-        timed("nut", start)
+        nut_from = (scene, meshes.nut, layout, sides, facing, settings, dims)
+        bodies.insert(2, Part("nut", "nut-response", nut_of, nut_response, nut_from, NutResponse))
+    shaft, screw, *nuts, ball = made(bodies)
+    nut: NutResponse | None = nuts[0] if nuts else None
+    if shaft.homogenised is not None:
+        along = np.repeat(layout.z, sum(s < 2 for s in sides))
+        stretch = as_stiff_as(screw.stretch, screw.rigid, along, shaft.section, shaft.homogenised.cut, m)
+        screw = replace(screw, stretch=without_cuts(stretch, shaft.homogenised.cut, m, stations))
     count = layout.z.size
     unknowns = screw.unknowns + (nut.unknowns if nut else 0) + ball.unknowns * count
     unknowns += sum(p.groove.unknowns + p.ball.unknowns for p in patches.values()) * count
@@ -242,7 +226,34 @@ def prepare(
         unknowns,
         quality,
         seconds,
+        sum(others.values()),
     )
+
+
+def _origin(cached: Sequence[bool]) -> str:
+    """What is said of records, some of which came from the cache."""
+    if not any(cached):
+        return ""
+    return ", from the cache" if all(cached) else ", partly from the cache"
+
+
+def _patch_part(scene: Scene, m: GrooveMap, dims: Dimensions, meshes: Meshes, s: int, settings: Settings) -> Part:
+    """The patches of a side, as a part to be made."""
+    body, part = (meshes.screw, scene.screw) if s < 2 else (meshes.nut, scene.nut)
+    recipe = (
+        m,
+        dims,
+        meshes.size,
+        s,
+        settings,
+        body.sockets[s].xi,
+        body.sockets[s].triangles,
+        meshes.ball.sockets[s].xi,
+        meshes.ball.sockets[s].triangles,
+        part,
+        scene.balls.material,
+    )
+    return Part("patches", "patch", recipe, condense_side, (scene, m, dims, meshes, s, settings), SidePatches)
 
 
 def _same_boxes(meshes: Meshes, side: int) -> bool:
@@ -265,7 +276,7 @@ def ball_compliance(scene: Scene, mesh: BallBody, patches: dict[int, SidePatches
     free = np.setdiff1d(np.arange(K.shape[0]), held)
     kept = {s: patch_modes(p, settings.ball_modes) for s, p in own.items()}
     rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0])[:, free]
-    G = compliance(condense(K, D=held, expand=False), rows, SOFT)
+    G = compliance(condense(K, D=held, expand=False), rows)
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
 
 
@@ -284,8 +295,8 @@ def shaft_section(scene: Scene, m: GrooveMap, dims: Dimensions, size: float, sta
         bore = round_section(scene.screw.bore / 2.0, e.youngs_modulus, e.poissons_ratio)
         own = ShaftSection(plain.EA - bore.EA, plain.EI - bore.EI, plain.GJ - bore.GJ, plain.kGA - bore.kGA)
         return Shaft(own, None)
-    found = homogenise(m, outer, dims.hole, e, size)
-    return Shaft(with_core(found.section, dims.hole, e) if scene.screw.bore == 0.0 else found.section, found)
+    found = homogenise(m, outer, scene.screw.bore / 2.0, dims.hole, e, size)
+    return Shaft(found.section, found)
 
 
 def screw_response(
@@ -323,7 +334,7 @@ def screw_response(
         follow = [section_motion(mesh.points, hole, z, size) @ T for z in (*inside, *observers)]
         rows = sp.vstack([modes @ T, end, *follow]).tocsr()
     K = (T.T @ K @ T).tocsc()  # the free body's is dropped: a gigabyte with 400 contacts
-    F = compliance(K, rows, SOFT)
+    F = compliance(K, rows)
     rigid = np.asarray(modes @ rigid_modes(mesh.points, np.array([0.0, 0.0, base])))
     B = np.concatenate([rigid, *(transport(z - base) for z in (*ports, *observers))])
     stretch = Stretch(F, B, base, ports, observers, (low, high), modes.shape[0], rigid=bore)
@@ -379,4 +390,4 @@ def nut_response(
     kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
     rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]) @ T
     K = (T.T @ K @ T).tocsc()
-    return NutResponse(compliance(K, rows, SOFT), {s: k[0] for s, k in kept.items()}, T.shape[1])
+    return NutResponse(compliance(K, rows), {s: k[0] for s, k in kept.items()}, T.shape[1])

@@ -10,13 +10,12 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from hifi.factor_view import structure, trailing
+from hifi.factor_view import structure
 from hifi.fronts import Supernodes, gram_by_fronts
 
 FloatArray = NDArray[np.float64]
@@ -31,12 +30,9 @@ SINGULAR = 1e13
 
 CHUNK = 20_000
 """Columns of a matrix that are looked at together."""
-LARGE = 1e8
-"""Freedoms times columns of a `gram` from which the factor is not held: memory counts then, and the sweep over its fronts
-is as fast."""
 CHECKED = 1e-5
 """Largest relative error of the known answer of such a sweep: soft bodies lose up to half the digits."""
-HELD_WHOLE = "the factor is held whole, in several times the memory"
+HELD_WHOLE = "the factor is held whole, in several times the memory and time"
 
 
 class FactorError(ArithmeticError):
@@ -163,83 +159,34 @@ def _ranges(first: IntArray, count: IntArray) -> IntArray:
     return np.arange(ends[-1] if ends.size else 0) + np.repeat(first - ends + count, count)
 
 
-def gram(K: sp.spmatrix, B: sp.spmatrix, start: float = 1e2) -> FloatArray:
-    """B^T K^-1 B, shape (m, m), for sparse B (n, m), by one partial factorisation.
+def gram(K: sp.spmatrix, B: sp.spmatrix) -> FloatArray:
+    """B^T K^-1 B, shape (m, m), for sparse B (n, m): front by front (`hifi.fronts`), without holding the factor.
 
-    The trailing block of the Cholesky factor of [[K, B], [B^T, d I]] is that of d I - B^T K^-1 B, with the columns of B
-    scaled by diag(K) and d raised, from ``start``, until the whole is positive definite. Many times faster than m solves:
-    cvxopt solves column by column. The result is checked against a solve. From `LARGE` on the factor is not held
-    (`hifi.fronts`).
-    Raises FactorError where no such d is found, and should the library order the border elsewhere than last.
+    Checked by one column more, K x for a known x, whose answer is x. Where that fails, or the library does not show its
+    supernodes, a warning says so, and a factor that is held whole is solved with, column by column: it says what is wrong
+    with the matrix. So it does, without a warning, up to `SMALL` freedoms. Raises FactorError as `factor` does.
     """
-    import cvxopt
-    from cvxopt import cholmod
-
     inner, columns = sp.csc_matrix(K), sp.csc_matrix(B)
-    n, m = columns.shape
-    if n * m >= LARGE:
-        found = _gram_by_fronts(inner, columns)
-        if found is not None:
-            return found
-    squares = columns.power(2).T @ (1.0 / _diagonal(inner))  # scale of each diagonal entry of the result
-    root = np.sqrt(np.where(squares > 0.0, squares, 1.0))
-    order = np.concatenate([nested_dissection(inner), np.arange(n, n + m)])
-    lower, border = sp.tril(inner).tocoo(), (columns @ sp.diags(1.0 / root)).tocoo()
-    # The border's own block is stored in full, zeros too: it fills anyway.
-    i, j = np.tril_indices(m)
-    rows = np.concatenate([lower.row, n + border.col, n + i]).astype(np.int64)
-    cols = np.concatenate([lower.col, border.row, n + j]).astype(np.int64)
-    for enlarged in (start, 1e2 * start, 1e4 * start):
-        data = np.concatenate([lower.data, border.data, np.where(i == j, enlarged, 0.0)])
-        sparse = cvxopt.spmatrix(data, rows, cols, (n + m, n + m), "d")
-        try:
-            symbolic = _supernodal(sparse, order, kept=True)
-        except ArithmeticError:
-            continue
-        place = cvxopt.matrix(np.arange(n + m, dtype=float))
-        cholmod.solve(symbolic, place, sys=8)
-        last = np.array(place).ravel()[n:].astype(np.int64) - n
-        if last.size and last.min() < 0:
-            break
-        probe = np.random.default_rng(2).standard_normal(m)
-        dense = cvxopt.matrix(np.concatenate([np.zeros(n), probe]), tc="d")
-        cholmod.solve(symbolic, dense)  # before getfactor, which takes the numbers out of the factor
-        found = trailing(symbolic, n + m, m)
-        if found is None:
-            pointers, indices, values = (np.array(part).ravel() for part in cholmod.getfactor(symbolic).CCS)
-            first = pointers[n]
-            found = sp.csc_matrix((values[first:], indices[first:] - n, pointers[n:] - first), shape=(m, m)).toarray()
-        left = np.empty((m, m))
-        left[np.ix_(last, last)] = found @ found.T
-        if not np.linalg.norm(left @ np.array(dense).ravel()[n:] - probe) <= 1e-9 * np.linalg.norm(probe):
-            break
-        return np.asarray((enlarged * np.eye(m) - left) * np.outer(root, root))
-    raise FactorError("no bordered factor: not positive definite, or the border was not kept last")
-
-
-def _gram_by_fronts(K: sp.csc_matrix, B: sp.csc_matrix) -> FloatArray | None:
-    """The same without holding the factor; None, with a warning, where the library does not show its supernodes or the
-    check fails: then the bordered factor decides, and says what is wrong.
-
-    Checked by one column more, K x for a known x, whose answer is x. Raises FactorError where elimination breaks down.
-    """
-    nodes = supernodes(K)
-    if nodes is None:
-        warnings.warn("the library does not show its supernodes; " + HELD_WHOLE, RuntimeWarning, stacklevel=3)
-        return None
-    known = np.random.default_rng(2).standard_normal(K.shape[0]) / np.sqrt(_diagonal(K))
-    loads = sp.hstack([B, sp.csc_matrix((K @ known)[:, None])]).tocsr()
-    try:
-        found = gram_by_fronts(K, loads, nodes)
-    except ArithmeticError as error:
-        raise FactorError(f"not positive definite: elimination breaks down at column {error.args[0]}") from error
-    answer = B.T @ known
-    off = np.linalg.norm(found[:-1, -1] - answer)
-    if not off <= CHECKED * np.linalg.norm(answer):
-        missed = f"a known answer is missed by {off / np.linalg.norm(answer):.1g} front by front; "
-        warnings.warn(missed + HELD_WHOLE, RuntimeWarning, stacklevel=3)
-        return None
-    return np.asarray(found[:-1, :-1])
+    diagonal = _diagonal(inner)
+    if inner.shape[0] > SMALL:
+        nodes = supernodes(inner)
+        if nodes is None:
+            warnings.warn("the library does not show its supernodes; " + HELD_WHOLE, RuntimeWarning, stacklevel=3)
+        else:
+            known = np.random.default_rng(2).standard_normal(inner.shape[0]) / np.sqrt(diagonal)
+            loads = sp.hstack([columns, sp.csc_matrix((inner @ known)[:, None])]).tocsr()
+            try:
+                found = gram_by_fronts(inner, loads, nodes)
+            except ArithmeticError as error:
+                raise FactorError(f"not positive definite: elimination breaks down at column {error.args[0]}") from error
+            answer = columns.T @ known
+            off = np.linalg.norm(found[:-1, -1] - answer)
+            if off <= CHECKED * np.linalg.norm(answer):
+                return np.asarray(found[:-1, :-1])
+            missed = f"a known answer is missed by {off / np.linalg.norm(answer):.1g} front by front; "
+            warnings.warn(missed + HELD_WHOLE, RuntimeWarning, stacklevel=3)
+    solver = factor(inner)
+    return np.asarray(columns.T @ solver.solve(columns.toarray()))
 
 
 @contextmanager
@@ -284,7 +231,9 @@ def _cholmod(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
     lower = sp.tril(matrix).tocoo()
     sparse = cvxopt.spmatrix(lower.data, lower.row.astype(np.int64), lower.col.astype(np.int64), matrix.shape, "d")
     try:
-        symbolic = _supernodal(sparse, order)
+        with _options(supernodal=2):  # the given order unless AMD's has less fill
+            symbolic = cholmod.symbolic(sparse, p=cvxopt.matrix(order.astype(np.int64), tc="i"))
+            cholmod.numeric(sparse, symbolic)
     except ArithmeticError as error:
         raise FactorError(f"not positive definite: Cholesky factor breaks down at column {error.args[0]}") from error
 
@@ -294,21 +243,6 @@ def _cholmod(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
         return np.array(dense)
 
     return apply
-
-
-def _supernodal(sparse: Any, order: IntArray, *, kept: bool = False) -> Any:
-    """CHOLMOD's factor L L^T of a cvxopt matrix's lower triangle, in the given order unless AMD's has less fill.
-
-    kept: in the given order.
-    """
-    import cvxopt
-    from cvxopt import cholmod
-
-    permutation = cvxopt.matrix(order.astype(np.int64), tc="i")
-    with _options(supernodal=2, **({"nmethods": 1} if kept else {})):  # 1: the given order alone
-        symbolic = cholmod.symbolic(sparse, p=permutation)
-        cholmod.numeric(sparse, symbolic)
-    return symbolic
 
 
 def _splu(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:

@@ -39,8 +39,6 @@ Index = NDArray[np.int64]
 #: unstructured meshes (some ten thousandths of an approach) does not pass into all contacts of a side.
 REALISATIONS = 3
 STEP = 0.01
-#: For `hifi.response.compliance`: a piece held at its ends yields that much more than its cells beside a hat.
-SOFT = 1e4
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,7 @@ def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float
     K = (T.T @ K_patch @ T + sp.coo_matrix((body.data, (body.row + inner.size, body.col + inner.size)), shape)).tocsc()
     hats = (hat_rows(patch, normals) @ T).tocsr()
     relief = sp.hstack([sp.csr_matrix((loads.shape[0], inner.size)), loads[:, free]])
-    F = compliance(K, sp.vstack([hats, relief]).tocsr(), SOFT)
+    F = compliance(K, sp.vstack([hats, relief]).tocsr())
     return _relieved(F, hats.shape[0], hat_rows(patch, normals) @ _turned_rigid(patch, piece), loads, piece)
 
 
@@ -89,7 +87,7 @@ def coarse_compliance(piece: Piece, patch: CondensedPatch, rows: Array, young: f
     K = assemble(piece.mesh, [socket], {0: patch}, young, poisson)
     free, loads = _supports(piece)
     Q = mode_rows([socket], {0: rows}, K.shape[0])
-    F = compliance(K[free][:, free].tocsc(), sp.vstack([Q[:, free], loads[:, free]]).tocsr(), SOFT)
+    F = compliance(K[free][:, free].tocsc(), sp.vstack([Q[:, free], loads[:, free]]).tocsr())
     return _relieved(F, len(rows), Q @ rigid_modes(points_of(piece.mesh)), loads, piece)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from compare.errors import InputError, Refusal
 from compare.reference.levels import LEVELS
 from compare.reference.runs import settings_of
-from compare.system import need_gmsh
+from compare.system import cores, need_gmsh, out_of_memory
 from compare.writing import need_writable
 from meshes.parts import Scene
 
@@ -35,7 +35,9 @@ def run_condense(
         print(text, file=sys.stderr, flush=True)
 
     try:
-        setup = prepare(scene, (0, 1, 2, 3), settings_of([scene], level), step, cache=Cache(cache))
+        setup = prepare(scene, (0, 1, 2, 3), settings_of([scene], level), step, cache=Cache(cache), processes=cores())
+    except MemoryError as error:
+        raise out_of_memory(error) from error
     except ValueError as error:
         raise Refusal(scene.name, "3D bodies", str(error), "change what it names") from error
     try:

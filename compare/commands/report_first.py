@@ -13,7 +13,7 @@ import numpy as np
 from compare.measure import error_percent
 from compare.reference.runs import Task, compute, load
 from compare.scenes import catalogue
-from compare.system import gmsh_fault
+from compare.system import cores, gmsh_fault
 from meshes.libraries import MESHING, PICTURES, install
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def live_check(stores: Sequence[Path] | None, step: Callable[[str], None]) -> Li
     if stored is None:
         return None
     start = perf_counter()
-    (run,) = compute(Task((scene,), LEVEL), step)
+    (run,) = compute(Task((scene,), LEVEL, processes=cores()), step)
     mean = float(stored.load[stored.load > 0.0].mean())
     percent = float(np.abs(error_percent(run.load, stored.load, mean)).max()) if run.status == "converged" else float("inf")
     return LiveCheck(CHECKED, LEVEL, percent, perf_counter() - start)

@@ -10,12 +10,12 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from compare.costs.bench import Job, timed
-from compare.reference.memory import peak_MB
 from compare.scenes.catalogue import shipped
 from lowfi.statics.axis.solve import solve_assembly
 from lowfi.statics.problem import forget_nominal
 from lowfi.statics.static import solve_static
 from meshes.axis import Assembly, Housing, RollingSet, diagonal
+from meshes.memory import peak_MB
 from meshes.parts import Scene
 
 #: Numbers of nuts in the row whose slope is given; time of a double nut that is aimed at [s].

@@ -27,7 +27,6 @@ from threadpoolctl import threadpool_limits
 
 from compare.extremes.static import with_balls
 from compare.models.ensemble import run_ensemble
-from compare.reference.memory import peak_MB, reset_peak
 from compare.scenes.catalogue import scene as shipped
 from lowfi.as_source import static as lin
 from lowfi.compliance.bodies import REFINED, forget
@@ -40,6 +39,7 @@ from lowfi.statics.static import TOLERANCE as OWN_TOLERANCE
 from lowfi.statics.static import Prepared, pick_engine, prepare, run, solve_static
 from meshes.errors import specimen
 from meshes.helix import ball_layout
+from meshes.memory import peak_MB, reset_peak
 from meshes.parts import Scene
 
 Array = NDArray[np.float64]

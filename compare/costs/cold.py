@@ -30,7 +30,7 @@ from time import perf_counter, time
 from pathlib import Path
 import json
 from compare.scenes import catalogue
-from compare.reference.memory import peak_MB
+from meshes.memory import peak_MB
 from compare.models.registry import Options, run_model
 ask = json.loads({ask!r})
 scene = catalogue.scene(ask["scene"])

@@ -9,7 +9,6 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from compare.costs.bench import Job, timed
-from compare.reference.memory import peak_MB
 from compare.rolling.cases import case_of
 from compare.rolling.from_rest import DURATION, GAP
 from compare.rolling.low_order import low_order
@@ -18,6 +17,7 @@ from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
 from hifi.rolling.balls import Choices, Rolling, solve_rolling, unit_patch
 from hifi.rolling.transient import run_from_rest
+from meshes.memory import peak_MB
 
 #: Grids of the steady scenes, of the run from rest, and a coarse one; targets [s].
 PRODUCTION, REST, COARSE = LEVELS[1], (12, 16), (10, 12)

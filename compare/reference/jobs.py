@@ -12,11 +12,12 @@ from time import perf_counter
 from compare.errors import InputError
 from compare.reference.expected import Progress, duration, expected, need_memory
 from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from compare.reference.memory import reset_peak
 from compare.reference.runs import Run, Task, bodies_path, compute_with_bodies, groups, load, path_in, save, with_bodies
 from compare.reference.variants import VARIANTS
+from compare.system import cores
 from compare.watch import reader_gone
 from meshes.condensed import CondensedBodies
+from meshes.memory import reset_peak
 from meshes.parts import Scene
 
 Step = Callable[[str], None]
@@ -111,12 +112,13 @@ def ensure(
     from compare.reference import parallel
 
     wanted = tasks if fresh else missing(tasks, (store, *stores))
-    left = [replace(task, cache=engine.cache) for task in wanted]
+    here = engine.backend == "joblib"
+    processes = max(cores() // (engine.workers or 1), 1) if here else 1
+    left = [replace(task, cache=engine.cache, processes=processes) for task in wanted]
     failed: list[Run] = []
     if not left:
         return failed
     start, done, total = perf_counter(), 0.0, sum(task.weight for task in left)
-    here = engine.backend == "joblib"
     alone = here and (engine.workers or 1) == 1
     step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=here))
     jobs = [(perform, (task, store, step) if alone else (task, store)) for task in left]

@@ -19,12 +19,12 @@ from compare.errors import InputError, Refusal
 from compare.reference import grid_order
 from compare.reference.convergence import Convergence, Pooled, pool, representative_size
 from compare.reference.levels import LEVELS, SOURCE_LEVEL, scaled
-from compare.reference.memory import peak_MB
 from compare.reference.sealing import sealed, unsealed
 from compare.reference.variants import VARIANTS
-from compare.system import need_gmsh
+from compare.system import need_gmsh, out_of_memory
 from compare.writing import replace_file
 from meshes.condensed import CondensedBodies, geometry_digest
+from meshes.memory import peak_MB
 from meshes.parts import Scene
 from meshes.solid import dimensions
 
@@ -36,7 +36,7 @@ Array = NDArray[np.float64]
 Step = Callable[[str], None]
 
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
-SCHEMA = 7
+SCHEMA = 8
 #: How often patches are enlarged where a contact reaches their rim, by what, and in how many such steps at a time at most.
 ENLARGE, BEYOND, LARGER = 2, 1.2, 4
 #: Share by which a patch must grow to be built again.
@@ -200,13 +200,14 @@ def serves(scene: Scene, level: int, variant: str, settings: Mapping[str, Any], 
 @dataclass(frozen=True)
 class Task:
     """One set-up and its load cases: scenes of one geometry on one level, with a variant; ``ablate``: also leave out every
-    ingredient in turn; ``cache``: folder of the mesh cache."""
+    ingredient in turn; ``cache``: folder of the mesh cache; ``processes`` that one set-up may use."""
 
     scenes: tuple[Scene, ...]
     level: int
     variant: str = ""
     ablate: bool = False
     cache: Path | None = None
+    processes: int = 1
 
     @property
     def label(self) -> str:
@@ -224,7 +225,7 @@ class Task:
 
 
 def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
-    """Run a task. Raises InputError where a mesh cannot be built."""
+    """Run a task. Raises InputError where a mesh cannot be built, or memory runs out."""
     return compute_with_bodies(task, step)[0]
 
 
@@ -246,7 +247,9 @@ def compute_with_bodies(task: Task, step: Step = lambda _: None) -> tuple[list[R
     sides = tuple(sorted({s for scene in scenes for s in needed_sides(scene)}))
     for attempt in range(ENLARGE + 1):
         try:
-            setup = prepare(scenes[0], sides, settings, step, scenes[1:], cache=Cache(task.cache))
+            setup = prepare(scenes[0], sides, settings, step, scenes[1:], cache=Cache(task.cache), processes=task.processes)
+        except MemoryError as error:
+            raise out_of_memory(error) from error
         except ValueError as error:
             raise _refused(scenes[0], error) from error
         runs = [_one(task, number, scene, setup, needed_sides(scene), step) for number, scene in enumerate(scenes)]
@@ -343,7 +346,7 @@ def _one(task: Task, number: int, scene: Scene, setup: Setup, sides: tuple[int, 
         unknowns=result.unknowns,
         stages=setup.seconds,
         solve_seconds=result.seconds["contact"],
-        peak_MB=peak_MB(),
+        peak_MB=None if (own := peak_MB()) is None else own + setup.others_MB,
         balance=result.balance,
         along_groove=result.along_groove,
         screw_balance=result.screw_balance,

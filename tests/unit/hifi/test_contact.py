@@ -9,7 +9,7 @@ import pytest
 from scipy import sparse
 from scipy.optimize import nnls
 
-from hifi.balls import press, solve_balls
+from hifi.balls import State, press, solve_balls
 from hifi.compliance import coupled, plain, uncoupled
 
 #: Compliance [m/N] and gaps [m] of a real contact's size.
@@ -118,12 +118,14 @@ def test_answer_does_not_depend_on_where_it_starts():
     rng = np.random.default_rng(11)
     low = patches(rng)
     gap, N, f = GAP * rng.normal(size=low.size), sparse.csr_matrix(np.ones((low.size, 1))), np.array([500.0])
-    cold, amplitude = solve_balls(low, gap, N, f)
-    warm, _ = solve_balls(low, gap, N, f, start=(amplitude, cold.motions))
-    other, _ = solve_balls(low, gap, N, f, start=(0.3 * amplitude, 2.0 * cold.motions))
+    cold, state = solve_balls(low, gap, N, f)
+    warm, _ = solve_balls(low, gap, N, f, start=state)
+    other, _ = solve_balls(low, gap, N, f, start=State(0.3 * state.w, 2.0 * state.y))
     assert cold.converged
     assert warm.iterations == 1
-    for found in (warm, other):
+    touching = [np.ones(len(block), dtype=bool) for block in low.blocks]
+    guessed, _ = solve_balls(low, gap, N, f, touching=touching)
+    for found in (warm, other, guessed):
         np.testing.assert_allclose(found.forces, cold.forces, atol=1e-8 * cold.forces.max())
 
 

@@ -1,4 +1,4 @@
-"""Elimination front by front: equal to dense algebra and to the bordered factor, to round-off."""
+"""Elimination front by front: equal to dense algebra and to solves with a factor that is held, to round-off."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def loads(size: int, columns: int) -> sp.csc_matrix:
 
 @pytest.fixture
 def _streamed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(solvers, "LARGE", 0.0)
+    monkeypatch.setattr(solvers, "SMALL", 0)
 
 
 @pytest.mark.usefixtures("_streamed")
@@ -38,12 +38,12 @@ def test_it_is_dense_algebra(columns: int) -> None:
     np.testing.assert_allclose(gram(K, B), dense, atol=1e-12 * np.abs(dense).max())
 
 
-def test_it_is_the_bordered_factor(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_is_solves_with_a_factor(monkeypatch: pytest.MonkeyPatch) -> None:
     K, B = body(9), loads(2187, 120)
-    bordered = gram(K, B)
-    monkeypatch.setattr(solvers, "trailing", None)  # what follows must not take that way
-    monkeypatch.setattr(solvers, "LARGE", 0.0)
-    np.testing.assert_allclose(gram(K, B), bordered, atol=1e-12 * np.abs(bordered).max())
+    solved = gram(K, B)  # few freedoms
+    monkeypatch.setattr(solvers, "factor", None)  # what follows must not take that way
+    monkeypatch.setattr(solvers, "SMALL", 0)
+    np.testing.assert_allclose(gram(K, B), solved, atol=1e-12 * np.abs(solved).max())
 
 
 @pytest.mark.usefixtures("_streamed")
@@ -54,7 +54,7 @@ def test_a_body_that_is_not_held_is_refused(held: float) -> None:
 
 
 @pytest.mark.usefixtures("_streamed")
-def test_where_the_supernodes_are_not_shown_the_bordered_factor_serves(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_the_supernodes_are_not_shown_a_factor_serves(monkeypatch: pytest.MonkeyPatch) -> None:
     K, B = body(5), loads(375, 12)
     expected = gram(K, B)
     monkeypatch.setattr(solvers, "structure", lambda *_: None)
@@ -63,7 +63,7 @@ def test_where_the_supernodes_are_not_shown_the_bordered_factor_serves(monkeypat
 
 
 @pytest.mark.usefixtures("_streamed")
-def test_a_known_answer_that_is_missed_is_said_and_the_bordered_factor_serves(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_known_answer_that_is_missed_is_said_and_a_factor_serves(monkeypatch: pytest.MonkeyPatch) -> None:
     K, B = body(5), loads(375, 12)
     expected = gram(K, B)
     real = solvers.gram_by_fronts

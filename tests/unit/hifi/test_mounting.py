@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from compare.scenes import catalogue
-from hifi.mounting import Stretch, beam_stretch, mount, unheld
+from hifi.cut import at_high, at_low
+from hifi.mounting import Stretch, as_stiff_as, beam_stretch, mount, unheld
 from hifi.response import transport
 from hifi.shaft import beam_stiffness, round_section
+from meshes.groove_map import GrooveMap
 from meshes.parts import FREEDOMS, Load, Support
 
 SECTION = round_section(15e-3, 210e9, 0.28)
@@ -123,3 +125,21 @@ def test_a_ring_on_a_stiff_shaft_follows_its_bore():
     found = mount(ring, scene, SECTION)
     np.testing.assert_allclose(found.G, F)
     np.testing.assert_allclose(found.loads, [1e-6 - 0.05 * 2e-3, 0.0, 0.0, 0.0, 2e-3, 0.0], atol=1e-15)
+
+
+@pytest.mark.parametrize("ends", [0.0, 1e-9])
+def test_a_mesh_that_is_too_stiff_is_made_as_stiff_as_its_section(ends):
+    """A beam of another section, with cuts that yield at its ends: the right beam, and the cuts as they were."""
+    m, rows, cut = GrooveMap.of(catalogue.scene("lin-case1")), np.broadcast_to(np.eye(6), (4, 6, 6)), ends * np.eye(6)
+    stiff = replace(SECTION, EA=1.02 * SECTION.EA, EI=1.013 * SECTION.EI, GJ=1.008 * SECTION.GJ)
+
+    def with_cuts(section):
+        beam = beam_stretch(rows, STATIONS, stretch(), section)
+        F = beam.F + beam.B @ at_low(cut, m, LOW) @ beam.B.T
+        end = slice(beam.modes, beam.modes + 6)
+        F[end, end] += at_high(cut, m, HIGH)
+        return replace(beam, F=F)
+
+    found, wanted = as_stiff_as(with_cuts(stiff), rows, STATIONS, SECTION, cut, m), with_cuts(SECTION)
+    assert np.abs(with_cuts(stiff).F - wanted.F).max() > 5e-3 * np.abs(wanted.F).max()
+    np.testing.assert_allclose(found.F, wanted.F, rtol=0, atol=1e-9 * np.abs(wanted.F).max())

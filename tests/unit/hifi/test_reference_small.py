@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 from compare.scenes import catalogue
 from hifi import condensed, grid_wave, part_meshes, reference, setup
 from hifi.assembly import assemble
-from hifi.balls import solve_balls
+from hifi.balls import State, solve_balls
 from hifi.bodies import freedoms, isostatic
 from hifi.compliance import uncoupled
 from hifi.fit import Settings, ball_place
@@ -188,7 +188,7 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     N = reference._directions_matrix(directions, rows, mounted.motions)
     f = np.concatenate([np.zeros(6), mounted.work])
     frozen = reference.solve_reference(small, small.scene, updates=0)
-    start = (np.zeros(0), frozen.contact.motions * 1.01)
+    start = State(np.zeros(0), frozen.contact.motions * 1.01)
     by_loads = mounted.loads[reference._modal_rows(small, sides)]
     at_rest = reference._modal_motion(C, reference._spread(small, C, sides, by_loads))
     other, _ = solve_balls(uncoupled(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from compare.reference import memory
-from compare.reference.memory import peak_MB, reset_peak
+from meshes.memory import peak_MB, reset_peak
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the record can be started anew on Linux only")
