@@ -179,7 +179,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "forces: the beam takes the section of half a lead of grooved shaft (axisymmetric elements, harmonics 0 and 1), "
         "the nut is a beam too, and both get what a smooth body of revolution does beyond a beam (Fourier harmonics around "
         "the axis: ovalisation, ends, the clamped face), what the true flank does beyond that, less the half space that "
-        "Hertz's law holds already; the balls are elastic spheres (Lur'e's series), the rings of a bearing bodies of "
+        "Hertz's law holds already; tension and bending of a screw that goes on beyond the nut squeeze its contacts by "
+        "Poisson's ratio (Saint-Venant); the balls are elastic spheres (Lur'e's series), the rings of a bearing bodies of "
         "revolution with their groove. No 3D solve, and nothing fitted to one.",
         headline(rungs),
     )

@@ -233,8 +233,9 @@ def ready(
         raise AssertionError("uneven flanks are solved with all four sides")
     shaft = shaft_of(problem)
     axes = typical_axes(problem)
-    whole = condensed is not None and condensed.parts == PARTS
-    ball = condensed.ball(problem.scene, axes) if whole else ball_compliance(problem.scene, axes, backend)
+    ball = ball_compliance(problem.scene, axes, backend)
+    if condensed is not None and condensed.parts == PARTS:
+        ball = condensed.ball(problem.scene, axes)
     flanks, assumed = flanks_of(problem, shaft, backend, condensed, layout, ball)
     pair = one_pair(problem)
     local = np.zeros((N, 4, 3))
