@@ -180,8 +180,7 @@ def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") ->
         "the 3D reference set-up and load case as stored with the run. Warm: bodies of the geometry known, kernels "
         "compiled; of the 3D reference a further load case. Peak memory is each run's own (of several processes: the "
         "sum of their peaks), interpreter and libraries included. Unknowns of the 3D reference are those of the monolithic "
-        "mesh that its condensed parts are equal to."
-        + (f" {measured}" if measured else "")
+        "mesh that its condensed parts are equal to." + (f" {measured}" if measured else "")
     )
     return Table("reference-time", "Error against run time", columns, rows, note)
 
