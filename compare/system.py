@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import platform
 from contextlib import suppress
 from pathlib import Path
 
@@ -31,6 +32,15 @@ def need_gmsh() -> None:
             "gmsh with its shared libraries",
             f"install them (Debian: {install(MESHING)}), or leave the 3D reference out; see rollbench doctor",
         )
+
+
+def machine() -> str:
+    """Processor and number of cores, in words."""
+    cpu = platform.processor() or platform.machine()
+    with suppress(OSError):
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        cpu = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), cpu)
+    return f"{cpu}, {os.cpu_count()} cores"
 
 
 def cores() -> int:

@@ -34,15 +34,19 @@ def needed_stations(scene: Scene) -> Array:
     return np.array([s.at for s in scene.supports] + [f.at for f in scene.loads])
 
 
-def merge(stations: Array) -> Array:
-    """Sorted stations without those closer than ``MERGE`` to the one before."""
+def merge(stations: Array, exact: Array | None = None) -> Array:
+    """Sorted stations without those closer than ``MERGE`` to the one before; of two so close an ``exact`` one stays."""
     ordered = np.sort(stations)
     if np.all(ordered[1:] - ordered[:-1] > MERGE):
         return ordered
-    keep = [ordered[0]]
-    for z in ordered[1:]:
+    stay = np.isin(ordered, exact) if exact is not None else np.zeros(ordered.size, dtype=bool)
+    keep, firm = [ordered[0]], stay[0]
+    for z, own in zip(ordered[1:], stay[1:], strict=True):
         if z - keep[-1] > MERGE:
             keep.append(z)
+            firm = own
+        elif own and not firm:
+            keep[-1], firm = z, own
     return np.array(keep)
 
 
@@ -77,14 +81,16 @@ def fixed_partition(scene: Scene) -> Array:
 def beam_nodes(scene: Scene, stations: Array, *, everything: bool = False) -> tuple[Array, int]:
     """Nodes of the beam [m] for contact ``stations``, and how many elements of the partition were left out.
 
-    Elements beyond the outermost support, load or contact carry nothing and are left out unless ``everything``.
+    Elements beyond the outermost support, load or contact carry nothing and are left out unless ``everything``. A support
+    is a node itself; a load or contact within ``MERGE`` of a node is carried to it by a rigid arm.
     """
     needed = np.concatenate([needed_stations(scene), stations.ravel()])
+    held = np.array([s.at for s in scene.supports])
     if scene.ingredients.partition == "nodal":
         ends = np.array([0.0, scene.screw.length])
-        nodes = merge(np.concatenate([needed, ends]))
+        nodes = merge(np.concatenate([needed, ends]), held)
     else:
-        nodes = merge(np.concatenate([fixed_partition(scene), needed_stations(scene)]))
+        nodes = merge(np.concatenate([fixed_partition(scene), needed_stations(scene)]), held)
     if everything:
         return nodes, 0
     first = int(np.searchsorted(nodes, needed.min() + MERGE, side="right")) - 1

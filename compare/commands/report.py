@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import os
 import platform
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +18,7 @@ from compare.models.study import Study
 from compare.reference.jobs import Engine
 from compare.scenes import catalogue
 from compare.scenes.scene_file import scene_hash
-from compare.system import gmsh_fault
+from compare.system import gmsh_fault, machine
 from reports.records import Report, Section
 
 Step = Callable[[str], None]
@@ -72,17 +71,11 @@ SECTIONS = tuple(part.name for part in PARTS)
 
 def provenance() -> dict[str, str]:
     """What was run where: version, date, machine, library versions."""
-    cpu = platform.processor() or platform.machine()
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        cpu = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), cpu)
-    except OSError:
-        pass
     packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "cvxopt", "matplotlib", "pyvista")
     return {
         "rollbench": __version__,
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "machine": f"{cpu}, {os.cpu_count()} cores, {platform.system()}",
+        "machine": f"{machine()}, {platform.system()}",
         "Python": platform.python_version(),
         "libraries": ", ".join(f"{name} {metadata.version(name)}" for name in packages),
         "source": "Lin (2019), doctoral thesis: chapters 2 and 3, appendices B to G, section 4.3; Smith (1994), thesis; "
@@ -145,12 +138,8 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
             tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
         tasks += plan([study.scene(name) for name in (*UNSEEN, *STUDIES)], STUDIED)
         tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
-<<<<<<< HEAD
-        tasks.sort(key=lambda task: -expected(task).seconds)
-=======
         tasks += plan([study.scene(name) for name in SOLID], SOLID_LEVELS)
-        tasks.sort(key=lambda task: -task.weight)
->>>>>>> h13
+        tasks.sort(key=lambda task: -expected(task).seconds)
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
     if not source.quick:
         known = [reference(study.scene(name), source.stores) for name in dict.fromkeys((*REFERENCED, *STUDIES, *UNSEEN))]
@@ -224,7 +213,7 @@ def make_report(
     checking = runs and meshing and not (only or stored or fresh or quick)
     progress = Progress(len(wanted) + runs + ladder + checking + 1)
     start = perf_counter()
-    study = Study(source.stores, quick=quick, cache=source.engine.cache)
+    study = Study(source.stores, quick=quick, timed=everything or fresh, cache=source.engine.cache)
     if runs:
         progress.section("runs of the 3D reference")
         compute_references(study, source, progress.step)

@@ -58,11 +58,13 @@ def run_campaign(
     show: Callable[..., None],
     print_json: Callable[[Any], None],
 ) -> int:
-    """Run a campaign, print its counts and every bad outcome; 1 where there is any, else 0.
+    """Run a campaign, print its counts and every bad outcome; 1 where there is any, else 0. With ``keep``, an interrupted
+    one goes on from the lines beside that file.
 
     Raises InputError for counts and seeds out of range, an unknown model, and a file that cannot be written.
     """
     from compare.extremes.campaign import record
+    from compare.extremes.campaign.part import Part
     from compare.models.registry import MODELS
     from compare.writing import need_writable, replace_file
 
@@ -80,11 +82,16 @@ def run_campaign(
         if sys.stderr.isatty():
             sys.stderr.write(f"\r\033[K[{done}/{total}] {text}")
 
-    found = record.run(seed, count, model, files, kills, progress)
+    part = None if keep is None else Part(keep.with_name(f"{keep.name}.{model}-{seed}.part"), seed, model)
+    if part is not None and part.outcomes:
+        sys.stderr.write(f"{len(part.outcomes)} scenes of an interrupted campaign are known\n")
+    found = record.run(seed, count, model, files, kills, progress, part)
     if sys.stderr.isatty():
         sys.stderr.write("\r\033[K")
     if keep is not None:
         replace_file(keep, record.text(found, keep))
+    if part is not None:
+        part.path.unlink(missing_ok=True)
     if as_json:
         print_json(found)
     else:

@@ -13,7 +13,7 @@ from compare.models.registry import DEFAULT, MODELS
 from compare.models.study import Study
 from compare.reference.grid_summary import uncertainty_percent
 from compare.reference.runs import Reference
-from compare.sections.reference_time import FLOOR, TimePoint, all_points
+from compare.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Summary, Table, Text
 
@@ -238,8 +238,7 @@ LIMITS = (
     "The reference is linear elastic, frictionless and of nominal shape but for the errors of a scene; its uncertainty is "
     "its grid's. What unprinted dimensions and idealisations change is a number of its own (page on its meshes).",
     "A screw unlike these is answered by the models, and their result then says that its error is not covered.",
-    "A cold start is a new process with empty caches, libraries included; a further solve takes a small part of that. "
-    "Times are those of the machine named below.",
+    "A cold start is a new process with empty caches, libraries included; a further solve takes a small part of that.",
 )
 
 
@@ -292,7 +291,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     wide = time_figure(points, "error-time", (11.0, 4.1))
     narrow = time_figure(points, "error-time-narrow", (3.75, 3.4), all_names=False)
     covered = coverage({name: study.scene(name) for name in points}, found)
-    said = answer(points, bars)
-    summary = Summary(QUESTION, said, wide, narrow, covered, LIMITS)
-    items = (Text((said,)), standing_table(standings(points)), Text((*covered, *LIMITS), bullets=True))
+    said, limits = answer(points, bars), (*LIMITS, study.once(when_measured, step))
+    summary = Summary(QUESTION, said, wide, narrow, covered, limits)
+    items = (Text((said,)), standing_table(standings(points)), Text((*covered, *limits), bullets=True))
     return Section("overview", title, items, summary=summary)

@@ -10,7 +10,10 @@ from typing import Literal
 
 import numpy as np
 
-from compare.costs.cold import measure
+from compare.costs.cold import Cold, measure
+from compare.costs.run_times import Kept, RunTime, live, today
+from compare.costs.run_times import load as load_times
+from compare.costs.run_times import save as save_times
 from compare.measure import error_percent, load_error
 from compare.models.comparison import REFERENCED, suited
 from compare.models.ladder import UNSEEN, finest_bodies
@@ -18,7 +21,8 @@ from compare.models.registry import MODELS, Model, Options, run_model
 from compare.models.study import Study
 from compare.printed.printed_data import entry
 from compare.reference.levels import SOURCE_LEVEL
-from compare.reference.runs import Array, Reference, load
+from compare.reference.runs import Array, Reference, load, shipped_store
+from compare.system import machine
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Series, Table
 
@@ -29,6 +33,8 @@ FLOOR = 1e-2
 WARM_CALLS = 10
 #: Scene whose first process is timed with and without compiling.
 FIRST = "lin-case1"
+#: Models whose cold time is measured there even where times are kept.
+SAMPLE = ("lin", "refined")
 #: Panels of one figure.
 PANELS = 6
 
@@ -78,15 +84,17 @@ def warm_seconds(model: Model, scene: Scene, options: Options) -> float:
 
 
 def time_points(name: str, found: Reference, study: Study, step: Step) -> list[TimePoint]:
-    """All models and meshes of a scene."""
+    """All models and meshes of a scene; times of models as kept, unless the study is timed or they are not kept."""
     scene, out = study.scene(name), []
-    bodies = finest_bodies(scene, found, study.stores)
+    bodies, kept = finest_bodies(scene, found, study.stores), study.once(_kept)
     further = [m for m in MODELS.values() if not m.compared and m.suits(scene)]
     for model in (*suited(scene), *further):
         if model.name == "condensed" and bodies is None:
             continue
-        step(f"{name}, {model.label}: cold and warm")
-        out.append(_model_point(name, model, found, scene, bodies if model.name == "condensed" else None))
+        known = None if study.timed or kept is None else kept.times.get((name, model.name))
+        if known is None:
+            step(f"{name}, {model.label}: cold and warm")
+        out.append(_model_point(name, model, found, study, bodies if model.name == "condensed" else None, known))
     runs = [(f"3D reference, level {r.level}", r) for r in found.runs]
     source = load(scene, SOURCE_LEVEL, stores=study.stores)
     if source is not None:
@@ -107,24 +115,33 @@ def time_points(name: str, found: Reference, study: Study, step: Step) -> list[T
     return out
 
 
-def _model_point(name: str, model: Model, found: Reference, scene: Scene, bodies: Path | None) -> TimePoint:
-    cold = measure(name, model.name, condensed=bodies, repeats=1)
+def _kept(study: Study) -> Kept | None:
+    return load_times((*(study.stores or ()), shipped_store()))
+
+
+def _model_point(
+    name: str, model: Model, found: Reference, study: Study, bodies: Path | None, known: RunTime | None
+) -> TimePoint:
+    scene = study.scene(name)
     options = Options(discretisation=False, engine="compiled", condensed=bodies)
     result = run_model(scene, model.name, options)
+    if known is None:
+        cold = measure(name, model.name, condensed=bodies, repeats=1)
+        known = RunTime(cold.process, warm_seconds(model, scene, options), cold.memory)
     return TimePoint(
         model.label,
         "model",
         *error_range(result.load, found),
-        cold.process,
-        warm_seconds(model, scene, options),
+        known.cold,
+        known.warm,
         result.solver.unknowns,
-        cold.memory,
+        known.memory,
         result.status,
     )
 
 
-def time_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
-    """Every point of every scene."""
+def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
+    """Every point of every scene; measured: a sentence on where and when times were measured."""
     rows: list[dict[str, Cell]] = [
         {
             "scene": scene,
@@ -163,28 +180,37 @@ def time_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
         "the 3D reference set-up and load case as stored with the run. Warm: bodies of the geometry known, kernels "
         "compiled; of the 3D reference a further load case. Peak memory is each run's own (of several processes: the "
         "sum of their peaks), interpreter and libraries included. Unknowns of the 3D reference are those of the monolithic "
-        "mesh that its condensed parts are equal to."
+        "mesh that its condensed parts are equal to." + (f" {measured}" if measured else "")
     )
     return Table("reference-time", "Error against run time", columns, rows, note)
 
 
-def compile_table(step: Step) -> Table:
-    """The first process on a machine: with and without compiling the kernels."""
-    rows: list[dict[str, Cell]] = []
+def first_processes(study: Study, step: Step) -> Mapping[tuple[str, str], Cold]:
+    """Times of the first process by model and engine: as kept, unless the study is timed or none are kept."""
+    kept = None if study.timed else study.once(_kept)
+    if kept is not None and kept.first:
+        return kept.first
+    found = {}
     for name in ("lin", "refined"):
         for engine in ("interpreted", "compiled"):
             step(f"{FIRST}, {name} {engine}: first process")
-            cold = measure(FIRST, name, engine=engine)
-            rows.append(
-                {
-                    "model": MODELS[name].label,
-                    "engine": engine,
-                    "process": cold.process,
-                    "first": cold.first,
-                    "warm": cold.warm,
-                    "memory": cold.memory,
-                }
-            )
+            found[name, engine] = measure(FIRST, name, engine=engine)
+    return found
+
+
+def compile_table(first: Mapping[tuple[str, str], Cold]) -> Table:
+    """The first process on a machine: with and without compiling the kernels."""
+    rows: list[dict[str, Cell]] = [
+        {
+            "model": MODELS[name].label,
+            "engine": engine,
+            "process": cold.process,
+            "first": cold.first,
+            "warm": cold.warm,
+            "memory": cold.memory,
+        }
+        for (name, engine), cold in first.items()
+    ]
     columns = (
         Column("model", "model", "", "s"),
         Column("engine", "kernels", "", "s"),
@@ -279,8 +305,34 @@ def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
     return {name: time_points(name, ref, study, step) for name, ref in found.items()}
 
 
+def when_measured(study: Study, step: Step) -> str:
+    """Where and when the models' run times were measured; kept ones beside a sample that is measured now."""
+    kept = None if study.timed else study.once(_kept)
+    if kept is None:
+        return "Run times of the models were measured for this report."
+    step(f"{FIRST}: cold times beside those kept")
+    sample = live(FIRST, SAMPLE, kept)
+    return f"Run times of the models are kept, of {kept.date} on {kept.machine}; {sample}."
+
+
+def kept_now(points: Mapping[str, Sequence[TimePoint]], first: Mapping[tuple[str, str], Cold]) -> Kept:
+    """The times of these points and first processes, to be kept for reports to come."""
+    names = {model.label: model.name for model in MODELS.values()}
+    times = {
+        (scene, names[p.label]): RunTime(p.cold, p.warm, p.memory)
+        for scene, own in points.items()
+        for p in own
+        if p.kind == "model" and p.warm is not None
+    }
+    return Kept(machine(), today(), times, first)
+
+
 def time_items(study: Study, step: Step) -> list[Table | Figure]:
-    """Tables and figures of all scenes with a reference; a quick study compiles nothing anew."""
+    """Tables and figures of all scenes with a reference; a quick study shows no first process. What a timed study measures
+    is kept in its first store."""
     points = study.once(all_points, step)
-    first = [] if study.quick else [compile_table(step)]
-    return [time_table(points), *first, speed_table(points), *time_figures(points)]
+    first = {} if study.quick else first_processes(study, step)
+    if study.timed and study.stores:
+        save_times(study.stores[0], kept_now(points, first))
+    tables = [compile_table(first)] if first else []
+    return [time_table(points, study.once(when_measured, step)), *tables, speed_table(points), *time_figures(points)]

@@ -289,8 +289,7 @@ def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Arr
             prescribed[j, FREEDOMS.index(name)] = value
     for x in scene.loads:
         j = int(np.argmin(np.abs(nodes - x.at)))
-        load[j, :3] += x.force
-        load[j, 3:] += x.moment
+        load[j] += rigid_transport(x.at - nodes[j]).T @ np.concatenate([x.force, x.moment])
     return fixed, prescribed, load
 
 

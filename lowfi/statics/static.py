@@ -28,7 +28,7 @@ Engine = Literal["auto", "interpreted", "compiled"]
 
 #: Relative residual that the solver drives for, and the one at which it counts as converged.
 TOLERANCE, ACCEPTED = 1e-14, 1e-10
-MAX_ITERATIONS = 200
+MAX_ITERATIONS = 3000
 #: Kernel statuses whose state is none that the screw takes: it moved without limit, or no step could be found.
 NO_LOADS = (2, 3)
 #: Above this many balls the compiled engine pays even for a single solve.
@@ -74,16 +74,17 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
 
 
 def reference_scale(problem: Problem) -> tuple[float, float]:
-    """Force [N] of a typical loaded contact and its secant stiffness [N/m], from loads, interference, given motion."""
+    """Force [N] of a typical loaded contact and its secant stiffness [N/m], from loads, interference, or else an
+    approach of a micrometre."""
     count = max(1, problem.C.shape[0])
     pair = float(np.mean(problem.C[:, 0] + problem.C[:, 3]))
     arm = problem.scene.track.pitch_radius
     applied = float(np.abs(problem.load[:, :3]).sum() + np.abs(problem.load[:, 3:]).sum() / arm)
     squeeze = max(0.0, float(problem.closure.max(initial=0.0)))
     force = max(applied / count, (squeeze / pair) ** 1.5)
-    if force == 0.0 and np.any(problem.prescribed):
+    if force == 0.0:  # given motions, or errors that squeeze a ball by three flanks
         force = (1e-6 / pair) ** 1.5
-    return force, (np.cbrt(force) / pair if force > 0.0 else 1.0)
+    return force, float(np.cbrt(force) / pair)
 
 
 def force_floor(problem: Problem) -> float:
@@ -159,16 +160,18 @@ def run(prepared: Prepared, *, start: bool = True) -> Outcome:
 def round_off_bound(prepared: Prepared, scale: float) -> float:
     """Relative residual that double precision cannot get below, from the rounding of motions in stiff contacts.
 
-    eps x (largest motion of a flank) x (largest contact stiffness) / (largest force), times 4.
+    eps x (largest motion of a flank) x (largest contact stiffness of a node's flanks, summed) / (largest force), times 4;
+    uneven flanks are met in lengths of the ball's radius.
     """
     q, force = prepared.state.q, prepared.force
     problem = prepared.problem
     motion = float(np.abs(q[:, :3]).max(initial=0.0))
-    stiff = float((1.5 * np.cbrt(force) / problem.C).max(initial=0.0))
+    stiff = 1.5 * np.cbrt(force[:, :2]) / problem.C[:, :2]
+    most = float(np.bincount(problem.node.ravel(), weights=stiff.ravel()).max(initial=0.0))
     if scale == 0.0:
         return 0.0
     lengths = motion + (problem.scene.balls.radius if problem.drawn.profile.shape[1] else 0.0)
-    return 4.0 * float(np.finfo(float).eps) * lengths * stiff / scale
+    return 4.0 * float(np.finfo(float).eps) * lengths * most / scale
 
 
 def solve_static(

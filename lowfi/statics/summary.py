@@ -112,8 +112,9 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
     )
     moments = (applied_moment, reaction_moment, contact_moment)
     size_m = max(max(float(np.abs(m).max()) for m in moments), size * scene.track.pitch_radius)
-    df = applied_force + reaction_force + contact_force + pin_force
-    dm = applied_moment + reaction_moment + contact_moment + pin_moment
+    noise, noise_m = _round_off(problem, solved.motion)
+    df = np.maximum(np.abs(applied_force + reaction_force + contact_force + pin_force) - noise, 0.0)
+    dm = np.maximum(np.abs(applied_moment + reaction_moment + contact_moment + pin_moment) - noise_m, 0.0)
     net = np.linalg.norm((force[..., None] * solved.normal).sum(axis=1), axis=1)
     worst = int(net.argmax())
     return Equilibrium(
@@ -123,14 +124,24 @@ def equilibrium(solved: SolvedState, points: Array, on_ball: Array) -> Equilibri
         reaction_moment,
         contact_force,
         contact_moment,
-        float(np.abs(df).max()) / size if size else 0.0,
-        float(np.abs(dm).max()) / size_m if size_m else 0.0,
+        float(df.max()) / size if size else 0.0,
+        float(dm.max()) / size_m if size_m else 0.0,
         pin_force,
         pin_moment,
         max(float(np.abs(pin_force).max()) / size, float(np.abs(pin_moment).max()) / size_m) if size else 0.0,
         float(net[worst]) / size if size else 0.0,
         worst + 1,
     )
+
+
+def _round_off(problem: Problem, q: Array) -> tuple[float, float]:
+    """Force [N] and moment [N m] that the last digit of the motions (n, 6) makes in the beam's stiffest element."""
+    if problem.basis is not None or problem.nodes.size < 2:
+        return 0.0, 0.0
+    s, shortest = problem.section, float(np.diff(problem.nodes).min())
+    last = np.finfo(float).eps * np.abs(q.reshape(-1, 6)).max(axis=0)
+    force = max(s.EA * last[2], s.kGA * last[:2].max(), s.kGA * shortest * last[3:5].max()) / shortest
+    return float(force), float(max(s.EI * last[3:5].max(), s.GJ * last[5]) / shortest)
 
 
 def judged(status: str, balance: Equilibrium, frozen: bool) -> str:

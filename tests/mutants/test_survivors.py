@@ -14,7 +14,8 @@ from compare.models.model_form import SCALES, distance
 from compare.scenes.catalogue import scene as shipped
 from lowfi.statics.static import solve_static
 from meshes.groove_map import GrooveMap
-from meshes.helix import ball_layout
+from meshes.helix import ball_layout, layout_at
+from meshes.partition import beam_nodes, contact_stations
 from meshes.parts import Load, Support
 from meshes.sockets import groove_lines, track_gaps
 from tests.helpers import small_screw
@@ -45,6 +46,36 @@ def test_nuts_held_elsewhere_are_a_unit_apart():
     here = dict.fromkeys(SCALES, 0.0)
     assert distance(here, here)[0] == 0.0
     assert distance(here, here | {"held": 2.0}) == (1.0, "held")
+
+
+@pytest.mark.parametrize("at", [0.06, 0.06 + 6e-6])
+def test_stations_a_few_micrometres_apart_bend_as_one_force(at):
+    """A load and a support within a node's width of others: moments balance about the load's and support's own stations."""
+    scene = small_screw(9, 1.5, oversize=3e-6)
+    contact = float(contact_stations(scene, ball_layout(scene))[3, 0])
+    held = tuple((name, 0.0) for name in ("ux", "uy", "uz", "rz"))
+    supports = (Support(contact + 6e-6, held), Support(at, held[:2]))
+    loads = (Load(0.06 + 3e-6, (200.0, 50.0, 500.0), (0.0, 0.0, 0.0)),)
+    result = solve_static(replace(scene, supports=supports, loads=loads))
+    assert result.converged, result.status
+    assert result.equilibrium.moment_residual < 1e-10
+    nodes = beam_nodes(scene, np.array([contact]))[0]
+    assert contact + 6e-6 not in nodes
+    assert contact + 6e-6 in beam_nodes(replace(scene, supports=supports), np.array([contact]))[0]
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_the_tangent_is_the_direction_of_the_path(hand):
+    track = small_screw(8, 1.6, hand=hand).track
+    azimuth, step = np.array([0.3, 2.0, 4.5]), 1e-6
+    pitch = (1.0 if hand == "right" else -1.0) * track.lead / (2.0 * np.pi)
+
+    def path(a):
+        return np.stack([track.pitch_radius * np.cos(a), track.pitch_radius * np.sin(a), pitch * a], axis=-1)
+
+    along = (path(azimuth + step) - path(azimuth - step)) / (2.0 * step)
+    found = layout_at(track, azimuth, pitch * azimuth).tangent
+    assert found == pytest.approx(along / np.linalg.norm(along, axis=-1, keepdims=True), abs=1e-9)
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])

@@ -73,6 +73,7 @@ def test_a_ball_on_one_contact_is_no_equilibrium():
     assert not result.converged
     assert "contact pattern is not unique" in result.status
     assert result.equilibrium.ball_residual > 1e-5
+    assert result.solver.residual > 1e-5
 
 
 @pytest.mark.parametrize("solve", [solve_static, solve_elastic])

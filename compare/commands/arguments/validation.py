@@ -197,7 +197,7 @@ def stability(
     kills
         Besides, so often a process that writes is killed.
     keep
-        File to write the campaign's counts to, for the report's table.
+        File to write the campaign's counts to, for the report's table; an interrupted one goes on from what it left there.
     """
     from compare.commands.stability import run_campaign, run_stability
 

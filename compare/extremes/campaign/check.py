@@ -22,6 +22,12 @@ WAYS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])
 FREEDOM = {name: k for k, name in enumerate(("ux", "uy", "uz", "rx", "ry", "rz"))}
 #: Share of the largest force (or moment) that may be out of balance: printed numbers and lever arms of the nominal state.
 BALLS, SCREW = 1e-6, 1e-4
+#: Approach [m] of a contact force that counts as none, whatever the others are.
+NOTHING = 1e-11
+#: Share of the forces of a strained screw that double precision leaves out of balance.
+STRAINED = 1e-13
+#: Share of the largest force (or moment) that the pin of a motion which moves no flank may take, as the result states it.
+PIN = 0.05
 
 
 def frames(scene: Scene) -> tuple[Array, Array]:
@@ -71,6 +77,17 @@ def wrench_of_loads(scene: Scene) -> Array:
     return total
 
 
+def nothing(scene: Scene, result: StaticResult) -> float:
+    """Force [N] that counts as none: of an approach of ``NOTHING``, or the round-off of a strained screw."""
+    felt, arm = float((NOTHING / result.hertz_C.mean()) ** 1.5), scene.track.pitch_radius
+    moved = [abs(v) * (arm if name[0] == "r" else 1.0) for s in scene.supports for name, v in s.fixed]
+    apart = np.diff(sorted({s.at for s in scene.supports}))
+    if scene.ingredients.screw == "rigid" or not apart.size:
+        return felt
+    stiff = scene.screw.material.youngs_modulus * np.pi * (scene.screw.outer_diameter / 2.0) ** 2 / float(apart.min())
+    return max(felt, STRAINED * stiff * max(moved, default=0.0))
+
+
 def unbalanced(scene: Scene, result: StaticResult) -> str:
     """What is out of balance in a converged result, in words; empty where nothing is."""
     load = result.load
@@ -81,23 +98,36 @@ def unbalanced(scene: Scene, result: StaticResult) -> str:
     size = max(float(load.max()), float(np.abs(applied).max()))
     if size == 0.0:
         return ""
-    if float(np.linalg.norm(own.sum(axis=1), axis=1).max()) > BALLS * size:
+    none = nothing(scene, result)
+    if float(np.linalg.norm(own.sum(axis=1), axis=1).max()) > max(BALLS * size, none):
         return f"ball {int(np.linalg.norm(own.sum(axis=1), axis=1).argmax()) + 1} is not in balance"
     middle = np.array([0.0, 0.0, scene.nut.position])
     total = applied.copy()
     for s in (0, 1):
         total[:3] += own[:, s].sum(axis=0)
         total[3:] += np.cross(result.contact_point[:, s] - middle, own[:, s]).sum(axis=0) / scene.track.pitch_radius
-    # what no support can carry must vanish; a free motion along the helix is held by a pin of the model
+    # what no support can carry must vanish; a free motion along the helix is held by a pin, which the result states
     free = free_of(scene)
-    left = free.T @ total
-    helix = neutral(scene, free)
-    left -= helix @ (helix.T @ left)
     largest = max(size, float(np.abs(own[:, :2].sum(axis=(0, 1))).max()), float(load.sum()) * 1e-3)
     arm = max(1.0, float(np.abs(centre[:, 2] - scene.nut.position).max()) / scene.track.pitch_radius)
-    if float(np.abs(left).max(initial=0.0)) > SCREW * largest * arm:
+    if neutral(scene, free).size:
+        taken = wrench_of_pin(scene, result)
+        if float(np.abs(taken).max()) > max(PIN * largest, none) * arm:
+            return f"the pin of a free motion takes {float(np.abs(taken).max()):.3g} N"
+        total += taken
+    left = free.T @ total
+    if float(np.abs(left).max(initial=0.0)) > max(SCREW * largest, none) * arm:
         return f"the screw is out of balance by {float(np.abs(left).max()):.3g} N"
     return ""
+
+
+def wrench_of_pin(scene: Scene, result: StaticResult) -> Array:
+    """What a pin takes by the result, about the nut's centre (moments over the pitch radius) ``(6,)`` [N]."""
+    balance = result.equilibrium
+    if balance is None:
+        return np.zeros(6)
+    moment = balance.pin_moment - np.cross([0.0, 0.0, scene.nut.position], balance.pin_force)
+    return np.concatenate([balance.pin_force, moment / scene.track.pitch_radius])
 
 
 def neutral(scene: Scene, free: Array) -> Array:
@@ -138,8 +168,8 @@ def proven(scene: Scene) -> bool:
 
 def brute_force(scene: Scene, result: StaticResult) -> float | None:
     """How much less energy plain minimisation finds than the result has, over its stored energy; None where it does not
-    apply: a rigid screw without a free motion (which the model pins), all supports at zero, no uneven flanks, up to 40
-    balls."""
+    apply: a rigid screw with loads and without a free motion (which the model pins), all supports at zero, no uneven
+    flanks, up to 40 balls."""
     moved = any(value != 0.0 for s in scene.supports for _, value in s.fixed)
     drawn = specimen(scene, ball_layout(scene))
     few = len(drawn.ball_radius) <= 40
@@ -149,6 +179,7 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
         or drawn.profile.shape[1]
         or not few
         or scene.ingredients.arm == "nominal"
+        or float(result.load.max()) <= nothing(scene, result)
     ):
         return None
     free, applied = free_of(scene), wrench_of_loads(scene)
@@ -174,7 +205,7 @@ def brute_force(scene: Scene, result: StaticResult) -> float | None:
         slope = np.concatenate([-np.einsum("nsa,nsak->k", push, rows) - free.T @ applied, push.sum(axis=1).ravel()])
         return float((0.4 * force * delta).sum() - (free.T @ applied) @ a), unit * slope
 
-    stored = max(float((0.4 * result.load ** (5.0 / 3.0) * C).sum()), 1e-300)
+    stored = float((0.4 * result.load ** (5.0 / 3.0) * C).sum())
     start = np.zeros(k + 2 * N)
     best, _ = energy(start)
     with np.errstate(all="ignore"):  # trial steps of the minimisation may go anywhere

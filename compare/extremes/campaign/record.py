@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import json
 from collections.abc import Callable, Sequence
 from importlib import resources
@@ -11,18 +12,27 @@ from typing import Any
 from compare import __version__
 from compare.errors import one_line
 from compare.extremes.campaign import files, scenes
+from compare.extremes.campaign.part import Part
 
 Record = dict[str, Any]
 
 
 def run(
-    seed: int, count: int, model: str, mutated: int, kills: int, progress: Callable[[int, int, str], None] | None = None
+    seed: int,
+    count: int,
+    model: str,
+    mutated: int,
+    kills: int,
+    progress: Callable[[int, int, str], None] | None = None,
+    part: Part | None = None,
 ) -> Record:
     """A campaign of ``count`` scenes, ``mutated`` scene files and half as many stored ones, and ``kills``.
 
-    JSON-ready: command, counts by verdict, all bad outcomes, seconds of the scenes (median and largest).
+    JSON-ready: command, day, counts by verdict, all bad outcomes, seconds of the scenes (median and largest). part: what an
+    interrupted one has left, and where this one leaves its outcomes.
     """
-    outcomes = scenes.run(seed, count, model, progress)
+    known, keep = (None, None) if part is None else (part.outcomes, part.add)
+    outcomes = scenes.run(seed, count, model, progress, known, keep)
     broken = [*files.scenes(seed, mutated), *files.stored(seed, mutated // 2), *files.kills(seed, kills)]
     seconds = sorted(o.seconds for o in outcomes)
     extra = f" --files {mutated}" * bool(mutated) + f" --kills {kills}" * bool(kills)
@@ -35,6 +45,7 @@ def run(
     return {
         "command": f"rollbench stability --random {count} --seed {seed} --model {model}{extra}",
         "version": __version__,
+        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"),
         "seed": seed,
         "model": model,
         "scenes": scenes.tally(outcomes),

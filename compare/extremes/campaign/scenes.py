@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -66,7 +66,7 @@ def _judged(text: str, number: int, model: str) -> tuple[str, str, bool]:
         if other.status != result.status:
             return WRONG, f"the other engine says: {other.status}", False
         apart = float(abs(other.load - result.load).max())
-        if apart > SAME * float(result.load.max()):
+        if apart > max(SAME * float(result.load.max()), check.nothing(scene, result)):
             return WRONG, f"loads of the two engines differ by {apart:.3g} N", False
     lower = check.brute_force(scene, result) if model == "lin" else None
     if lower is not None and lower > LOWER:
@@ -84,14 +84,25 @@ def _refusal(scene: Scene, result: StaticResult) -> tuple[str, str]:
 
 
 def run(
-    seed: int, count: int, model: str, progress: Callable[[int, int, str], None] | None = None, first: int = 0
+    seed: int,
+    count: int,
+    model: str,
+    progress: Callable[[int, int, str], None] | None = None,
+    known: Mapping[int, Outcome] | None = None,
+    keep: Callable[[Outcome], None] | None = None,
 ) -> list[Outcome]:
-    """``count`` scenes from number ``first`` on, one after another; progress: as for ``compare.extremes.static.table``."""
+    """``count`` scenes one after another; progress: as for ``compare.extremes.static.table``; known: outcomes by number
+    that are taken as they are; keep: called with every new one."""
     found = []
-    for number in range(first, first + count):
-        found.append(judge(seed, number, model))
+    for number in range(count):
+        outcome = None if known is None else known.get(number)
+        if outcome is None:
+            outcome = judge(seed, number, model)
+            if keep is not None:
+                keep(outcome)
+        found.append(outcome)
         if progress is not None:
-            progress(number - first + 1, count, f"scene {number}: {found[-1].verdict}")
+            progress(number + 1, count, f"scene {number}: {outcome.verdict}")
     return found
 
 

@@ -32,8 +32,14 @@ CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
 WHOLE_STEPS, GROWN = 1e-7, 10.0
 #: Residual over the one before from which on, near the end, the stiffness is factored anew; below, the last factor serves.
 KEPT = 1e-3
-#: Iterations in which the residual was not halved once, after which the iteration ends.
-PATIENCE = 60
+#: Iterations in which the residual was not halved once, after which the iteration ends: at any residual, near the
+#: solution, and at round-off. Contacts far weaker than the beam between them settle near the solution only.
+PATIENCE, PATIENCE_NEAR, PATIENCE_LAST = 100, 10, 2
+NEAR, LAST = 1e-9, 1e-12
+#: Least shift of the stiffness over the beam's: below it a motion that nothing resists has the stiffness of round-off.
+ROUND_OFF = 1e-17
+#: Share of the energy by which it has to fall for an iteration to have got on.
+FALLS = 1e-6
 #: Net force on a ball over the largest force up to which it counts as balanced.
 BALANCED = 1e-10
 
@@ -255,16 +261,17 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
     scale = max(scale, floor)
     residual = residual_of(out.gradient, fixed, scale, arm)
     history[0] = residual
+    least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
     evaluations, stalled, factor, furthest = 1, 0, 1e-3, contacts.r_ball.max()
     status, it, stuck, fresh = ITERATIONS, 0, 0, True
-    best = residual
+    best, lowest = residual, energy
     if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
         return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
     for it in range(1, options.most + 1):
         step = np.empty((n, 6))
         solved = False
         for _ in range(12 if fresh else 0):
-            shift = factor * stiffness * min(1.0, residual)
+            shift = max(factor * stiffness * min(1.0, residual), least)
             assemble(band, beam, contacts, out.hessians, shift, arm)
             solved = factor_band(band)
             if solved:
@@ -307,10 +314,13 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
         if moved > options.bound:
             status = NOT_HELD
             break
-        stalled = stalled + 1 if residual >= 0.5 * best else 0
+        falls = lowest - energy > FALLS * abs(energy)
+        stalled = 0 if residual < 0.5 * best or falls else stalled + 1
+        lowest = energy if falls else lowest
         fresh = residual >= WHOLE_STEPS or residual >= KEPT * best
         best = min(best, residual)
-        if (stalled >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
+        patience = PATIENCE_LAST if residual <= LAST else PATIENCE_NEAR if residual <= NEAR else PATIENCE
+        if stalled >= patience or stuck >= 2:
             break
     loose = ball_mismatch(state.contact, scale)
     if loose > BALANCED:

@@ -1,0 +1,72 @@
+"""Run times of the low-order models as measured once and kept, so that a report need not start every process anew."""
+
+from __future__ import annotations
+
+import datetime
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from compare.costs.cold import Cold, measure
+from compare.writing import replace_file
+
+#: File of a store that holds them.
+FILE = "run_times.json"
+
+
+@dataclass(frozen=True)
+class RunTime:
+    """A model on a scene: seconds of a new process with empty caches up to its first solve, seconds of a further solve
+    (compiled), peak memory [MB] of that process (None: not measured)."""
+
+    cold: float
+    warm: float
+    memory: float | None
+
+
+@dataclass(frozen=True)
+class Kept:
+    """Times of one machine and day: ``times`` by scene and model, ``first``: a first process by model and engine."""
+
+    machine: str
+    date: str
+    times: Mapping[tuple[str, str], RunTime]
+    first: Mapping[tuple[str, str], Cold]
+
+
+def today() -> str:
+    """The day, in words."""
+    return datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
+
+
+def save(store: Path, kept: Kept) -> None:
+    """Write times into a store. Raises InputError where it cannot be written."""
+    times = [{"scene": scene, "model": model, **asdict(t)} for (scene, model), t in sorted(kept.times.items())]
+    first = [{"model": model, **asdict(c)} for (model, _), c in sorted(kept.first.items())]
+    rows = ",\n ".join(json.dumps(row) for row in times), ",\n ".join(json.dumps(row) for row in first)
+    head = f'"machine": {json.dumps(kept.machine)}, "date": {json.dumps(kept.date)}'
+    replace_file(store / FILE, f'{{{head}, "times": [\n {rows[0]}], "first": [\n {rows[1]}]}}\n')
+
+
+def load(stores: Sequence[Path]) -> Kept | None:
+    """Times of the first store that has any; None where none has, or the file is no such one."""
+    for store in stores:
+        try:
+            found = json.loads((store / FILE).read_text(encoding="utf-8"))
+            times = {(r["scene"], r["model"]): RunTime(r["cold"], r["warm"], r["memory"]) for r in found["times"]}
+            first = {(r.pop("model"), r["engine"]): Cold(**r) for r in found["first"]}
+            return Kept(str(found["machine"]), str(found["date"]), times, first)
+        except (OSError, ValueError, KeyError, TypeError):
+            continue
+    return None
+
+
+def live(scene: str, models: Sequence[str], kept: Kept) -> str:
+    """A sentence: cold times of some models on a scene measured now beside the kept ones."""
+    words = []
+    for model in models:
+        known = kept.times.get((scene, model))
+        if known is not None:
+            words.append(f"{model} {measure(scene, model, repeats=1).process:.2f} s (kept: {known.cold:.2f} s)")
+    return f"measured anew for this report on {scene}: {', '.join(words)}"

@@ -1,0 +1,62 @@
+"""Run times that are kept: written, read, and taken in place of new processes."""
+
+from __future__ import annotations
+
+import pytest
+
+from compare.costs import run_times
+from compare.costs.cold import Cold
+from compare.costs.run_times import Kept, RunTime
+from compare.models.study import Study
+from compare.reference.runs import shipped_store
+from compare.sections import reference_time
+
+KEPT = Kept(
+    "a machine",
+    "2026-01-02",
+    {("lin-case1", "lin"): RunTime(0.4, 1e-3, 99.0), ("lin-case1", "mei"): RunTime(0.3, 2e-3, None)},
+    {("lin", "compiled"): Cold(12.0, 11.0, 1e-3, 380.0, "compiled", "converged")},
+)
+
+
+def test_what_is_saved_is_read(tmp_path):
+    assert run_times.load([tmp_path]) is None
+    run_times.save(tmp_path, KEPT)
+    assert run_times.load([tmp_path / "none", tmp_path]) == KEPT
+    (tmp_path / run_times.FILE).write_text('{"times": 3}')
+    assert run_times.load([tmp_path]) is None
+
+
+def test_the_package_has_times_of_every_compared_scene():
+    kept = run_times.load([shipped_store()])
+    assert {scene for scene, _ in kept.times} == {*reference_time.REFERENCED, *reference_time.UNSEEN}
+    assert set(kept.first) == {(m, e) for m in ("lin", "refined") for e in ("interpreted", "compiled")}
+
+
+def test_a_sample_is_measured_beside_the_kept_ones(monkeypatch):
+    found = Cold(0.5, 0.1, 0.1, None, "interpreted", "converged")
+    monkeypatch.setattr(run_times, "measure", lambda *_, **__: found)
+    said = run_times.live("lin-case1", ("lin", "refined"), KEPT)
+    assert said == "measured anew for this report on lin-case1: lin 0.50 s (kept: 0.40 s)"
+
+
+@pytest.mark.parametrize("timed", [False, True])
+def test_a_report_starts_processes_only_where_it_is_timed(monkeypatch, timed):
+    started = []
+
+    def measure(_, model, **__):
+        started.append(model)
+        return Cold(0.5, 0.1, 0.1, 50.0, "interpreted", "converged")
+
+    monkeypatch.setattr(reference_time, "measure", measure)
+    monkeypatch.setattr(reference_time, "warm_seconds", lambda *_: 0.25)
+    monkeypatch.setattr(reference_time, "suited", lambda _: [reference_time.MODELS["lin"]])
+    study = Study(timed=timed)
+    points = reference_time.time_points("lin-case1", study.reference("lin-case1"), study, lambda _: None)
+    (lin,) = [p for p in points if p.label == reference_time.MODELS["lin"].label]
+    kept = run_times.load([shipped_store()]).times["lin-case1", "lin"]
+    assert (lin.cold, lin.warm) == ((0.5, 0.25) if timed else (kept.cold, kept.warm))
+    assert ("lin" in started) is timed
+    assert bool(started) is timed
+    kept_now = reference_time.kept_now({"lin-case1": points}, {})
+    assert kept_now.times["lin-case1", "lin"].cold == lin.cold
