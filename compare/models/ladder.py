@@ -20,6 +20,8 @@ from compare.reference.grid_summary import uncertainty_percent
 from compare.reference.runs import Reference, bodies_path, shipped_store
 from compare.scenes.catalogue import with_role
 from lowfi.compliance.bodies import forget
+from lowfi.compliance.imported import PARTS, Condensed
+from lowfi.statics.elastic import solve_elastic
 from lowfi.statics.result import StaticResult
 from meshes.parts import Scene
 
@@ -84,6 +86,36 @@ def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> list
             )
         )
     return rungs
+
+
+@dataclass(frozen=True)
+class Share:
+    """Error of the refined model on one scene with the bodies named taken from the finest 3D run, the low-order ones for
+    the rest: none of them, one, both."""
+
+    scene: str
+    errors: dict[tuple[str, ...], LoadError]
+    bias: dict[tuple[str, ...], float]
+
+
+def shares(study: Study) -> list[Share]:
+    """Which body's idealisation the refined model's error is, on every scene whose condensed bodies are stored."""
+    out = []
+    for name, found in study.references((*REFERENCED, *UNSEEN)).items():
+        scene = study.scene(name)
+        path = finest_bodies(scene, found, study.stores)
+        if path is None:
+            continue
+        whole = Condensed.read(path, scene)
+        errors: dict[tuple[str, ...], LoadError] = {}
+        bias: dict[tuple[str, ...], float] = {}
+        every: tuple[tuple[str, ...], ...] = ((), ("screw",), ("nut",), PARTS)
+        for parts in every:
+            result = solve_elastic(scene, condensed=replace(whole, parts=parts) if parts else None)
+            errors[parts] = load_error(result.load, found.load)
+            bias[parts] = float(error_percent(result.load.sum(), found.load.sum()))
+        out.append(Share(name, errors, bias))
+    return out
 
 
 def ladder(study: Study) -> list[Rung]:

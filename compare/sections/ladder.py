@@ -7,8 +7,9 @@ from typing import Any
 
 from compare.models.choices import VARIED, choices_of
 from compare.models.comparison import REFERENCED
-from compare.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one
+from compare.models.ladder import CATALOGUE, CHANGED, RUNGS, UNSEEN, Rung, ladder, left_out_one, shares
 from compare.models.study import Study
+from lowfi.compliance.imported import PARTS
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 
@@ -100,6 +101,34 @@ def choices_table(study: Study, step: Callable[[str], None]) -> Table:
     return Table("ladder-choices", "Choices of the refined model, varied", columns, rows, note)
 
 
+def shares_table(study: Study) -> Table:
+    """Which body's idealisation is behind the refined model's error."""
+    found = study.once(shares)
+    names: dict[tuple[str, ...], str] = {(): "none", ("screw",): "screw", ("nut",): "nut", PARTS: "both"}
+    rows: list[dict[str, Cell]] = []
+    for share in found:
+        row: dict[str, Cell] = {"scene": share.scene}
+        for parts, name in names.items():
+            error = share.errors[parts]
+            row |= {f"max {name}": error.max_percent, f"rms {name}": error.rms_percent}
+        rows.append(row | {"bias": share.bias[()], "bias both": share.bias[PARTS]})
+    label = {"none": "as it is", "screw": "screw from 3D", "nut": "nut from 3D", "both": "both from 3D"}
+    columns = [Column("scene", "scene", "", "s")]
+    for name in names.values():
+        columns += [
+            Column(f"max {name}", f"{label[name]}: largest", "%", ".2f"),
+            Column(f"rms {name}", f"{label[name]}: RMS", "%", ".2f"),
+        ]
+    columns += [Column("bias", "sum, as it is", "%", ".2f"), Column("bias both", "sum, both", "%", ".2f")]
+    note = (
+        "The refined model with the compliance of a body between its contacts, and the laws of the contacts on it, taken "
+        "from the finest 3D run instead of its smooth body: what an exchange takes away is that body's share of the error; "
+        "what both leave is the rest of the low-order model's (contact law, kinematics, beam beyond the nut) and the "
+        "reference's own uncertainty. Errors of loads in per cent of the mean."
+    )
+    return Table("ladder-shares", "Where the refined model's error comes from", tuple(columns), rows, note)
+
+
 def estimate_table(study: Study, rungs: Sequence[Rung]) -> Table:
     """The model-form estimate of every scene made without it, and the error that was measured."""
     rows: list[dict[str, Cell]] = [dict(row) for row in left_out_one(study, rungs)]
@@ -150,7 +179,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         "forces: the beam takes the section of half a lead of grooved shaft (axisymmetric elements, harmonics 0 and 1), "
         "the nut is a beam too, and both get what a smooth body of revolution does beyond a beam (Fourier harmonics around "
         "the axis: ovalisation, ends, the clamped face), what the true flank does beyond that, less the half space that "
-        "Hertz's law holds already; the balls are elastic spheres (Lur'e's series), the rings of a bearing bodies of "
+        "Hertz's law holds already; tension and bending of a screw that goes on beyond the nut squeeze its contacts by "
+        "Poisson's ratio (Saint-Venant); the balls are elastic spheres (Lur'e's series), the rings of a bearing bodies of "
         "revolution with their groove. No 3D solve, and nothing fitted to one.",
         headline(rungs),
     )
@@ -162,5 +192,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     ):
         figure = ladder_figure(rungs, names, key, title_of)
         items += [figure] if figure is not None else []
-    items.append(choices_table(study, step))
+    step("bodies exchanged for those from 3D")
+    items += [shares_table(study), choices_table(study, step)]
     return Section("ladder", title, (*items, estimate_table(study, rungs)))

@@ -161,8 +161,9 @@ def time_table(points: Mapping[str, Sequence[TimePoint]]) -> Table:
         "least and at most: what the grid uncertainty of every contact leaves of the largest error. Cold: for low-order "
         "models a new process with empty caches, from the start of the interpreter to the first solve, interpreted; for "
         "the 3D reference set-up and load case as stored with the run. Warm: bodies of the geometry known, kernels "
-        "compiled; of the 3D reference a further load case. Peak memory is each run's own, interpreter and libraries "
-        "included. Unknowns of the 3D reference are those of the monolithic mesh that its condensed parts are equal to."
+        "compiled; of the 3D reference a further load case. Peak memory is each run's own (of several processes: the "
+        "sum of their peaks), interpreter and libraries included. Unknowns of the 3D reference are those of the monolithic "
+        "mesh that its condensed parts are equal to."
     )
     return Table("reference-time", "Error against run time", columns, rows, note)
 

@@ -31,11 +31,17 @@ from meshes.parts import SIDE_SIGNS, SIDES, Scene
 Array = NDArray[np.float64]
 
 
+#: Bodies that a file holds, beside the balls.
+PARTS = ("screw", "nut")
+
+
 @dataclass(frozen=True)
 class Condensed:
-    """Bodies of a condensed 3D model for one geometry."""
+    """Bodies of a condensed 3D model for one geometry; parts: those that are taken from it, with the laws of the contacts
+    on their grooves and the ball's share of these."""
 
     bodies: CondensedBodies
+    parts: tuple[str, ...] = PARTS
 
     @staticmethod
     def read(path: Path, scene: Scene) -> Condensed:
@@ -46,8 +52,8 @@ class Condensed:
         return Condensed(found)
 
     def sides_of(self, sides: list[int]) -> list[int]:
-        """Those of some sides that the file knows."""
-        return [s for s in sides if s in self.bodies.sides]
+        """Those of some sides whose contacts follow the file."""
+        return [s for s in sides if s in self.bodies.sides and ("screw" if s < 2 else "nut") in self.parts]
 
     def correct(self, scene: Scene, layout: BallLayout, sides: list[int], total: Array, backend: Backend) -> Array:
         """Compliance of a body with its part along the normals from the file; ``total``: the low-order one on these sides,
@@ -59,7 +65,7 @@ class Condensed:
         """
         N, screw = layout.z.size, sides[0] < 2
         geometry = geometry_only(scene)
-        if held_at(geometry, screw) == "rigid":
+        if held_at(geometry, screw) == "rigid" or ("screw" if screw else "nut") not in self.parts:
             return total
         x, axes = contact_frames(scene, layout, screw)
         held = whole_body(scene, layout, screw, backend)
@@ -98,7 +104,8 @@ class Condensed:
         """What it is, for the record."""
         names = ", ".join(SIDES[int(s)] for s in self.bodies.sides)
         level = self.bodies.level
-        return f"screw, nut and balls from a condensed 3D model (mesh level {level}, sides {names}), along the normals"
+        what = " and ".join(self.parts) if self.parts != PARTS else "screw, nut and balls"
+        return f"{what} from a condensed 3D model (mesh level {level}, sides {names}), along the normals"
 
 
 def normal_rows(scene: Scene, N: int, sides: list[int]) -> Array:

@@ -21,12 +21,13 @@ from lowfi.compliance.bodies import (
     geometry_only,
     grooved_section,
 )
-from lowfi.compliance.imported import Condensed
+from lowfi.compliance.imported import PARTS, Condensed
 from lowfi.compliance.modes import soft_modes
 from lowfi.statics.conformity import oblique_term
 from lowfi.statics.problem import Problem, build, nominal_hertz
 from lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
 from lowfi.statics.shaft import Shaft, flank_response, shaft_of
+from lowfi.statics.squeeze import loaded_beyond, squeezed
 from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, reference_scale
 from meshes.errors import Specimen
 from meshes.helix import BallLayout
@@ -60,7 +61,8 @@ class Flanks:
     R ``(N, d, k)`` by the free motions, v0 ``(N, d)`` [m] by loads and prescribed displacements, work ``(k,)`` of the
     loads; e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz; clipped: largest negative compliance cut away over
     a contact's own. own: what the flanks' motions are found from again: compliance of screw and of nut on the built sides,
-    v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks.
+    v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks; outward ``(2 c, 6 n)``: what the built ones of these move
+    beyond rigid sections, side after side (`lowfi.statics.squeeze`), where they do.
     """
 
     first: Array
@@ -72,6 +74,7 @@ class Flanks:
     h: Array
     clipped: float
     own: tuple[Array, Array, Array, Array]
+    outward: Array | None = None
 
 
 @dataclass
@@ -151,6 +154,7 @@ def flanks_of(
     pair = one_pair(problem)
     e, h, assumed, G = np.zeros((N, 4)), np.zeros((N, 4)), [], []
     v0, R = np.zeros((N, 2, 2)), np.zeros((N, 2, 2, shaft.work.size))
+    outward: Array | None = None
     for screw in (True, False):
         sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.use[s]]
         body = body_compliance(scene, layout, screw, backend, typical_axes(problem))
@@ -161,10 +165,13 @@ def flanks_of(
         if condensed is not None:
             for s in condensed.sides_of(sides):
                 e[:, s], h[:, s] = condensed.bodies.own_law(s)
-                e[:, s] += ball.e
+                e[:, s] += condensed.ball(scene, typical_axes(problem)).e
         own = body.G[np.ix_(order, order)]
         if screw:
             beam, moved, rigid = flank_response(shaft, sides)
+            if backend.screw == "kernel" and loaded_beyond(problem):
+                more, shift, outward = squeezed(shaft, sides)
+                beam, moved = beam + more, moved + shift
             order = by_ball(N, range(len(sides)))
             own = own + beam[np.ix_(order, order)]
             v0[:, [s % 2 for s in sides]] = moved[order].reshape(N, len(sides), 2)
@@ -192,6 +199,7 @@ def flanks_of(
         h,
         clipped / contact_compliance(problem),
         (G[0], G[1], v0, R),
+        outward,
     )
     return flanks, tuple(assumed)
 
@@ -225,7 +233,9 @@ def ready(
         raise AssertionError("uneven flanks are solved with all four sides")
     shaft = shaft_of(problem)
     axes = typical_axes(problem)
-    ball = ball_compliance(problem.scene, axes, backend) if condensed is None else condensed.ball(problem.scene, axes)
+    ball = ball_compliance(problem.scene, axes, backend)
+    if condensed is not None and condensed.parts == PARTS:
+        ball = condensed.ball(problem.scene, axes)
     flanks, assumed = flanks_of(problem, shaft, backend, condensed, layout, ball)
     pair = one_pair(problem)
     local = np.zeros((N, 4, 3))

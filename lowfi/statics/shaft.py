@@ -160,14 +160,15 @@ def rigid_nodes(shaft: Shaft) -> Array:
     return np.asarray((rigid_transport(z - z[shaft.pin]) @ shaft.motions).reshape(6 * z.size, -1))
 
 
-def node_motions(shaft: Shaft, forces: Array, amplitudes: Array, used: list[int]) -> Array:
-    """Nodal motions ``(n, 6)`` with the flanks' forces ``(c, 2)`` [N] and the amplitudes ``(k,)`` of the free motions."""
+def node_motions(shaft: Shaft, loads: Array, amplitudes: Array) -> Array:
+    """Nodal motions ``(n, 6)`` by nodal loads ``(6 n,)`` beside the scene's and the amplitudes ``(k,)`` of the free
+    motions."""
     problem = shaft.problem
     if problem.basis is not None:
         q = np.where(problem.fixed, problem.prescribed, 0.0)
         q[0, ~problem.fixed[0]] = amplitudes
         return q
-    q = free_state(shaft) + shaft.solve(flank_loads(problem, forces, used)[:, None])[:, 0]
+    q = free_state(shaft) + shaft.solve(loads[:, None])[:, 0]
     return np.asarray((q + rigid_nodes(shaft) @ amplitudes).reshape(-1, 6))
 
 

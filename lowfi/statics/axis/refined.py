@@ -109,13 +109,14 @@ def state_of(elastic: ElasticAxis) -> tuple[AxisState, Array]:
     n, k = structure.nodes.size, shaft.work.size
     pushes = forces[:, :2].transpose(1, 0, 2).reshape(-1, 2)
     q = np.zeros((structure.stations.size, 6))
-    q[:n] = node_motions(shaft, pushes, elastic.state.a[:k], [0, 1])
+    by_flanks = flank_loads(elastic.whole, pushes, [0, 1])
+    q[:n] = node_motions(shaft, by_flanks, elastic.state.a[:k])
     on_outer = elastic.rows.T @ forces[:, 2:].ravel()
     h = elastic.housings
     outer = h.given + h.solve(on_outer[:, None])[:, 0] + h.motions @ elastic.state.a[k:]
     q[n:] = outer.reshape(-1, 6)
     loads = structure.load.copy()
-    loads[:n] += flank_loads(elastic.whole, pushes, [0, 1]).reshape(-1, 6)
+    loads[:n] += by_flanks.reshape(-1, 6)
     loads[n:] += on_outer.reshape(-1, 6)
     taken = np.concatenate([shaft.times(q[:n].ravel()), h.stiffness @ outer]).reshape(-1, 6)
     held = np.where(structure.fixed, taken - loads, 0.0)

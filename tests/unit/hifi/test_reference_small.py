@@ -1,5 +1,6 @@
 """The 3D reference on two balls: condensation against the whole mesh, statics, symmetry."""
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ import scipy.sparse as sp
 from scipy.linalg import block_diag
 
 from compare.scenes import catalogue
-from hifi import condensed, grid_wave, part_meshes, reference, setup
+from hifi import condensed, contact_kinematics, coupling, grid_wave, part_meshes, reference, setup
 from hifi.assembly import assemble
 from hifi.balls import State, solve_balls
 from hifi.bodies import freedoms, isostatic
@@ -19,6 +20,7 @@ from hifi.part_meshes import placed
 from hifi.patch import hat_rows
 from hifi.pressures import mean_weights
 from hifi.response import compliance
+from hifi.side_by_side import Part, make
 from meshes.cache import Cache
 from meshes.parts import Load, Support
 from meshes.sockets import local_points
@@ -158,14 +160,14 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     small = replace(small, patches={s: replace(pair, wave=None) for s, pair in small.patches.items()})
     found = bodies(small, meshes)
     sides = (0, 3)
-    mounted = reference.mounted_screw(small, small.scene)
+    mounted = coupling.mounted_screw(small, small.scene)
     m = small.screw.stretch.modes
-    C = reference.compliance_of(small, mounted, sides)
+    C = coupling.compliance_of(small, mounted, sides)
     # the beam to the support is not meshed: its share of the screw's compliance comes on top
     beam = np.zeros((C.coupling.shape[0],) * 2)
-    pick = reference._screw_columns(small, sides)
+    pick = coupling._screw_columns(small, sides)
     beam[np.ix_(pick, pick)] = (mounted.G - small.screw.stretch.F[:m, :m])[
-        np.ix_(reference._modal_rows(small, sides), reference._modal_rows(small, sides))
+        np.ix_(coupling.modal_rows(small, sides), coupling.modal_rows(small, sides))
     ]
     n = [len(small.patches[s].groove.A) for s in sides]
     U = np.zeros((2 * sum(n), len(beam)))
@@ -181,16 +183,16 @@ def test_contact_loads_are_those_of_the_whole_mesh(small, meshes):
     mean = sp.block_diag([mean_weights(small.patches[s].groove.weights) for s in sides])
     gap = np.tile(mean @ (length - small.map.ball), 2)
     directions = np.broadcast_to(normals / length[:, None], (2, sum(n), 3))
-    zones = reference._zones(small, sides)
-    rows = reference._screw_rows(small, directions, zones, mounted.origin).reshape(-1, 6)
+    zones = coupling.zones_of(small, sides)
+    rows = contact_kinematics.screw_rows(small, directions, zones, mounted.origin).reshape(-1, 6)
     rows = sp.block_diag([mean, mean]) @ rows
     directions = np.stack([mean @ d for d in directions])
-    N = reference._directions_matrix(directions, rows, mounted.motions)
+    N = contact_kinematics.directions_matrix(directions, rows, mounted.motions)
     f = np.concatenate([np.zeros(6), mounted.work])
     frozen = reference.solve_reference(small, small.scene, updates=0)
     start = State(np.zeros(0), frozen.contact.motions * 1.01)
-    by_loads = mounted.loads[reference._modal_rows(small, sides)]
-    at_rest = reference._modal_motion(C, reference._spread(small, C, sides, by_loads))
+    by_loads = mounted.loads[coupling.modal_rows(small, sides)]
+    at_rest = coupling.modal_motion(C, coupling.spread(small, C, sides, by_loads))
     other, _ = solve_balls(uncoupled(dense), gap + at_rest, N, f, start=start, tolerance=1e-12)
     assert other.converged
     assert frozen.status == "converged"
@@ -309,3 +311,27 @@ def test_own_approaches_of_condensed_bodies(small, monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr(grid_wave, "MEAN", (12, 10))
             assert condensed.patch_approaches(small, s, loads) == pytest.approx(approach, rel=8e-3)
+
+
+def test_a_set_up_in_two_processes_is_the_same(small, tmp_path):
+    made = setup.prepare(small.scene, small.sides, SMALL, cache=Cache(tmp_path), processes=2)
+    assert made.others_MB > 100.0
+    assert list(made.seconds) == list(small.seconds)
+    for s in small.sides:
+        np.testing.assert_array_equal(made.patches[s].own, small.patches[s].own)
+    assert made.nut is not None
+    np.testing.assert_array_equal(made.nut.G, small.nut.G)
+    np.testing.assert_array_equal(made.screw.stretch.F, small.screw.stretch.F)
+    again = Cache(tmp_path)
+    setup.prepare(small.scene, small.sides, SMALL, cache=again)
+    assert again.misses == 0
+
+
+def end_it():
+    os._exit(1)
+
+
+def test_a_process_that_is_ended_from_outside_is_a_lack_of_memory():
+    part = Part("any", "any", 0, end_it, (), float)
+    with pytest.raises(MemoryError, match="ended from outside"):
+        make([part, part], Cache(None), 2)

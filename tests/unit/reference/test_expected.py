@@ -12,7 +12,7 @@ from compare.errors import InputError
 from compare.reference import expected as module
 from compare.reference import jobs
 from compare.reference.expected import HELD, Progress, duration, expected, need_memory
-from compare.reference.runs import Task, load, shipped_store
+from compare.reference.runs import Task, compute, load, shipped_store
 from compare.scenes import catalogue
 from compare.watch import reader_gone
 from compare.writing import replace_file
@@ -97,3 +97,14 @@ def test_stored_files_are_readable_by_the_group(tmp_path: Path) -> None:
     assert stat.S_IMODE((tmp_path / "run.json").stat().st_mode) == 0o640
     for_group(tmp_path / "own")
     assert np.bitwise_and((tmp_path / "own").stat().st_mode, 0o040)
+
+
+def test_memory_that_runs_out_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("gmsh")
+
+    def ended(*_: object, **__: object) -> None:
+        raise MemoryError("a process of the set-up was ended from outside")
+
+    monkeypatch.setattr("hifi.setup.prepare", ended)
+    with pytest.raises(InputError, match=r"memory.*ended from outside.*fewer workers"):
+        compute(Task((catalogue.scene("lin-case1"),), 1))

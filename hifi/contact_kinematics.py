@@ -1,0 +1,165 @@
+"""Gaps, directions and places of all contacts of a prepared geometry, and how motions of balls and screw change them."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from hifi.compliance import Compliance
+from hifi.contact import ContactResult
+from hifi.coupling import Zones, modal_motion
+from hifi.part_meshes import rotation
+from hifi.pressures import mean_weights
+from hifi.setup import Setup
+from meshes.errors import Specimen
+from meshes.helix import groove_radii, nominal_groove_centres
+from meshes.surface import groove_profile
+
+Array = NDArray[np.float64]
+
+
+def expected_touch(gap: Array, zones: Zones) -> Array:
+    """Contact nodes ``(balls, n)`` expected to touch, by their gaps ``(balls, n)`` [m]: the nearest third of each side."""
+    out = np.zeros(gap.shape, dtype=bool)
+    for part in zones.parts:
+        own = gap[:, part]
+        third = own.shape[1] // 3
+        out[:, part] = own < np.partition(own, third, axis=1)[:, third, None]
+    return out
+
+
+def over_hats(setup: Setup, zones: Zones, values: Array) -> Array:
+    """Means over the pressure hats of values ``(balls, n, ...)`` of the contact nodes."""
+    out = np.empty_like(values)
+    for part, s in zip(zones.parts, zones.sides, strict=True):
+        own = values[:, part]
+        flat = np.moveaxis(own, 1, 0).reshape(own.shape[1], -1)
+        mean = (mean_weights(setup.patches[s].groove.weights) @ flat).reshape(own.shape[1], own.shape[0], *own.shape[2:])
+        out[:, part] = np.moveaxis(mean, 0, 1)
+    return out
+
+
+def wave_gaps(setup: Setup, zones: Zones, forces: Array, directions: Array) -> Array:
+    """Corrections ``(balls, n)`` [m] of all gaps for the places of the contacts on their grids (`hifi.grid_wave`)."""
+    out = np.zeros_like(forces)
+    for part, s in zip(zones.parts, zones.sides, strict=True):
+        wave = setup.patches[s].wave
+        if wave is None:
+            continue
+        own = forces[:, part]
+        total = own.sum(axis=1)
+        centres = (own @ setup.patches[s].groove.points) / np.maximum(total, 1e-300)[:, None]
+        loads = np.linalg.norm(np.einsum("ic,icx->ix", own, directions[:, part]), axis=1)
+        out[:, part] = wave.at(loads, centres)[:, None]
+    return out
+
+
+def groove_errors(setup: Setup, drawn: Specimen, sides: tuple[int, ...]) -> Array:
+    """Displacement of each groove by its geometric errors at every contact node, ``(balls, n, 3)`` in the ball's frame."""
+    m = setup.map
+    x3, z3 = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
+    rows = []
+    nominal_centres, radii = nominal_groove_centres(setup.scene), groove_radii(setup.scene)
+    for s in sides:
+        points = setup.patches[s].groove.points
+        offset = drawn.centre[:, s] - nominal_centres[s]
+        shift = offset[:, :1, None] * x3 + offset[:, 1:, None] * z3
+        local = points - np.array([m.R, 0.0, 0.0])
+        gamma, _ = m.polar(s, local @ x3, local @ z3)
+        inward = radii[s] - groove_profile(gamma, drawn.radius[s], drawn.profile[s])[0]
+        sx, sz = m.signs[s]
+        outward = sx * np.cos(gamma)[:, None] * x3 + sz * np.sin(gamma)[:, None] * z3
+        rows.append(shift - (inward[:, None] * outward)[None])
+    return np.concatenate(rows, axis=1)
+
+
+def directions_matrix(directions: Array, screw_rows: Array, motions: Array) -> sp.csr_matrix:
+    """N: gap closed by unit motions of each ball (3) and of the screw's unheld rigid motions."""
+    count, n, _ = directions.shape
+    rows, cols, vals = [], [], []
+    for i in range(count):
+        rows.append(np.repeat(i * n + np.arange(n), 3))
+        cols.append(np.tile(3 * i + np.arange(3), n))
+        vals.append(directions[i].ravel())
+    for k in range(motions.shape[1]):
+        closing = -(screw_rows @ motions[:, k])
+        own = np.flatnonzero(closing)
+        rows.append(own)
+        cols.append(np.full(own.size, 3 * count + k))
+        vals.append(closing[own])
+    return sp.coo_matrix(
+        (np.concatenate(vals), (np.concatenate(rows), np.concatenate(cols))), (count * n, 3 * count + motions.shape[1])
+    ).tocsr()
+
+
+def screw_rows(setup: Setup, directions: Array, zones: Zones, origin: float) -> Array:
+    """Motion of the screw's contact nodes along their normals by its rigid motion about ``origin``, ``(c, n, 6)``."""
+    count, n, _ = directions.shape
+    out = np.zeros((count, n, 6))
+    for part, s in zip(zones.parts, zones.sides, strict=True):
+        if s >= 2:
+            continue
+        local = setup.patches[s].groove.points
+        for i in range(count):
+            R = rotation(float(setup.layout.azimuth[i]))
+            x = local @ R.T + np.array([0.0, 0.0, setup.layout.z[i] - origin])
+            d = directions[i, part] @ R.T
+            out[i, part, :3] = d
+            out[i, part, 3:] = np.cross(x, d)
+    return out
+
+
+def relative_motion(
+    setup: Setup, result: ContactResult, C: Compliance, directions: Array, zones: Zones, at_rest: Array, rigid: Array
+) -> Array:
+    """Motion of each ball's centre relative to each of its grooves, ``(balls, n, 3)``, the same for a side's nodes.
+
+    The groove's own motion is read along the normal from the body's modes and its rigid motion: what the ball's centre
+    moves beyond the groove, in the section plane.
+    """
+    count, n, _ = directions.shape
+    y = result.motions[: 3 * count].reshape(count, 3)
+    z = C.coupling @ C.amplitude(result.forces) + at_rest
+    along = (modal_motion(C, z) + rigid @ result.motions[3 * count :]).reshape(count, n)
+    shift = np.zeros((count, n, 3))
+    for part in zones.parts:
+        for i in range(count):
+            v = np.linalg.lstsq(directions[i, part], along[i, part], rcond=1e-6)[0]
+            shift[i, part] = y[i] - v
+    y3 = tangent(setup)
+    shift -= (shift @ y3)[..., None] * y3  # motion along the track: `places`
+    return shift
+
+
+def tangent(setup: Setup) -> Array:
+    """Unit tangent of the track at the ball's centre, ``(3,)``, in the frame of a ball at azimuth 0."""
+    return np.array([0.0, np.cos(setup.map.alpha), np.sin(setup.map.alpha)])
+
+
+def along_track(setup: Setup, sides: tuple[int, ...]) -> Array:
+    """Helical motion of the track at the contact nodes, ``(n, 3)``, of unit length at the ball's centre."""
+    m = setup.map
+    x = np.concatenate([setup.patches[s].groove.points for s in sides])
+    return np.asarray(np.stack([-x[:, 1], x[:, 0], np.full(len(x), m.rg)], axis=1) * (np.cos(m.alpha) / m.R))
+
+
+def places(setup: Setup, zones: Zones, forces: Array) -> Array:
+    """Where on its groove each contact presses along the track ``(balls, n)`` [m], the same for a side's nodes, less what
+    the contacts of a ball have in common: a ball may stand anywhere on its track.
+
+    A groove is invariant under its helical motion, which therefore changes no gap, and does no work on what presses on it
+    without friction: every contact stands abreast of the ball. By linear kinematics a screw that winds up by theta moves
+    its contacts R theta/2 along, and R theta^2/2 out of their section; what is moved so far is taken back. forces: of the
+    contact nodes along their normals, ``(balls, n)`` [N].
+    """
+    y3 = tangent(setup)
+    middle = np.full((len(forces), len(zones.sides)), np.nan)
+    for k, (part, s) in enumerate(zip(zones.parts, zones.sides, strict=True)):
+        total = forces[:, part].sum(axis=1)
+        moment = forces[:, part] @ (setup.patches[s].groove.points @ y3)
+        middle[:, k] = np.divide(moment, total, out=middle[:, k], where=total > 0.0)
+    closed = np.isfinite(middle)
+    common = np.where(closed, middle, 0.0).sum(axis=1) / np.maximum(closed.sum(axis=1), 1)
+    place = np.where(closed, middle - common[:, None], 0.0)
+    return np.repeat(place, [part.stop - part.start for part in zones.parts], axis=1)
