@@ -22,7 +22,7 @@ def made():
 
 def test_tables_show_every_entry(made):
     tables = {item.name: item for item in made.items if isinstance(item, Table)}
-    solid = ["liu-solid"] if Study().references(bodies.SOLID) else []
+    solid = ["liu-solid"] if STUDY.references(bodies.SOLID) else []
     assert list(tables) == [*liu.TITLES, "liu-bodies", *solid]
     for name in liu.TITLES:
         assert [r["printed"] for r in tables[name].rows] == [p.printed or "–" for p in load_table(name)]
