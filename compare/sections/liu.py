@@ -152,6 +152,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     tables = [printed_table(name, title, [f for f in found if f.printed.table == name]) for name, title in TITLES.items()]
     study.uses(bodies.SOLID)
     tables.append(bodies_table(study))
-    tables.append(solid_table(study))
+    if study.references(bodies.SOLID):
+        tables.append(solid_table(study))
     title = "Random errors of a ball screw (Liu et al. 2025)"
     return Section("liu", title, (Text(ABOUT, bullets=True), figure(printed), *tables))

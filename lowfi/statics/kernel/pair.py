@@ -1,8 +1,8 @@
 """Balls that one diagonal pair of exact arcs can hold, and no other flank: closed form, with its stiffness.
 
 The interference of the pair is total = closure + |D + v| - |D|, D between the groove centres and v the motion of the
-screw's flank (the nut's stands); its energy is 2/5 total^(5/2) / (C_a + C_b)^(3/2). Force and stiffness are its
-derivatives by v.
+screw's flank (the nut's stands); its energy is 2/5 total^(5/2) / (C_a + C_b)^(3/2). Force and stiffness are its derivatives
+by v.
 """
 
 from math import sqrt
