@@ -65,9 +65,10 @@ def _of_axis(assembly: Assembly, what: Asked) -> Verdict:
 def run_shipped(max_error: float | None, out: Output) -> int:
     """The gate of what is shipped; returns 1 where a row fails."""
     from compare.gate.gate import as_table, run_gate
+    from compare.models.study import Study
 
     limit = LIMIT if max_error is None else max_error
-    rows = run_gate(limit)
+    rows = run_gate(Study(members=0), limit)  # no screws are drawn: no claim on random errors is gated
     bad = [row for row in rows if not row.passed]
     written = out.files([of_row(row) for row in rows])
     if out.as_json:

@@ -117,6 +117,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     """Compute the runs that the report needs and ``source`` does not hold yet."""
     from compare.models.comparison import REFERENCED
     from compare.models.modelling import REFINED, VARIED
+    from compare.reference.expected import expected
     from compare.reference.jobs import all_variants, ensure, plan, refinements
     from compare.reference.levels import LEVELS, STUDIED
 
@@ -136,7 +137,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
             tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
         tasks += plan([study.scene(name) for name in (*UNSEEN, *STUDIES)], STUDIED)
         tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
-        tasks.sort(key=lambda task: -task.weight)
+        tasks.sort(key=lambda task: -expected(task).seconds)
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
     if not source.quick:
         known = [reference(study.scene(name), source.stores) for name in dict.fromkeys((*REFERENCED, *STUDIES, *UNSEEN))]

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from compare.costs.bench import Job, timed
+from compare.costs.timing import Job, timed
 from compare.scenes.catalogue import shipped
 from lowfi.statics.axis.solve import solve_assembly
 from lowfi.statics.problem import forget_nominal

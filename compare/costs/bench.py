@@ -9,172 +9,33 @@ reach a tighter one, and iterates in vain for it: one job shows that comparison,
 
 from __future__ import annotations
 
-import gc
 import json
-import os
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from dataclasses import asdict, replace
 from statistics import median
-from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from compare.costs.prepared import TOLERANCE, Ours, Refined, Source
+from compare.costs.startup import command_line_job, startup_jobs
+from compare.costs.timing import Job, launch, timed
 from compare.extremes.static import with_balls
 from compare.models.ensemble import run_ensemble
 from compare.scenes.catalogue import scene as shipped
 from lowfi.as_source import static as lin
-from lowfi.compliance.bodies import REFINED, forget
-from lowfi.statics.elastic import run as run_elastic
-from lowfi.statics.elastic_system import Rebuild
-from lowfi.statics.problem import Problem, build
-from lowfi.statics.records import Outcome
-from lowfi.statics.selection import choose_sides
+from lowfi.compliance.bodies import forget
 from lowfi.statics.static import TOLERANCE as OWN_TOLERANCE
-from lowfi.statics.static import Prepared, pick_engine, prepare, run, solve_static
-from meshes.errors import specimen
-from meshes.helix import ball_layout
+from lowfi.statics.static import solve_static
 from meshes.memory import peak_MB, reset_peak
 from meshes.parts import Scene
 
-Array = NDArray[np.float64]
-
-SINGLE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")}
-#: Relative residual that both formulations solve to.
-TOLERANCE = 1e-10
 MEMBERS = 1000
 #: Time of a member [s] and of a set-up [s], and ratio of a cold solve, that are aimed at.
 MEMBER_AIM, SETUP_AIM, COLD_AIM = 25e-6, 0.2e-3, 1000.0
 BALLS = (125, 250, 500, 1000)
 #: The same for the refined model: time is about linear to the last but one, the last is its largest size.
 REFINED_BALLS = (16, 32, 64, 125, 250)
-WARM_LOAD = 1.01
-ROOT = Path(__file__).resolve().parents[2]
-
-
-@dataclass(frozen=True)
-class Job:
-    """One timed job.
-
-    seconds: median wall clock (None: not measured); ratio: seconds of the source's formulation for the same task over
-    these (None where it has no counterpart, or is the counterpart); unknowns of one solve; peak_MB: highest resident
-    memory of the whole process, interpreter and libraries included, since the first job of its group (cold, warm,
-    ensemble, ...; each number of balls is a group) began; note: what is included.
-    """
-
-    job: str
-    seconds: float | None
-    ratio: float | None
-    unknowns: int | None
-    peak_MB: float | None
-    note: str
-
-
-# --- measuring
-
-
-def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
-    """Median wall clock of ``work`` [s], after one run that is not counted; ``reset`` runs before each, untimed."""
-    seconds = []
-    gc.collect()
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        for _ in range(repeats + 1):
-            if reset is not None:
-                reset()
-            begin = perf_counter()
-            work()
-            seconds.append(perf_counter() - begin)
-    finally:
-        if enabled:
-            gc.enable()
-    return median(seconds[1:])
-
-
-# --- the two formulations, set up and ready to be timed
-
-
-class Ours:
-    """The energy solver on one scene, compiled, with the start that each run begins from."""
-
-    def __init__(self, scene: Scene, *, everything: bool = False, tolerance: float = TOLERANCE) -> None:
-        """Build the system; ``everything``: all four sides."""
-        layout = ball_layout(scene)
-        drawn = specimen(scene, layout)
-        use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
-        problem = build(scene, drawn, layout, use)
-        self.prepared: Prepared = prepare(problem, pick_engine("compiled", scene.ball_count), tolerance=tolerance)
-        self.begin = [a.copy() for a in self.prepared.state]
-        self.unknowns = problem.unknowns
-        self.iterations = 0
-
-    def reset(self) -> None:
-        """The state that the next run begins from."""
-        for a, b in zip(self.prepared.state, self.begin, strict=True):
-            a[...] = b
-
-    def cold(self) -> None:
-        """From the nominal state: linear start, then Newton."""
-        self._check(run(self.prepared))
-
-    def warm(self) -> None:
-        """From the state as it is."""
-        self._check(run(self.prepared, start=False))
-
-    def change_load(self) -> None:
-        """Make the solution the start of the next runs, and change the load by 1 %."""
-        self.reset()
-        self.cold()
-        self.begin = [a.copy() for a in self.prepared.state]
-        self.prepared.beam.load[...] *= WARM_LOAD
-
-    def _check(self, outcome: Outcome) -> None:
-        self.iterations = outcome.iterations
-        if not (outcome.status <= 1 and outcome.residual <= 1e-10):
-            raise RuntimeError(f"bench: our solver stopped with residual {outcome.residual:.1e}")
-
-
-class Source:
-    """The source's Newton (kinematics of Lin 2.18-2.21) on one scene, set up, with its designer's guess."""
-
-    def __init__(self, scene: Scene, member: int = 0, tolerance: float = TOLERANCE) -> None:
-        """Build the system: all four sides of every ball, as its equations have them."""
-        layout = ball_layout(scene)
-        self.problem: Problem = build(scene, specimen(scene, layout, member), layout, np.ones(4, dtype=bool))
-        axes = np.stack([layout.radial, layout.binormal], axis=1)
-        inner = 6 * layout.z.size
-        free = np.concatenate([np.arange(inner), inner + np.flatnonzero(~self.problem.fixed.ravel())])
-        self.system = lin.System(self.problem, "source", lin.beam_matrix(self.problem), free, axes)
-        self.load = self.problem.load.ravel()
-        self.unknowns = free.size
-        self.begin = lin.initial_state(self.system, "guess", 1.0)
-        self.tolerance = tolerance
-        self.status = ""
-
-    def solve(self) -> Array:
-        """Newton from the present start; the solution."""
-        x, _, _, self.status = lin.newton(self.system, self.begin, self.load, self.tolerance)
-        return x
-
-    def solve_by_steps(self) -> Array:
-        """Newton by ten load steps, the first from the guess for a tenth of the load; the solution."""
-        x = lin.initial_state(self.system, "load steps", 0.1)
-        for fraction in np.linspace(0.1, 1.0, 10):
-            x, _, _, self.status = lin.newton(self.system, x, float(fraction) * self.load, self.tolerance)
-            if self.status != "converged":
-                break
-        return x
-
-    def change_load(self) -> None:
-        """Make the solution the start of the next runs, and change the load by 1 %."""
-        self.begin = self.solve()
-        self.load = WARM_LOAD * self.load
 
 
 def _source_seconds(task: Source, repeats: int, work: Callable[[], object] | None = None) -> float | None:
@@ -185,9 +46,6 @@ def _source_seconds(task: Source, repeats: int, work: Callable[[], object] | Non
 
 def _ratio(source: float | None, ours: float) -> float | None:
     return source / ours if source is not None else None
-
-
-# --- the jobs
 
 
 def _cold_jobs(repeats: int) -> Iterator[Job]:
@@ -272,27 +130,6 @@ def _ensemble_jobs(repeats: int) -> Iterator[Job]:
     whole = timed(lambda: run_ensemble(scene, count), min(repeats, 3)) / count
     note = f"per member of {count}, preloaded, all four flanks, random balls, pitch and roundness; {last.path}"
     yield Job("ensemble, case 3 with tolerances", whole, None, None, peak_MB(), note)
-
-
-class Refined:
-    """The refined model on one scene, compiled; the state that each run begins from is its linear start."""
-
-    def __init__(self, scene: Scene, *, everything: bool = False) -> None:
-        """Build the bodies and the system; ``everything``: all four sides."""
-        layout = ball_layout(scene)
-        drawn = specimen(scene, layout)
-        use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
-        kernels = pick_engine("compiled", scene.ball_count)
-        self.elastic = Rebuild(scene, drawn, layout, use, None, REFINED, None, kernels, everything, 1)()
-        self.unknowns = self.elastic.state.phi.size + self.elastic.state.a.size
-        self.iterations = 0
-
-    def cold(self) -> None:
-        """Linear start, then Newton on the contact forces."""
-        outcome = run_elastic(self.elastic)
-        self.iterations = outcome.iterations
-        if not (outcome.status <= 1 and outcome.residual <= 1e-10):
-            raise RuntimeError(f"bench: the refined model stopped with residual {outcome.residual:.1e}")
 
 
 def _refined_jobs(repeats: int) -> Iterator[Job]:
@@ -388,61 +225,6 @@ def _child(repeats: int) -> None:
             print(json.dumps(asdict(job)), flush=True)
 
 
-# --- start-up, measured from outside
-
-
-def _launch(arguments: list[str], extra: dict[str, str] | None = None) -> tuple[float, subprocess.CompletedProcess[str]]:
-    """Wall clock of a Python process [s], which imports nothing from the working folder, and what it left."""
-    environment = {**os.environ, **SINGLE_THREAD, **(extra or {})}
-    path = [str(ROOT), environment.get("PYTHONPATH", "")]
-    environment["PYTHONPATH"] = os.pathsep.join(p for p in path if p)
-    begin = perf_counter()
-    done = subprocess.run(
-        [sys.executable, "-P", *arguments], capture_output=True, text=True, env=environment, check=False, timeout=300
-    )
-    return perf_counter() - begin, done
-
-
-def command_line_job() -> Job:
-    """First solve from the command line, process start to exit."""
-    arguments = ["-m", "compare", "solve", "lin-case1", "--json"]
-    seconds, done = _launch(arguments)
-    try:
-        solver = json.loads(done.stdout)["solver"]
-        unknowns, failed = int(solver["unknowns"]), done.returncode != 0
-    except (ValueError, KeyError, TypeError):
-        unknowns, failed = 0, True
-    if failed:
-        last = done.stderr.strip().splitlines()[-1:] or ["no message"]
-        return Job("first call, command line", None, None, None, None, f"not measured: {last[0][:120]}")
-    note = "python -m compare solve lin-case1 --json: interpreter, imports, solve and output"
-    return Job("first call, command line", seconds, None, unknowns, None, note)
-
-
-def startup_jobs() -> Iterator[Job]:
-    """Import time, and the time to compile the kernels into an empty cache, each in a process of its own."""
-    code = (
-        "from time import perf_counter as t; a = t()\n"
-        "from compare.scenes.catalogue import scene; from lowfi.statics.static import solve_static; b = t()\n"
-        "s = scene('lin-case1'); solve_static(s, engine={engine!r}); c = t(); solve_static(s, engine={engine!r})\n"
-        "print(b - a, c - b - (t() - c))"
-    )
-    _, done = _launch(["-c", code.format(engine="interpreted")])
-    note = "imports of a low-order solve (numpy, scipy and pydantic among them), after the interpreter's own start"
-    yield Job("imports", _number(done, 0), None, None, None, note)
-    with tempfile.TemporaryDirectory() as cache:
-        for job, note in (
-            ("compile the kernels", "first compiled solve less a second one, with an empty cache: once per machine"),
-            ("load the kernels", "the same with the cache filled: once per process that uses compiled kernels"),
-        ):
-            _, done = _launch(["-c", code.format(engine="compiled")], {"NUMBA_CACHE_DIR": cache})
-            yield Job(job, _number(done, 1), None, None, None, note)
-
-
-def _number(done: subprocess.CompletedProcess[str], place: int) -> float | None:
-    return float(done.stdout.split()[place]) if done.returncode == 0 else None
-
-
 def run_bench(progress: Callable[[str], None] | None = None, *, repeats: int = 15) -> list[Job]:
     """All jobs; ``progress`` is called with each job's name when it is done; repeats: 1 for a quick look (small jobs).
 
@@ -450,7 +232,7 @@ def run_bench(progress: Callable[[str], None] | None = None, *, repeats: int = 1
     """
     jobs: list[Job] = []
     code = f"from compare.costs.bench import _child; _child({repeats})"
-    _, done = _launch(["-c", code])
+    _, done = launch(["-c", code])
     if done.returncode != 0:
         raise RuntimeError(f"bench: the timing process failed: {done.stderr.strip().splitlines()[-1:]}")
     found = [Job(**json.loads(line)) for line in done.stdout.splitlines()]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from threadpoolctl import threadpool_limits
 
-from compare.costs.bench import Job, timed
+from compare.costs.timing import Job, timed
 from compare.evidence.liu import case
 from lowfi.random_errors.chain import LAWS, Chain
 from lowfi.random_errors.elimination import solve_by_elimination

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import time
 
-from compare.costs.bench import ROOT, SINGLE_THREAD
+from compare.costs.timing import ROOT, SINGLE_THREAD
 
 #: Longest wait for a process [s].
 PATIENCE = 600.0

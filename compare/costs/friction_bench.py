@@ -9,7 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
-from compare.costs.bench import timed
+from compare.costs.timing import timed
 from compare.evidence.rotary_linear import AXIAL, CASES, LINEAR, ROTARY, SIDE, THETA, VERTICAL
 from compare.evidence.source_cases import inferred, lin_3_4_4, plain
 from compare.extremes.friction_chains import chain_state

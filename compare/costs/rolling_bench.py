@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from compare.costs.bench import Job, timed
+from compare.costs.timing import Job, timed
 from compare.rolling.cases import case_of
 from compare.rolling.from_rest import DURATION, GAP
 from compare.rolling.low_order import low_order

@@ -13,16 +13,15 @@ from compare.evidence.rotary_linear import LINEAR, VERTICAL
 from compare.evidence.source_cases import four_point, inferred, plain, table_3_6
 from compare.extremes.tally import (
     ANGLES,
+    BALLS,
     CHAIN_STARTS,
     CLEARANCE,
     FAR,
-    LINEAR_BALLS,
     LOADS,
     MU,
     NEAR,
     NO_FORCE,
     RHO,
-    SCREW_BALLS,
     SMALL,
     SOURCE_BALLS,
     UNLOADED,
@@ -163,7 +162,7 @@ def screw_chain(count: int) -> ScrewChain:
 def screw_chains() -> Record:
     """Chains of a screw of several sizes."""
     rng, tally = np.random.default_rng(4), Tally()
-    for count in SCREW_BALLS:
+    for count in BALLS:
         tally.cases += 1
         chain = screw_chain(count)
         m = solve_chain(chain)
@@ -172,7 +171,7 @@ def screw_chains() -> Record:
         bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
         for found in from_screw_starts(chain, screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR):
             tally.theirs(found, m.ball_force[:-1], bound)
-    return tally.record("chains", f"screw, {', '.join(map(str, SCREW_BALLS))} balls")
+    return tally.record("chains", f"screw, {', '.join(map(str, BALLS))} balls")
 
 
 def bearing_clearance() -> Record:
@@ -195,20 +194,18 @@ def chain_rows() -> list[Record]:
         chain_group("loads 1e-3 to 1e5 N", [linear_pair(2.0, r, f) for r, f in product((-0.6, -0.999), LOADS)]),
         chain_group("two-point transition", [relieved_pair(10.0**-k) for k in range(1, 13)]),
         chain_group("zero speed", [linear_pair(2.0, -0.6, speed=0.0)]),
-        chain_group(
-            "chains", [linear_chain(n) for n in LINEAR_BALLS], f"linear, {', '.join(map(str, LINEAR_BALLS))} balls"
-        ),
+        chain_group("chains", [linear_chain(n) for n in BALLS], f"linear, {', '.join(map(str, BALLS))} balls"),
         chain_group(
             "chains, mu 0.001 to 0.5",
-            [linear_chain(n, m) for n, m in product(LINEAR_BALLS, MU)],
-            f"linear, {', '.join(map(str, LINEAR_BALLS))} balls",
+            [linear_chain(n, m) for n, m in product(BALLS, MU)],
+            f"linear, {', '.join(map(str, BALLS))} balls",
             1,
             SOURCE_BALLS,
             few,
         ),
         chain_group(
             "chains, mu 0.001 to 0.5",
-            [patchy_chain(n, m) for n, m in product(LINEAR_BALLS, MU)],
+            [patchy_chain(n, m) for n, m in product(BALLS, MU)],
             "the same, a quarter of the contacts unloaded",
             1,
             SOURCE_BALLS,

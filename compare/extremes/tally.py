@@ -19,8 +19,8 @@ ANGLES, MU, LOADS = (-5.0, -1.0, 1e-3, 2.0, 5.0), (1e-3, 0.01, 0.1, 0.3, 0.5), (
 RHO, CLEARANCE = (-0.999, -0.9, -0.3, 0.3, 0.9, 0.999), (1e-7, 1e-6, 5e-6, 1e-5)
 #: Small axial loads [N] of pairs of a screw with clearance.
 SMALL = (1e-3, 1e-2, 0.1, 0.3)
-#: Sizes of the chains: linear bearing, ball screw.
-LINEAR_BALLS, SCREW_BALLS = (2, 5, 10, 20, 50, 100, 200), (2, 5, 10, 20, 50, 100, 200)
+#: Sizes of the chains, of a linear bearing and of a ball screw.
+BALLS = (2, 5, 10, 20, 50, 100, 200)
 #: Largest chain that the source's method is tried on, in the groups of chains over friction.
 SOURCE_BALLS = 20
 #: Fraction of the contacts without load in the chains that lack some.

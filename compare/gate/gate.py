@@ -271,9 +271,8 @@ def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
     return out
 
 
-def run_gate(max_error: float) -> list[GateRow]:
-    """All rows of the gate; no screws are drawn, because no claim on random errors is gated."""
-    study = Study(members=0)
+def run_gate(study: Study, max_error: float) -> list[GateRow]:
+    """All rows of the gate."""
     return [
         *printed_rows(study, max_error),
         *external_rows(study),

@@ -54,7 +54,7 @@ def plan(
         tasks += [Task(own[:1], VARIANTS[variant].level, variant) for variant in variants]
         if any(VARIANTS[variant].refined for variant in variants):
             tasks.append(Task(own[:1], PRODUCTION, "base"))  # what choices refined alone are compared with
-    return sorted(tasks, key=lambda task: -task.weight)
+    return sorted(tasks, key=lambda task: -expected(task).seconds)
 
 
 def missing(tasks: Sequence[Task], stores: Sequence[Path]) -> list[Task]:
@@ -118,7 +118,7 @@ def ensure(
     failed: list[Run] = []
     if not left:
         return failed
-    start, done, total = perf_counter(), 0.0, sum(task.weight for task in left)
+    start, done, total = perf_counter(), 0.0, sum(expected(task).seconds for task in left)
     alone = here and (engine.workers or 1) == 1
     step(_announced(left, len(tasks) - len(left), store, engine.workers or 1, here=here))
     jobs = [(perform, (task, store, step) if alone else (task, store)) for task in left]
@@ -132,7 +132,7 @@ def ensure(
         if not all(path_in(store, scene, run).exists() for scene, run in good):
             keep(store, task, runs, bodies)  # computed on a machine that does not share this folder
         failed.extend(run for run in runs if run.status != "converged")
-        done += task.weight
+        done += expected(task).seconds
         finished += 1
         spent = perf_counter() - start
         rest = spent * (total - done) / done

@@ -216,13 +216,6 @@ class Task:
         tail = f", {VARIANTS[self.variant].label}" if self.variant else ""
         return f"{', '.join(s.name for s in self.scenes)}: {mesh}{tail}"
 
-    @property
-    def weight(self) -> float:
-        """Expected cost, in arbitrary units."""
-        sides = len({s for scene in self.scenes for s in needed_sides(scene)})
-        own = {SOURCE_LEVEL: 1.4, 1: 1.0, 2: 1.2, 3: 2.0, 4: 4.5, 5: 9.0}[self.level] * (1.0 if sides == 2 else 2.2)
-        return own * (0.6 if self.variant else 1.0) + 0.15 * len(self.scenes) * (6 if self.ablate else 1)
-
 
 def compute(task: Task, step: Step = lambda _: None) -> list[Run]:
     """Run a task. Raises InputError where a mesh cannot be built, or memory runs out."""

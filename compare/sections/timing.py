@@ -7,9 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
 from compare.costs.axis_bench import jobs as axis_jobs
-from compare.costs.bench import Job, run_bench
+from compare.costs.bench import run_bench
 from compare.costs.chain_bench import jobs as chain_jobs
 from compare.costs.friction_bench import jobs
+from compare.costs.timing import Job
 from compare.models.study import Study
 from compare.printed.printed_data import entry, load_table
 from reports.records import Cell, Column, Section, Table, Text

@@ -3,11 +3,8 @@
 from compare.evidence.audit import data_digest, judge, stored
 from compare.evidence.record import Evidence
 from compare.evidence.registry import evidence
-from compare.models.study import Study
 from compare.printed.printed_data import load_table
-
-#: Sixty drawn screws decide the claims on random errors as two hundred do.
-STUDY = Study(members=60)
+from tests.evidence_study import STUDY
 
 
 def keys(*tables: str) -> list[str]:

@@ -15,9 +15,10 @@ from compare.printed.printed_data import tables
 from compare.scenes import catalogue
 from lowfi.bearings.angular_contact import BallBearing, BallRow, displacement, of_angle
 from lowfi.bearings.sets import equilibrium, lift_off_force, preloaded
-from tests.literature.entries import STUDY, check, keys
+from tests.evidence_study import GROUP, STUDY
+from tests.literature.entries import check, keys
 
-pytestmark = pytest.mark.xdist_group("external")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 TABLES = (
     "external-contact",

@@ -4,7 +4,10 @@ import pytest
 
 from compare.evidence.loads_2_4_1 import CASES, ratio
 from compare.sections import case3, cases
-from tests.literature.entries import STUDY, check, found, keys
+from tests.evidence_study import GROUP, STUDY
+from tests.literature.entries import check, found, keys
+
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 @pytest.mark.parametrize("key", keys("lin-B1", "lin-2.4.1", "lin-2.4.2", "lin-4.3.2"))

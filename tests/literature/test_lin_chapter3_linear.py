@@ -7,9 +7,10 @@ import pytest
 
 from compare.evidence.rotary_linear import claim_maps, pair
 from compare.printed.printed_data import load_table
+from tests.evidence_study import GROUP
 from tests.literature.entries import check, keys
 
-pytestmark = pytest.mark.xdist_group("friction of bearings")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 TABLES = ("lin-3.3", "lin-3.4", "lin-3.5")
 

@@ -17,9 +17,10 @@ from compare.evidence.rotary_linear import (
 from compare.printed.printed_data import Printed, load_table
 from lowfi.friction.bearing.rotary import SIDES, inner_torque, solve_ball_as_printed, source_law
 from lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
+from tests.evidence_study import GROUP
 from tests.literature.entries import check, found, keys
 
-pytestmark = pytest.mark.xdist_group("friction of bearings")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 PRINTED = source_cases.rotary("I", printed=True)
 #: The source's law with exact integrals in place of its maps.

@@ -12,9 +12,10 @@ from compare.evidence.source_cases import PAIR_SCENES, deviation, inferred, infe
 from compare.printed.printed_data import Printed, load_table
 from lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
 from lowfi.friction.screw.run import RunSummary, simulate, summarise
+from tests.evidence_study import GROUP
 from tests.literature.entries import check, keys
 
-pytestmark = pytest.mark.xdist_group("friction of screws")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 THETA = {case: deviation(case) for case in PAIR_SCENES}
 

@@ -10,7 +10,10 @@ from compare.evidence.smith.case import APPLIED
 from compare.evidence.smith.layouts import LAYOUTS, SUPPORTED, TAPERED, TRIPLEX, Layout, by_formulas, by_scene, in_series
 from compare.evidence.steering_4_2 import rack, ratios
 from compare.scenes import catalogue
-from tests.literature.entries import STUDY, check, keys
+from tests.evidence_study import GROUP, STUDY
+from tests.literature.entries import check, keys
+
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 @pytest.mark.parametrize("key", keys("lin-4.2.1"))

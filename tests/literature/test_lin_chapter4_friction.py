@@ -12,9 +12,10 @@ from compare.scenes.catalogue import scene
 from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, Row, TorqueCurve, solve_bearing, torque_curve
 from lowfi.friction.screw.errors import Onset, contact_onset, groove_of
 from lowfi.statics.static import solve_static
+from tests.evidence_study import GROUP
 from tests.literature.entries import check, keys
 
-pytestmark = pytest.mark.xdist_group("friction of screws")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 ANGLES = np.radians(np.arange(0.0, 18.1, 2.0))
 

@@ -7,32 +7,37 @@ import numpy as np
 import pytest
 
 from compare.evidence.liu import case, drawn, single_error
-from compare.evidence.record import TAKEN, WITHIN
+from compare.evidence.record import TAKEN, WITHIN, Evidence
 from compare.evidence.registry import evidence
 from compare.printed.printed_data import load_table, tables
 from lowfi.random_errors.chain import calibrated, end_ratio, solve_chain
 from lowfi.random_errors.ensemble import percentile, solve_ensemble
-from tests.literature.entries import STUDY, check, keys
+from tests.evidence_study import GROUP, STUDY
+from tests.literature.entries import check, keys
 
-pytestmark = pytest.mark.xdist_group("Liu")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 TABLES = ("liu-2", "liu-3", "liu-4.1", "liu-4.2", "liu-4.3", "liu-4.4")
-FOUND = evidence(STUDY, *TABLES)
-BY_KEY = {f.printed.key: f for f in FOUND}
 #: Random numbers of sections 4.3 and 4.4.
 RANDOM = [
-    f.printed
-    for f in FOUND
-    if f.printed.table in ("liu-4.3", "liu-4.4")
-    and f.printed.value is not None
-    and f.printed.key != "K_0_3000"
-    and not f.printed.key.startswith("spread")
+    row
+    for name in ("liu-4.3", "liu-4.4")
+    for row in load_table(name)
+    if row.value is not None and row.key != "K_0_3000" and not row.key.startswith("spread")
 ]
+
+
+def findings() -> list[Evidence]:
+    return evidence(STUDY, *TABLES)
+
+
+def by_key(key: str) -> Evidence:
+    return next(f for f in findings() if f.printed.key == key)
 
 
 def test_every_entry_has_one_finding() -> None:
     assert sorted(TABLES) == [name for name in tables() if name.startswith("liu")]
-    assert Counter((f.printed.table, f.printed.key) for f in FOUND) == Counter(
+    assert Counter((f.printed.table, f.printed.key) for f in findings()) == Counter(
         (t, row.key) for t in TABLES for row in load_table(t)
     )
 
@@ -43,7 +48,7 @@ def test_entry(key: str) -> None:
 
 
 def test_counts_by_class_and_verdict() -> None:
-    assert Counter((f.printed.cls, f.verdict) for f in FOUND) == {
+    assert Counter((f.printed.cls, f.verdict) for f in findings()) == {
         ("hard", "reproduced"): 18,
         ("as-printed", "reproduced as printed"): 1,
         ("input", TAKEN): 18,
@@ -66,7 +71,7 @@ def test_open_where_no_likely_draw_gives_it(row) -> None:
     """Class band: at least one screw in two hundred is as far out. Class open: fewer, and the words say how many."""
     p = place(row)
     assert (row.cls == "band") == (p.tail >= case.UNLIKELY), (row.key, p)
-    words = BY_KEY[row.key].words
+    words = by_key(row.key).words
     assert f"percentile {p.middle:.1f} ± {p.error:.1f}" in words
     assert f"probability {p.tail:.4f}" in words
 
@@ -106,7 +111,7 @@ def test_all_drawn_screws_converge() -> None:
 
 def test_counts_at_1000_newtons_contradict_those_at_500() -> None:
     """Given about 42 loaded balls at 500 N and +-3 um, no drawn screw has as few as 43 at 1000 N."""
-    assert " 0 have at most 43 at 1000 N" in BY_KEY["unloaded_3_1000"].words
+    assert " 0 have at most 43 at 1000 N" in by_key("unloaded_3_1000").words
     assert "1707 screws" in drawn.fewer_given(3, 42, 78)
     assert " 1707 have" in drawn.fewer_given(3, 42, 78)
 
@@ -115,7 +120,7 @@ def test_unloaded_is_what_is_not_loaded() -> None:
     """Medians of the counts at 1000 N add up to all balls, and the printed ones are too many."""
     for key, half_range in (("unloaded_2_1000", 2), ("unloaded_3_1000", 3)):
         loaded = float(np.median(case.sample(half_range, "loaded", 1000.0)))
-        assert BY_KEY[key].value == 78 - loaded < BY_KEY[key].printed.value
+        assert by_key(key).value == 78 - loaded < by_key(key).printed.value
 
 
 # --- the calibration
@@ -139,7 +144,7 @@ def test_only_the_implicit_angle_gives_all_ratios() -> None:
 
 
 def test_two_digits_exchanged() -> None:
-    q = BY_KEY["plus_Q33_5000"].value
+    q = by_key("plus_Q33_5000").value
     assert q == pytest.approx(142.55, rel=4e-3)
     assert abs(q / 124.55 - 1.0) > 0.14
     assert single_error.error_of_load(124.55) == pytest.approx(1.36, abs=0.01)
@@ -150,7 +155,7 @@ def test_no_contact_stiffness_mends_the_offset() -> None:
     stiffer = calibrated(replace(case.screw(), stiffness=1.034 * case.screw().stiffness), case.RATIO, case.RATIO_LOAD)
     assert solve_chain(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
     assert solve_chain(stiffer, case.one_error(-2e-6), 5000.0).load[32] < 43.55 * 0.99
-    assert drawn.secant(3000.0, 1.0) == pytest.approx(BY_KEY["K_0_3000"].value, rel=1e-4)
+    assert drawn.secant(3000.0, 1.0) == pytest.approx(by_key("K_0_3000").value, rel=1e-4)
     assert drawn.secant(3000.0, 100.0) == pytest.approx(8.071, abs=1e-3)
 
 

@@ -11,9 +11,10 @@ from compare.evidence.smith import ball, case, screw, taper, trials
 from compare.printed.printed_data import load_table, tables
 from lowfi.bearings import as_printed
 from lowfi.bearings.angular_contact import contact_parameters
-from tests.literature.entries import STUDY, check, keys
+from tests.evidence_study import GROUP, STUDY
+from tests.literature.entries import check, found, keys
 
-pytestmark = pytest.mark.xdist_group("Smith")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 TABLES = (
     "smith-table-2-1",
@@ -26,21 +27,16 @@ TABLES = (
     "smith-4.3",
     "smith-5",
 )
-FOUND = evidence(STUDY, *TABLES)
-BY_KEY = {(f.printed.table, f.printed.key): f for f in FOUND}
+AS_PRINTED = [f"{name}:{row.key}" for name in TABLES for row in load_table(name) if row.cls == "as-printed"]
 
 
-def of_class(cls: str) -> list[Evidence]:
-    return [f for f in FOUND if f.printed.cls == cls]
-
-
-def name(f: Evidence) -> str:
-    return f"{f.printed.table}:{f.printed.key}"
+def findings() -> list[Evidence]:
+    return evidence(STUDY, *TABLES)
 
 
 def test_every_entry_has_one_finding() -> None:
     assert sorted(TABLES) == [name for name in tables() if name.startswith("smith")]
-    assert Counter((f.printed.table, f.printed.key) for f in FOUND) == Counter(
+    assert Counter((f.printed.table, f.printed.key) for f in findings()) == Counter(
         (t, row.key) for t in TABLES for row in load_table(t)
     )
 
@@ -50,9 +46,10 @@ def test_entry(key: str) -> None:
     check(key)
 
 
-@pytest.mark.parametrize("f", of_class("as-printed"), ids=name)
-def test_as_printed_in_that_mode_only(f: Evidence) -> None:
+@pytest.mark.parametrize("key", AS_PRINTED)
+def test_as_printed_in_that_mode_only(key: str) -> None:
     """Comes out with the faults repeated; the right value stands beside it and is another one."""
+    f = found(key)
     assert f.verdict == "reproduced as printed", (f.as_printed, f.printed.printed)
     assert f.value is not None
     assert f.printed.value is not None
@@ -60,7 +57,7 @@ def test_as_printed_in_that_mode_only(f: Evidence) -> None:
 
 
 def test_counts_by_class_and_verdict() -> None:
-    assert Counter((f.printed.cls, f.verdict) for f in FOUND) == {
+    assert Counter((f.printed.cls, f.verdict) for f in findings()) == {
         ("hard", "reproduced"): 126,
         ("as-printed", "reproduced as printed"): 56,
         ("input", TAKEN): 62,
@@ -77,7 +74,7 @@ def test_table_2_1_is_right_to_four_parts_in_ten_thousand_but_for_one_entry() ->
     off = {}
     for i, difference in enumerate(ball.DIFFERENCES[1:], 1):
         for key, value in zip(("delta", "a", "b"), contact_parameters(difference), strict=True):
-            printed = BY_KEY["smith-table-2-1", f"{key}_{i}"].printed.value
+            printed = found(f"smith-table-2-1:{key}_{i}").printed.value
             assert printed is not None
             off[key, i] = abs(printed / value - 1.0)
     assert off.pop(("b", 21)) == pytest.approx(0.0349, abs=1e-3)
@@ -133,14 +130,14 @@ def test_source_s_sharing_balances_too_much() -> None:
 
 def test_right_stiffness_of_the_axis() -> None:
     for kind, right in (("ball", 1.915), ("taper", 1.846)):
-        f = BY_KEY["smith-4.2", f"total_{kind}"]
+        f = found(f"smith-4.2:total_{kind}")
         assert f.value == pytest.approx(right, abs=5e-4)
         assert f.as_printed is not None
         assert f.as_printed < 0.8 * right
 
 
 def test_comparison_of_contact_areas_reverses() -> None:
-    areas = {kind: BY_KEY["smith-3", f"area_{kind}"] for kind in ("taper", "ball")}
+    areas = {kind: found(f"smith-3:area_{kind}") for kind in ("taper", "ball")}
     assert areas["taper"].as_printed is not None
     assert areas["ball"].as_printed is not None
     assert areas["taper"].as_printed < 0.2 * areas["ball"].as_printed

@@ -87,8 +87,8 @@ def test_no_code_comes_from_the_working_folder(tmp_path):
         "import sys, runpy; from reports import offscreen\n"
         "try: offscreen.draw_in_child('reports.nowhere', None, 'x.png')\n"
         "except RuntimeError as error: print(error)\n"
-        "from compare.costs.bench import _launch\n"
-        "print(_launch(['-c', 'import numpy; print(numpy.__file__)'])[1].stdout)\n"
+        "from compare.costs.timing import launch\n"
+        "print(launch(['-c', 'import numpy; print(numpy.__file__)'])[1].stdout)\n"
     )
     root = str(Path(__file__).parents[3])
     done = subprocess.run(

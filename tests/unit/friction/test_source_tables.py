@@ -10,7 +10,7 @@ from compare.costs.friction_bench import Row, against_source
 from compare.evidence.source_cases import inferred, plain
 from compare.extremes.friction_balls import screw_ball
 from compare.extremes.friction_chains import chain_group, linear_chain, linear_pair, patchy_chain, screw_pairs
-from compare.extremes.tally import LINEAR_BALLS, MU, SOURCE_BALLS, UNLOADED, Tally
+from compare.extremes.tally import BALLS, MU, SOURCE_BALLS, UNLOADED, Tally
 from lowfi.as_source.chain import SourceMotion
 from lowfi.as_source.starts import from_linear_starts, from_pair_starts, shaken
 from lowfi.friction.contact.motion import balance_by_root, least_dissipation
@@ -168,7 +168,7 @@ def test_random_starts_are_about_the_solutions_apart_and_in_contact():
 
 
 def test_chains_over_friction_lack_some_contacts_and_go_to_200_balls():
-    assert (min(LINEAR_BALLS), max(LINEAR_BALLS)) == (2, 200)
+    assert (min(BALLS), max(BALLS)) == (2, 200)
     assert (min(MU), max(MU)) == (1e-3, 0.5)
     case = patchy_chain(50, 0.3)
     assert case.bearing.mu == case.bearing.mu_balls == 0.3
@@ -182,4 +182,4 @@ def test_long_chains_are_not_asked_of_the_source():
     found = chain_group("group", cases, "model", 1, 2, "a note")
     assert (found.cases, found.tries, found.source_tries) == (2, 4, 2)
     assert found.note.startswith("a note")
-    assert max(LINEAR_BALLS) > SOURCE_BALLS
+    assert max(BALLS) > SOURCE_BALLS

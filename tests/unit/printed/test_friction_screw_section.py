@@ -10,40 +10,41 @@ from compare.costs import friction_bench
 from compare.evidence import screw
 from compare.evidence.registry import evidence
 from compare.extremes import friction as friction_stability
-from compare.extremes.tally import Record, Tally
-from compare.models.study import Study
+from compare.extremes import friction_chains
+from compare.extremes.tally import BALLS, Record, Tally
 from compare.printed.printed_data import load_table
 from compare.sections import friction_screw
+from lowfi.friction.linear.chain import solve
+from lowfi.friction.screw.chain import solve_chain
 from reports.figures import draw
 from reports.records import Figure, Section, Table, Text
+from tests.evidence_study import GROUP, STUDY
 
-pytestmark = [pytest.mark.xdist_group("friction of screws"), pytest.mark.slow]
+pytestmark = [pytest.mark.xdist_group(GROUP), pytest.mark.slow]
 
 #: Dimensions of Table 4.2 that no model takes, so that there is nothing to hold them against.
 UNUSED = {"outer_diameter", "inner_diameter", "thickness_4p"}
 
 
 @pytest.fixture(scope="module")
-def study() -> Study:
-    return Study()
-
-
-@pytest.fixture(scope="module")
-def made(study) -> Section:
+def made() -> Section:
     steps: list[str] = []
-    section = friction_screw.section(study, steps.append)
+    section = friction_screw.section(STUDY, steps.append)
     assert len(steps) == 4
     return section
 
 
 @pytest.fixture(scope="module")
-def found(study):
-    return evidence(study, *friction_screw.TABLES)
+def found():
+    return evidence(STUDY, *friction_screw.TABLES)
 
 
 @pytest.fixture(scope="module")
 def records() -> list[Record]:
-    return friction_stability.rows()
+    """The report's table but for chains of 50 to 200 balls, which take most of its time (below: once)."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(friction_chains, "BALLS", (2, 5, 10, 20))
+        return friction_stability.rows()
 
 
 def tables(made) -> dict[str, Table]:
@@ -175,6 +176,14 @@ def test_ours_has_no_failure_and_unique_answers(records):
         assert r.spread < 1e-8, r
     groups = {r.group for r in records}
     assert {"k_S 100", "k_S 1000", "k_S 10000", "two-point transition", "zero speed", "chains"} <= groups
+
+
+def test_the_longest_chains_are_solved_and_balance():
+    linear = solve(friction_chains.linear_chain(max(BALLS), 0.5).chain())
+    screws = solve_chain(friction_chains.screw_chain(max(BALLS)))
+    assert (linear.status, screws.converged) == ("converged", True)
+    assert linear.power == pytest.approx(linear.loss, rel=1e-8)
+    assert screws.input_power == pytest.approx(screws.loss, rel=1e-8)
 
 
 def test_root_finding_of_the_source_fails(records):

@@ -15,14 +15,15 @@ from compare.sections import friction
 from compare.sections.notes import assumptions
 from reports.figures import draw
 from reports.records import Figure, Section, Table
+from tests.evidence_study import GROUP, STUDY
 
-pytestmark = pytest.mark.xdist_group("friction of bearings")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 @pytest.fixture(scope="module")
 def made() -> Section:
     steps: list[str] = []
-    section = friction.section(Study(), steps.append)
+    section = friction.section(STUDY, steps.append)
     assert len(steps) == 4
     return section
 
@@ -32,14 +33,14 @@ def tables(made):
 
 
 def test_every_printed_entry_has_one_finding():
-    found = evidence(Study(), *friction.TABLES)
+    found = evidence(STUDY, *friction.TABLES)
     keys = Counter((f.printed.table, f.printed.key) for f in found)
     assert keys == Counter((row.table, row.key) for t in friction.TABLES for row in load_table(t))
 
 
 def test_verdicts_are_those_of_the_literature_tests():
     """There every entry that is not open passes."""
-    for f in evidence(Study(), *friction.TABLES):
+    for f in evidence(STUDY, *friction.TABLES):
         if f.printed.cls == "open":
             assert f.verdict == "open", f.printed.key
         else:
@@ -53,7 +54,7 @@ def test_verdicts_are_those_of_the_literature_tests():
 
 def test_right_values_stand_beside_what_comes_out_by_a_fault_alone():
     """67.58 % with right constants, a/R and its angle not cut off, deviations at the load state of the text."""
-    found = {(f.printed.table, f.printed.key): f for f in evidence(Study(), *friction.TABLES)}
+    found = {(f.printed.table, f.printed.key): f for f in evidence(STUDY, *friction.TABLES)}
     for key, right, faulty in (
         (("lin-3.2", "force_increase_III"), 87.8, 67.60),
         (("lin-G", "a_over_R"), 0.2186, 0.218),
@@ -92,7 +93,7 @@ def test_rows_show_class_verdict_and_both_values(made):
 
 def test_misprinted_exponents_are_far_off():
     assert rotary_linear.misprinted_force() < 0.1
-    text = next(f.words for f in evidence(Study(), *friction.TABLES) if f.printed.key == "a_force_analytic")
+    text = next(f.words for f in evidence(STUDY, *friction.TABLES) if f.printed.key == "a_force_analytic")
     assert "0.017 N" in text
 
 

@@ -6,16 +6,23 @@ import pytest
 
 from compare.gate import gate
 from compare.models.study import Study
+from tests.evidence_study import GROUP, STUDY
+
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 
-def test_passes() -> None:
-    rows = gate.run_gate(7.0)
+@pytest.fixture(scope="module")
+def rows() -> list[gate.GateRow]:
+    return gate.run_gate(STUDY, 7.0)
+
+
+def test_passes(rows: list[gate.GateRow]) -> None:
     assert len(rows) > 50
     assert [row.name for row in rows if not row.passed] == []
 
 
-def test_every_kind_of_check_is_there() -> None:
-    kinds = {row.kind for row in gate.run_gate(7.0)}
+def test_every_kind_of_check_is_there(rows: list[gate.GateRow]) -> None:
+    kinds = {row.kind for row in rows}
     assert kinds == {
         "printed, hard",
         "external, band",

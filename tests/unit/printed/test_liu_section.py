@@ -5,18 +5,18 @@ import pytest
 
 from compare.evidence.registry import evidence
 from compare.gate.gate import evidence_row
-from compare.models.study import Study
 from compare.printed.printed_data import load_table
 from compare.sections import liu, notes
 from reports.figures import draw
 from reports.records import Figure, Table
+from tests.evidence_study import GROUP, STUDY
 
-pytestmark = pytest.mark.xdist_group("Liu")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 @pytest.fixture(scope="module")
 def made():
-    return liu.section(Study(), lambda _: None)
+    return liu.section(STUDY, lambda _: None)
 
 
 def test_tables_show_every_entry(made):
@@ -46,5 +46,5 @@ def test_figure_can_be_drawn(made):
 
 
 def test_gate_passes_on_what_it_holds():
-    found = [f for f in evidence(Study(), *liu.TITLES) if f.printed.cls in ("hard", "as-printed", "input")]
+    found = [f for f in evidence(STUDY, *liu.TITLES) if f.printed.cls in ("hard", "as-printed", "input")]
     assert all(evidence_row(f, 7.0).passed for f in found)

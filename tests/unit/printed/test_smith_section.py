@@ -9,19 +9,19 @@ from compare.evidence.entries import Entries
 from compare.evidence.registry import evidence
 from compare.evidence.smith import case
 from compare.gate.gate import evidence_row
-from compare.models.study import Study
 from compare.printed.printed_data import load_table
 from compare.scenes import units
 from compare.sections import notes, smith
 from reports.figures import draw
 from reports.records import Figure, Table
+from tests.evidence_study import GROUP, STUDY
 
-pytestmark = pytest.mark.xdist_group("Smith")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 @pytest.fixture(scope="module")
 def made():
-    return smith.section(Study(), lambda _: None)
+    return smith.section(STUDY, lambda _: None)
 
 
 def test_tables_show_every_entry(made):
@@ -59,7 +59,7 @@ def test_figure_can_be_drawn(made):
 
 
 def test_gate_passes_on_what_it_holds():
-    found = [f for f in evidence(Study(), *smith.TITLES) if f.printed.cls in ("hard", "as-printed", "input")]
+    found = [f for f in evidence(STUDY, *smith.TITLES) if f.printed.cls in ("hard", "as-printed", "input")]
     assert all(evidence_row(f, 7.0).passed for f in found)
 
 

@@ -1,6 +1,7 @@
 """Error against run time: one definition of error and error bar for all points; tables of levels and convergence."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from compare.models.ladder import UNSEEN
 from compare.models.study import Study
 from compare.reference.convergence import LABELS
 from compare.reference.levels import LEVELS
-from compare.reference.runs import reference_of
+from compare.reference.runs import Reference, reference_of
 from compare.sections import reference_mesh, reference_time
 from compare.sections.reference import LABELS as NAMES
 from compare.sections.reference_time import FLOOR, TimePoint, error_range, time_figures, time_panel, time_table
@@ -18,11 +19,15 @@ from reports.figures import draw
 from reports.records import Figure, Panel, Series
 
 STUDY = Study()
-FOUND = STUDY.references((*REFERENCED, *UNSEEN))
+
+
+@cache
+def stored() -> dict[str, Reference]:
+    return STUDY.references((*REFERENCED, *UNSEEN))
 
 
 def test_every_point_has_the_same_reference_and_its_bar() -> None:
-    found = FOUND["lin-case1"]
+    found = stored()["lin-case1"]
     assert found.uncertainty is not None
     assert error_range(found.estimate, found)[0] == 0.0
     error, rms, low, high = error_range(found.best.load, found)
@@ -42,7 +47,7 @@ def test_every_point_has_the_same_reference_and_its_bar() -> None:
 
 
 def test_an_extrapolated_reference_gives_the_finest_level_an_error_too() -> None:
-    found = FOUND["lin-case1"]
+    found = stored()["lin-case1"]
     moved = replace(found, extrapolated=found.load * 1.01)
     assert error_range(found.best.load, moved)[0] > 0.9
 
@@ -94,16 +99,16 @@ def test_unseen_scenes_have_a_figure() -> None:
 
 
 def test_levels_and_orders_of_every_scene() -> None:
-    table = reference_mesh.convergence_table(FOUND)
-    assert [r["scene"] for r in table.rows] == list(FOUND)
-    several = [row for row in table.rows if len(FOUND[str(row["scene"])].runs) > 1]
+    table = reference_mesh.convergence_table(stored())
+    assert [r["scene"] for r in table.rows] == list(stored())
+    several = [row for row in table.rows if len(stored()[str(row["scene"])].runs) > 1]
     assert len(several) >= 9
     for row in several:
         counts = [row[label] for label in LABELS]
-        assert sum(int(c or 0) for c in counts) == FOUND[str(row["scene"])].load.size
+        assert sum(int(c or 0) for c in counts) == stored()[str(row["scene"])].load.size
         assert float(row["rms"] or 0.0) < float(row["max"] or 0.0) < 10.0
-    levels = reference_mesh.level_table(STUDY, FOUND)
-    for name, found in FOUND.items():
+    levels = reference_mesh.level_table(STUDY, stored())
+    for name, found in stored().items():
         own = [r for r in levels.rows if r["scene"] == name and r["level"] != "source"]
         assert [r["change"] is None for r in own] == [False] * (len(found.runs) - 1) + [True]
     assert set(NAMES) >= {f"3D level {k}" for k in LEVELS}

@@ -1,0 +1,65 @@
+"""Seconds of a piece of work, and what is told of them; processes that are timed from outside."""
+
+from __future__ import annotations
+
+import gc
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+
+SINGLE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")}
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One timed job.
+
+    seconds: median wall clock (None: not measured); ratio: seconds of the source's formulation for the same task over
+    these (None where it has no counterpart, or is the counterpart); unknowns of one solve; peak_MB: highest resident
+    memory of the whole process, interpreter and libraries included, since the first job of its group (cold, warm,
+    ensemble, ...; each number of balls is a group) began; note: what is included.
+    """
+
+    job: str
+    seconds: float | None
+    ratio: float | None
+    unknowns: int | None
+    peak_MB: float | None
+    note: str
+
+
+def timed(work: Callable[[], object], repeats: int, reset: Callable[[], object] | None = None) -> float:
+    """Median wall clock of ``work`` [s], after one run that is not counted; ``reset`` runs before each, untimed."""
+    seconds = []
+    gc.collect()
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        for _ in range(repeats + 1):
+            if reset is not None:
+                reset()
+            begin = perf_counter()
+            work()
+            seconds.append(perf_counter() - begin)
+    finally:
+        if enabled:
+            gc.enable()
+    return median(seconds[1:])
+
+
+def launch(arguments: list[str], extra: dict[str, str] | None = None) -> tuple[float, subprocess.CompletedProcess[str]]:
+    """Wall clock of a Python process [s], which imports nothing from the working folder, and what it left."""
+    environment = {**os.environ, **SINGLE_THREAD, **(extra or {})}
+    path = [str(ROOT), environment.get("PYTHONPATH", "")]
+    environment["PYTHONPATH"] = os.pathsep.join(p for p in path if p)
+    begin = perf_counter()
+    done = subprocess.run(
+        [sys.executable, "-P", *arguments], capture_output=True, text=True, env=environment, check=False, timeout=300
+    )
+    return perf_counter() - begin, done
