@@ -30,9 +30,9 @@ class Settings:
     from sockets; ball_fine, ball_coarse: those of balls; cuts: subdivisions of the sockets' edges across, in depth and
     along; growth: ratio of neighbouring cells of a patch outside the contact zone; own_cuts, own_sizes, own_ball_sizes:
     subdivisions and element sizes (near, away) of the submodels of one contact's groove and ball; cell: element size of
-    the homogenised shaft; modes, ball_modes: smooth modes kept per patch of the bodies, of the ball; element: ``"Q2"``
-    patches on second-order bodies, or ``"P1"``: first-order tetrahedra of ``tet`` size around each contact, on first-order
-    bodies, as the source's mesh, without submodels.
+    the shafts that say what a cut does; modes, ball_modes: smooth modes kept per patch of the bodies, of the ball; element:
+    ``"Q2"`` patches on second-order bodies, or ``"P1"``: first-order tetrahedra of ``tet`` size around each contact, on
+    first-order bodies, as the source's mesh, without submodels.
     """
 
     b_over_h: float = 4.0

@@ -168,7 +168,7 @@ VARIANTS: dict[str, Variant] = {
     "finer-ball": Variant(
         "cells and modes of the ball", "ball", "numerical", same, ("ball_fine", "ball_coarse", "ball_modes")
     ),
-    "finer-cell": Variant("cell of the homogenised shaft", "homogenised shaft", "numerical", same, ("cell",)),
+    "finer-cell": Variant("cells of the shaft's cut ends", "cut ends of the shaft", "numerical", same, ("cell",)),
     "nut-right": Variant("nut held at its right face", FIXING, "scene", solid(nut_held="right face")),
     "nut-outer": Variant("nut held by its outer surface", FIXING, "scene", solid(nut_held="outer surface")),
 }

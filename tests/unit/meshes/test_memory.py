@@ -1,0 +1,37 @@
+"""Peak memory of one piece of work: seen, and not inherited from the one before."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from meshes import memory
+from meshes.memory import peak_MB, reset_peak
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the record can be started anew on Linux only")
+def test_every_piece_of_work_has_its_own_peak() -> None:
+    assert reset_peak()
+    before = peak_MB()
+    np.ones(40_000_000).sum()
+    large = peak_MB()
+    assert reset_peak()
+    np.ones(5_000_000).sum()
+    small = peak_MB()
+    assert before is not None
+    assert large is not None
+    assert small is not None
+    assert large - before > 250.0
+    assert small < large - 200.0
+
+
+def test_a_record_that_was_not_started_anew_is_not_quoted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> int:
+        raise PermissionError
+
+    monkeypatch.setattr(memory, "_stale", False)
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "write_text", refuse)
+        assert not reset_peak()
+    assert peak_MB() is None
