@@ -51,6 +51,8 @@ from meshes.solid import Dimensions, dimensions
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Step = Callable[[str], None]
+#: Contacts up to which screw and nut are condensed at once: with more, each takes gigabytes.
+TOGETHER = 160
 #: Boundaries of the nut's mesh by where it is held.
 NUT_HELD = {
     "outer surface": ("outside",),
@@ -149,10 +151,10 @@ def prepare(
         seconds[stage] = spent
         step(f"{stage}: {spent:.1f} s{origin}")
 
-    def made(parts: Sequence[Part]) -> list[Any]:
+    def made(parts: Sequence[Part], at_once: int) -> list[Any]:
         """Records of the parts; each stage has its share of the time that all took."""
         start = perf_counter()
-        found = make(parts, cache, processes)
+        found = make(parts, cache, at_once)
         share = (perf_counter() - start) / max(sum(one.seconds for one in found), 1e-9)
         for stage in dict.fromkeys(part.stage for part in parts):
             own = [one for part, one in zip(parts, found, strict=True) if part.stage == stage]
@@ -172,7 +174,9 @@ def prepare(
         if s - 1 in sides and settings.element == "Q2" and congruent(m, s) and _same_boxes(meshes, s)
     }
     alone = [s for s in sides if s not in like]
-    patches = dict(zip(alone, made([_patch_part(scene, m, dims, meshes, s, settings) for s in alone]), strict=True))
+    patches = dict(
+        zip(alone, made([_patch_part(scene, m, dims, meshes, s, settings) for s in alone], processes), strict=True)
+    )
     patches = {s: patches[s] if s in patches else turned(patches[like[s]]) for s in sides}
 
     low, high = dims.ends(scene)
@@ -193,7 +197,7 @@ def prepare(
     if scene.solid.nut == "elastic":
         nut_from = (scene, meshes.nut, layout, sides, facing, settings, dims)
         bodies.insert(2, Part("nut", "nut-response", nut_of, nut_response, nut_from, NutResponse))
-    shaft, screw, *nuts, ball = made(bodies)
+    shaft, screw, *nuts, ball = made(bodies, processes if layout.z.size * len(sides) <= TOGETHER else 1)
     nut: NutResponse | None = nuts[0] if nuts else None
     if shaft.homogenised is not None:
         along = np.repeat(layout.z, sum(s < 2 for s in sides))
