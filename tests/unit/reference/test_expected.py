@@ -11,7 +11,7 @@ import pytest
 from compare.errors import InputError
 from compare.reference import expected as module
 from compare.reference import jobs
-from compare.reference.expected import HELD, Progress, duration, expected, need_memory
+from compare.reference.expected import Progress, duration, expected, need_memory
 from compare.reference.runs import Task, compute, load, shipped_store
 from compare.scenes import catalogue
 from compare.watch import reader_gone
@@ -30,8 +30,13 @@ def test_the_estimate_is_near_what_stored_runs_took(name: str, level: int) -> No
     assert run.peak_MB is not None
     found = expected(Task((scene,), level))
     assert 0.4 < found.seconds / (run.setup_seconds + run.solve_seconds) < 2.5
-    if scene.ball_count * len(run.sides) <= HELD:  # the larger ones were stored when factors were held
-        assert 1e-3 * run.peak_MB < 1.5 * found.memory_GB
+    assert 0.5 < 1e-3 * run.peak_MB / found.memory_GB < 1.6
+
+
+def test_a_second_process_takes_less_time_and_more_memory() -> None:
+    alone, two = (expected(Task((catalogue.scene("lin-case1"),), 3, processes=n)) for n in (1, 2))
+    assert 0.5 * alone.seconds < two.seconds < 0.8 * alone.seconds
+    assert alone.memory_GB < two.memory_GB < 2.0 * alone.memory_GB
 
 
 def test_a_machine_that_is_too_small_is_refused_before_anything_runs(
