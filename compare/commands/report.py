@@ -138,7 +138,8 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
             tasks += plan([study.scene(name)], (), (*all_variants(), *(refinements() if name == REFINED else ())))
         tasks += plan([study.scene(name) for name in (*UNSEEN, *STUDIES)], STUDIED)
         tasks += plan([study.scene(name) for name in DEEP], (max(LEVELS),))
-        tasks += plan([study.scene(name) for name in SOLID], SOLID_LEVELS)
+        if source.fresh:  # not shipped: they take longer than the rest of a first report
+            tasks += plan([study.scene(name) for name in SOLID], SOLID_LEVELS)
         tasks.sort(key=lambda task: -expected(task).seconds)
     ensure(tasks, source.stores[0], source.engine, step, source.stores[1:], fresh=source.fresh)
     if not source.quick:
