@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from compare.evidence.liu import bodies, case
 from compare.evidence.registry import evidence
+from compare.measure import error_percent
 from compare.models.study import Study
 from compare.sections.finding_table import printed_table
 from lowfi.random_errors.chain import Array, solve_chain
@@ -77,11 +79,35 @@ def figure(found: dict[str, float]) -> Figure:
             zero=True,
         ),
     )
-    caption = (
-        f"{case.MEMBERS} drawn screws a range. Left: the printed counts at 1000 N lie below every likely draw, those at "
-        "100 and 500 N within. Right: with all balls loaded printed stiffness is 2 to 4 % above ours, as without errors."
-    )
+    caption = f"{case.MEMBERS} drawn screws a range. Left: {counts_in_words(found)}. Right: {stiffness_in_words(found)}."
     return Figure("liu-random-errors", "Random errors: loaded balls and stiffness", panels, caption)
+
+
+def counts_in_words(found: dict[str, float]) -> str:
+    """At which loads the printed counts of loaded balls lie within 99 % of the draws, and at which beyond them."""
+    places: dict[str, set[float]] = {"within": set(), "below": set(), "above": set()}
+    for key, value in found.items():
+        if not key.startswith(("loaded_", "unloaded_")):
+            continue
+        half_range, load = int(key.split("_")[1]), float(key.split("_")[2])
+        count = case.BALLS - value if key.startswith("unloaded") else value
+        low, high = np.quantile(case.sample(half_range, "loaded", load), [0.005, 0.995])
+        places["below" if count < low else "above" if count > high else "within"].add(load)
+    said = [f"those at {' and '.join(f'{f:g}' for f in sorted(at))} N {where}" for where, at in places.items() if at]
+    return f"of the printed counts {', '.join(said)} what 99 % of the draws span"
+
+
+def stiffness_in_words(found: dict[str, float]) -> str:
+    """How far printed stiffness lies from the median of the draws where all balls of most draws carry load."""
+    off = []
+    for key, value in found.items():
+        parts = re.fullmatch(r"K_(\d)_(\d+)", key)
+        half_range, load = (int(parts[1]), float(parts[2])) if parts else (0, 0.0)
+        if load in case.LOADS.get(half_range, ()) and np.median(case.sample(half_range, "loaded", load)) == case.BALLS:
+            off.append(error_percent(1e8 * value, float(np.median(case.sample(half_range, "stiffness", load)))))
+    if not off:
+        return "no printed stiffness stands at a load that all balls of most draws carry"
+    return f"with all balls loaded printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median of the draws"
 
 
 def bodies_table(study: Study) -> Table:
