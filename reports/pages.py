@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from reports import field3d, figures, scene3d
+from reports import field3d, figures, first_pages, scene3d
 from reports.cells import cell_view, filled, is_number, micro, write_csv
 from reports.panels import draw_parts, themed
 from reports.records import FieldPicture, Figure, LoadedScrew, PressureMap, Report, Section, Summary, Table, Text
@@ -58,7 +58,7 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
         page = environment.get_template("section.html.j2").render(**common, **own, heading=heading)
         _write(folder / section["file"], page)
     summary = next((section.summary for section in report.sections if section.summary), None)
-    first = None if summary is None else _summary(summary, writer)
+    first = None if summary is None else _summary(report, summary, writer)
     page = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
     _write(folder / "index.html", page)
     lines = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in writer.entries)
@@ -102,12 +102,18 @@ def _words(record: Any) -> str:
     return " ".join(dict.fromkeys([*(c.label for c in record.columns), record.note, *texts]))
 
 
-def _summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
-    """The first screen, its figure drawn for wide and for narrow screens."""
+def _summary(report: Report, summary: Summary, writer: _Writer) -> dict[str, Any]:
+    """The first screen, its figure drawn for wide and for narrow screens; writes the PDF of it where typst is installed."""
     wide, narrow = draw_parts(summary.figure), draw_parts(summary.narrow)
     _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide.whole)
     writer.entries.insert(0, _entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits))))
-    return {"record": summary, "wide": Markup(wide.panels[0]), "narrow": Markup(narrow.panels[0])}
+    view = {"record": summary, "wide": Markup(wide.panels[0]), "narrow": Markup(narrow.panels[0])}
+    try:
+        first_pages.write_first_pages(report, summary, wide.whole, writer.folder)
+    except (ImportError, RuntimeError) as error:
+        writer.say(f"report: {first_pages.FILE} left out ({error}); {first_pages.REMEDY}")
+        return view | {"pdf": None}
+    return view | {"pdf": first_pages.FILE}
 
 
 def _item(item: Item, writer: _Writer) -> dict[str, Any]:

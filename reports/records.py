@@ -203,7 +203,7 @@ class Text:
 @dataclass(frozen=True)
 class Summary:
     """The first screen: a question, its answer in one sentence, one figure of it and the same for a narrow screen, then
-    what the answer covers and what limits it, as statements."""
+    what the answer covers and what limits it, as statements; table: what the PDF shows beside them."""
 
     question: str
     answer: str
@@ -211,6 +211,7 @@ class Summary:
     narrow: Figure
     coverage: Sequence[str]
     limits: Sequence[str]
+    table: Table | None = None
 
 
 @dataclass(frozen=True)
