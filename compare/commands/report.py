@@ -5,21 +5,22 @@ from __future__ import annotations
 import datetime
 import platform
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from importlib import import_module, metadata
+from importlib import metadata
 from pathlib import Path
 from time import perf_counter
 
 from compare import __version__
 from compare.commands.report_first import kept_parts, live_check
+from compare.commands.report_halves import build, split
 from compare.errors import InputError
 from compare.models.study import Study
 from compare.reference.jobs import Engine
 from compare.scenes import catalogue
 from compare.scenes.scene_file import scene_hash
 from compare.system import gmsh_fault, machine
-from reports.records import Report, Section
+from reports.records import Report
 
 Step = Callable[[str], None]
 
@@ -27,7 +28,8 @@ Step = Callable[[str], None]
 @dataclass(frozen=True)
 class Part:
     """A section of the report by name: its module in ``compare.sections``; long: left out of a quick report; runs: shows
-    runs of the 3D reference; meshes: needs gmsh; appendix: stands after the others."""
+    runs of the 3D reference; meshes: needs gmsh; appendix: stands after the others; beside: may be made by a second
+    process."""
 
     name: str
     module: str
@@ -35,16 +37,17 @@ class Part:
     runs: bool = False
     meshes: bool = False
     appendix: bool = False
+    beside: bool = False
 
 
 #: Sections in order.
 PARTS = (
-    Part("overview", "overview", runs=True),
-    Part("ladder", "ladder", runs=True, meshes=True),
-    Part("reference", "reference", runs=True, meshes=True),
-    Part("reference-mesh", "reference_mesh", runs=True),
-    Part("u-val", "u_val", runs=True, meshes=True),
-    Part("crosscheck", "crosscheck", runs=True, meshes=True),
+    Part("overview", "overview", runs=True, beside=True),
+    Part("ladder", "ladder", runs=True, meshes=True, beside=True),
+    Part("reference", "reference", runs=True, meshes=True, beside=True),
+    Part("reference-mesh", "reference_mesh", runs=True, beside=True),
+    Part("u-val", "u_val", runs=True, meshes=True, beside=True),
+    Part("crosscheck", "crosscheck", runs=True, meshes=True, beside=True),
     Part("pictures", "pictures", long=True, meshes=True),
     Part("hertz", "hertz"),
     Part("cases", "cases", runs=True),
@@ -157,25 +160,15 @@ def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
     return [part for part in PARTS if (part.name in only if only else not (quick and part.long))]
 
 
-def build(wanted: Sequence[Part], progress: Progress, study: Study) -> list[Section]:
-    """The sections in order, each made by its module."""
-    made = []
-    for part in wanted:
-        progress.section(part.name)
-        section: Callable[[Study, Step], Section] = import_module(f"compare.sections.{part.module}").section
-        made.append(replace(section(study, progress.step), appendix=part.appendix))
-    return made
-
-
-def save_model_form(study: Study, source: Source) -> None:
+def save_model_form(study: Study) -> None:
     """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
     shipped; nothing without references or without a store."""
     from compare.models.ladder import ladder, points
     from compare.models.model_form import save_points
 
     rungs = study.once(ladder)
-    if rungs and source.stores:
-        save_points(source.stores[0], points(study, rungs))
+    if rungs and study.stores:
+        save_points(study.stores[0], points(study, rungs))
 
 
 def make_report(
@@ -210,11 +203,12 @@ def make_report(
 
     own = (store,) if fresh or quick else (store, shipped_store())
     source = Source(None if stored else own, engine or Engine(), not stored and meshing, quick, fresh)
-    runs, ladder = any(part.runs for part in wanted), any(part.name == "ladder" for part in wanted)
+    runs = any(part.runs for part in wanted)
     checking = runs and meshing and not (only or stored or fresh or quick)
-    progress = Progress(len(wanted) + runs + ladder + checking + 1)
-    start = perf_counter()
     study = Study(source.stores, quick=quick, timed=everything or fresh, cache=source.engine.cache)
+    aside, others = split(wanted, study)
+    progress = Progress(len(others) + bool(aside) + runs + checking + 1)
+    start = perf_counter()
     if runs:
         progress.section("runs of the 3D reference")
         compute_references(study, source, progress.step)
@@ -222,10 +216,7 @@ def make_report(
     if checking:
         progress.section("one shipped run computed anew")
         checked = live_check((shipped_store(),), progress.step)
-    sections = build(wanted, progress, study)
-    if ladder:
-        progress.section("points of the model-form estimate")
-        save_model_form(study, source)
+    made = build(aside, others, progress.section, progress.step, study, save_model_form)
     progress.section("drawing and writing")
     facts = provenance()
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
@@ -242,7 +233,7 @@ def make_report(
         + (f" (quick run: coarse meshes, cases 1 and 2 only, without {left_out})" if quick else "")
         + "".join(f" ({gap.line()})" for gap in missed),
         provenance=facts,
-        sections=sections,
+        sections=[made[part.name] for part in wanted],
         scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in study.used},
     )
     try:

@@ -84,17 +84,21 @@ def figure(found: dict[str, float]) -> Figure:
 
 
 def counts_in_words(found: dict[str, float]) -> str:
-    """At which loads the printed counts of loaded balls lie within 99 % of the draws, and at which beyond them."""
-    places: dict[str, set[float]] = {"within": set(), "below": set(), "above": set()}
+    """How many printed counts of loaded balls lie within what most draws span, and which do not."""
+    total, out = 0, []
     for key, value in found.items():
-        if not key.startswith(("loaded_", "unloaded_")):
+        parts = re.fullmatch(r"(un)?loaded_(\d)_(\d+)(_again)?", key)
+        if parts is None:
             continue
-        half_range, load = int(key.split("_")[1]), float(key.split("_")[2])
-        count = case.BALLS - value if key.startswith("unloaded") else value
-        low, high = np.quantile(case.sample(half_range, "loaded", load), [0.005, 0.995])
-        places["below" if count < low else "above" if count > high else "within"].add(load)
-    said = [f"those at {' and '.join(f'{f:g}' for f in sorted(at))} N {where}" for where, at in places.items() if at]
-    return f"of the printed counts {', '.join(said)} what 99 % of the draws span"
+        half_range, load = int(parts[2]), float(parts[3])
+        count = case.BALLS - value if parts[1] else value
+        low, high = np.quantile(case.sample(half_range, "loaded", load), [case.UNLIKELY, 1.0 - case.UNLIKELY])
+        total += 1
+        if not low <= count <= high:
+            out.append(f"±{half_range} µm at {load:g} N {'below' if count < low else 'above'}")
+    span = f"what {100.0 * (1.0 - 2.0 * case.UNLIKELY):g} % of the draws span"
+    beyond = f"; beyond it: {', '.join(dict.fromkeys(out))}" if out else ""
+    return f"{total - len(out)} of {total} printed counts lie within {span}{beyond}"
 
 
 def stiffness_in_words(found: dict[str, float]) -> str:

@@ -14,8 +14,10 @@ from reports.records import Column, Figure, Panel, Report, Section, Series, Summ
 FIGURE = Figure("error-time", "Error against run time", (Panel("", "s", "%", (Series("lin", [1.0], [2.0]),)),), "In um.")
 COLUMNS = (Column("name", "name", "", "s"), Column("x", "largest error", "% of mean", ".2f"), Column("gone", "empty"))
 TABLE = Table("models", "Models over all scenes", COLUMNS, ({"name": 'a "b" #c *d* [e] \\', "x": 1.234},), "A note.")
-SUMMARY = Summary("How far?", "Up to 2 um.", FIGURE, replace(FIGURE, name="narrow"), ["covers #this"], ["limits *that*"], TABLE)
-REPORT = Report("a report", "", {"rollbench": "1.0", "date": "a day"}, (Section("overview", "Overview", (), summary=SUMMARY),))
+NARROW = replace(FIGURE, name="narrow")
+SUMMARY = Summary("How far?", "Up to 2 um.", FIGURE, NARROW, ["covers #this"], ["limits *that*"], TABLE)
+OVERVIEW = Section("overview", "Overview", (), summary=SUMMARY)
+REPORT = Report("a report", "", {"rollbench": "1.0", "date": "a day"}, (OVERVIEW,))
 
 
 def test_pages_hold_question_answer_table_and_limits_as_they_are_written():
