@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from reports import field3d, figures, first_pages, scene3d
+from reports import field3d, figures, first_pages, scene3d, view3d
 from reports.cells import cell_view, filled, is_number, micro, write_csv
 from reports.panels import draw_parts, themed
 from reports.records import FieldPicture, Figure, LoadedScrew, PressureMap, Report, Section, Summary, Table, Text
@@ -73,7 +73,7 @@ def _section(section: Section, number: int, total: int, writer: _Writer) -> dict
     """What the templates need of a section; writes the files of its items."""
     writer.say(f"report: {number}/{total} {section.title}")
     file = f"{section.name}.html"
-    items = [_item(item, writer) for item in section.items]
+    items = [_item(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
     writer.entries.append(_entry(section.title, file, "page", " ".join(words)))
     marks = []
@@ -116,8 +116,8 @@ def _summary(report: Report, summary: Summary, writer: _Writer) -> dict[str, Any
     return view | {"pdf": first_pages.FILE}
 
 
-def _item(item: Item, writer: _Writer) -> dict[str, Any]:
-    """What the templates need of one item; writes the item's file."""
+def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
+    """What the templates need of one item of a page; writes the item's file."""
     if isinstance(item, Text):
         return {"kind": "text", "text": item}
     if isinstance(item, Table):
@@ -125,7 +125,7 @@ def _item(item: Item, writer: _Writer) -> dict[str, Any]:
         return _table(item, writer)
     writer.figures += 1
     view: dict[str, Any] = {"kind": "figure", "figure": item, "number": writer.figures}
-    view |= {"file": None, "panels": (), "legend": "", "across": 1, "image": None, "missing": None}
+    view |= {"file": None, "panels": (), "legend": "", "across": 1, "image": None, "missing": None, "turned": None}
     name = f"figures/{item.name}"
     if isinstance(item, Figure):
         drawn = draw_parts(item)
@@ -137,11 +137,11 @@ def _item(item: Item, writer: _Writer) -> dict[str, Any]:
         svg = figures.draw_map(item)
         _write(writer.folder / f"{name}.svg", svg)
         return {**view, "file": f"{name}.svg", "panels": [Markup(themed(_inline(svg)))]}
-    return view | _picture(item, f"{name}.png", writer)
+    return view | _picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
 
 
-def _picture(item: LoadedScrew | FieldPicture, name: str, writer: _Writer) -> dict[str, Any]:
-    """A 3D picture as a file of its own, or why it is missing."""
+def _picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Writer) -> dict[str, Any]:
+    """A 3D picture as a file of its own, or why it is missing; back: address of where it stands."""
     path = writer.folder / name
     try:
         if isinstance(item, LoadedScrew):
@@ -152,7 +152,19 @@ def _picture(item: LoadedScrew | FieldPicture, name: str, writer: _Writer) -> di
         path.unlink(missing_ok=True)
         writer.say(f"report: picture left out. {error}")
         return {"missing": str(error)}
-    return {"file": name, "image": name}
+    turned = _turned(item, back, writer) if isinstance(item, LoadedScrew) and item.turns else None
+    return {"file": name, "image": name, "turned": turned}
+
+
+def _turned(item: LoadedScrew, back: str, writer: _Writer) -> str | None:
+    """Name of the page on which a loaded screw can be turned; None where none can be made here."""
+    name = view3d.view_file(item)
+    try:
+        view3d.write_view(item, writer.folder / name, MARKER, back)
+    except (ImportError, RuntimeError) as error:
+        writer.say(f"report: {name} left out ({error}); {view3d.REMEDY}")
+        return None
+    return name
 
 
 def _inline(svg: str) -> str:

@@ -92,7 +92,8 @@ class LoadedScrew:
 
     Arrays are nested sequences: ball centres ``ball_radii_centres`` (n, 3), ``ball_loads`` (n) [N], contact
     points (m, 3) with the forces on the balls there (m, 3) [N], and ``helix`` (k, 3), the path of one start.
-    A lead of zero is a ball bearing; a groove radius of zero leaves its choice to the drawer.
+    A lead of zero is a ball bearing; a groove radius of zero leaves its choice to the drawer; ``turns``: also as a page on
+    which it can be turned.
     """
 
     name: str
@@ -112,6 +113,7 @@ class LoadedScrew:
     groove_radius: float = 0.0
     lead: float = 0.0
     caption: str = ""
+    turns: bool = False
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 from time import perf_counter
 
 from compare import __version__
-from compare.commands.report_first import kept_parts, live_check
+from compare.commands.report_first import kept_parts, lacking, live_check
 from compare.commands.report_halves import build, split
 from compare.errors import InputError
 from compare.models.study import Study
@@ -222,6 +222,7 @@ def make_report(
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
     facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
+    missed += lacking()
     if missed:
         facts["left out"] = "; ".join(gap.line().removeprefix("left out: ") for gap in missed)
     if checked is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -198,7 +199,7 @@ def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
     title = "loaded-screw", "Case 3 with offset: contact forces on the balls"
-    return loaded_screw(scene, title, result.load, arrows, caption)
+    return replace(loaded_screw(scene, title, result.load, arrows, caption), turns=True)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
