@@ -57,7 +57,7 @@ PARTS = (
     Part("tolerances", "tolerances"),
     Part("friction", "friction"),
     Part("friction-screw", "friction_screw"),
-    Part("rolling", "rolling"),
+    Part("rolling", "rolling", beside=True),
     Part("smith", "smith"),
     Part("liu", "liu"),
     Part("external", "external", runs=True),

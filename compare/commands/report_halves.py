@@ -1,7 +1,7 @@
-"""Sections of a report made in two processes side by side: those on models beside the 3D reference, and all others.
+"""Sections of a report made in two processes side by side: those on models beside 3D, and all others.
 
-The two share no result that takes long: the first rest on the ladder and the points of error against run time, the others
-on the evidence of printed tables. What is timed is made by one process alone.
+The two share no result that takes long: the first rest on the ladder, the points of error against run time and on rolling
+contacts, the others on the evidence of printed tables. What is timed is made by one process alone.
 """
 
 from __future__ import annotations

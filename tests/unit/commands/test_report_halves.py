@@ -45,4 +45,5 @@ def test_sections_on_models_stand_together():
         "reference-mesh",
         "u-val",
         "crosscheck",
+        "rolling",
     ]
