@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from reports import field3d, figures, first_pages, scene3d, view3d
 from reports.cells import cell_view, filled, is_number, micro, write_csv
+from reports.manifest import write_manifest
 from reports.panels import draw_parts, themed
 from reports.records import FieldPicture, Figure, LoadedScrew, PressureMap, Report, Section, Summary, Table, Text
 
@@ -63,6 +64,8 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
     _write(folder / "index.html", page)
     lines = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in writer.entries)
     _write(folder / SEARCH, f"window.rollbenchSearch = [\n{lines}\n];\n")
+    if report.origin:
+        write_manifest(folder, report.origin)
 
 
 def _write(path: Path, text: str) -> None:

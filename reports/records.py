@@ -231,10 +231,12 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """The whole report: title, subtitle, provenance, sections; the first summary of a section is its first screen."""
+    """The whole report: title, subtitle, provenance, sections; the first summary of a section is its first screen; origin:
+    what its manifest says of what it rests on, as plain data."""
 
     title: str
     subtitle: str
     provenance: Mapping[str, str]
     sections: Sequence[Section]
     scene_hashes: Mapping[str, str] = field(default_factory=dict)
+    origin: Mapping[str, object] = field(default_factory=dict)

@@ -12,10 +12,12 @@ from pathlib import Path
 from time import perf_counter
 
 from compare import __version__
+from compare.commands import report_moved
 from compare.commands.report_first import kept_parts, lacking, live_check
 from compare.commands.report_halves import build, split
 from compare.errors import InputError
 from compare.models.study import Study
+from compare.provenance import commit, inputs
 from compare.reference.jobs import Engine
 from compare.scenes import catalogue
 from compare.scenes.scene_file import scene_hash
@@ -65,6 +67,7 @@ PARTS = (
     Part("verification", "verification", meshes=True),
     Part("stability", "stability", long=True),
     Part("timing", "timing", long=True),
+    Part("history", "history", runs=True, beside=True),
     Part("verdicts", "verdicts", runs=True, appendix=True),
     Part("audit", "audit", runs=True, appendix=True),
     Part("notes", "notes", runs=True, appendix=True),
@@ -76,7 +79,7 @@ def provenance() -> dict[str, str]:
     """What was run where: version, date, machine, library versions."""
     packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "cvxopt", "matplotlib", "pyvista")
     return {
-        "rollbench": __version__,
+        "rollbench": f"{__version__}, commit {commit()}",
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "machine": f"{machine()}, {platform.system()}",
         "Python": platform.python_version(),
@@ -181,13 +184,16 @@ def make_report(
     engine: Engine | None = None,
     fresh: bool = False,
     everything: bool = False,
+    against: Path | None = None,
 ) -> int:
     """Run, draw and write the report; returns the exit code: 1 where the live check does not agree.
 
     quick: coarsest meshes of the 3D reference only; stored: the runs that come with the package; store: folder in which
     computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them; everything:
-    the costly sections too. Raises InputError for a bad section name or folder.
+    the costly sections too; against: an earlier report, to list what moved. Raises InputError for a bad section name or
+    folder.
     """
+    before = None if against is None else report_moved.tables(against)
     wanted = wanted_parts(only, quick=quick)
     if fresh and stored:
         raise InputError("command line", "--fresh", "also --stored", "one of both", "leave --stored out to compute")
@@ -218,7 +224,7 @@ def make_report(
         checked = live_check((shipped_store(),), progress.step)
     made = build(aside, others, progress.section, progress.step, study, save_model_form)
     progress.section("drawing and writing")
-    facts = provenance()
+    facts, texts = provenance(), {name: catalogue.scene_text(name) for name in study.used}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
     facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
@@ -235,7 +241,8 @@ def make_report(
         + "".join(f" ({gap.line()})" for gap in missed),
         provenance=facts,
         sections=[made[part.name] for part in wanted],
-        scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in study.used},
+        scene_hashes={name: scene_hash(text) for name, text in texts.items()},
+        origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
     )
     try:
         page = write(report, out, partial(progress.step))
@@ -243,6 +250,8 @@ def make_report(
         raise _bad_folder(out, error) from None
     for line in (*([] if checked is None else [checked.line()]), *(gap.line() for gap in missed)):
         print(line, flush=True)
+    if before is not None:
+        print("\n".join(report_moved.moved(before, report_moved.tables(page.parent))) or "nothing moved", flush=True)
     print(f"report: {page} ({perf_counter() - start:.0f} s)", flush=True)
     return 0 if checked is None or checked.agrees else 1
 

@@ -46,4 +46,5 @@ def test_sections_on_models_stand_together():
         "u-val",
         "crosscheck",
         "rolling",
+        "history",
     ]
