@@ -50,9 +50,14 @@ def contact_panels(r: RunResult) -> tuple[Panel, Panel]:
     pairs = Series("touching pairs", numbers(time), numbers(r.contact.sum(axis=1)), "line")
     found = Series("groups", numbers(time), numbers(groups(r.contact)), "line")
     return (
-        Panel("contacts in the nut, θ of 3°", "time / s", "place along the nut's track / deg", (dots,)),
-        Panel("touching pairs and groups, θ of 3°", "time / s", "number", (pairs, found), zero=True),
+        Panel(f"contacts in the nut, {amplitude(r)}", "time / s", "place along the nut's track / deg", (dots,)),
+        Panel(f"touching pairs and groups, {amplitude(r)}", "time / s", "number", (pairs, found), zero=True),
     )
+
+
+def amplitude(r: RunResult) -> str:
+    """Amplitude of the deviation of a run, in words."""
+    return f"θ of {np.degrees(r.run.amplitude):g}°"
 
 
 def run_figure() -> Figure:
@@ -60,15 +65,16 @@ def run_figure() -> Figure:
     three, two, open_grooves = run(3.0), run(2.0), loose_run()
     panels = (
         theta_panel(three.run),
-        torque_panel(f"torque, θ of 3°, {1e6 * three.run.oversize:g} µm", three),
-        torque_panel(f"torque, θ of 2°, {1e6 * two.run.oversize:g} µm", two),
+        torque_panel(f"torque, {amplitude(three)}, {1e6 * three.run.oversize:g} µm", three),
+        torque_panel(f"torque, {amplitude(two)}, {1e6 * two.run.oversize:g} µm", two),
         *contact_panels(three),
-        torque_panel("torque, θ of 3°, 0 µm, coupled", open_grooves),
+        torque_panel(f"torque, {amplitude(open_grooves)}, {1e6 * open_grooves.run.oversize:g} µm, coupled", open_grooves),
     )
     high, low = summarise(three), summarise(two)
     caption = (
         "With four loaded contacts the grooves' torque is nearly constant; ball-to-ball torque builds up to "
-        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut (θ of 3°) or {low.largest:.0%} at {low.at:.0f}° (2°), "
+        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut ({amplitude(three)}) or {low.largest:.0%} at {low.at:.0f}° "
+        f"({amplitude(two)}), "
         f"ends, and comes back weaker. Contacts form {high.groups} groups, one in each cycle of θ. Without oversize "
         f"the grooves' torque is lower and varies by {variation(open_grooves):.0%} after the first step, whose loads "
         "are computed without friction. Amplitude, phase and oversize are assumed; the source prints none of them."

@@ -45,9 +45,9 @@ def _median(quantity: Quantity, half_range: int, unit: float) -> Series:
 
 def _band(quantity: Quantity, half_range: int, unit: float) -> list[Series]:
     loads, found = list(case.LOADS[half_range]), []
-    for level, words in ((0.005, "0.5 %"), (0.995, "99.5 %")):
+    for level in (case.UNLIKELY, 1.0 - case.UNLIKELY):
         values = [float(np.quantile(case.sample(half_range, quantity, f), level)) / unit for f in loads]
-        found.append(Series(f"±{half_range} µm, {words}", loads, values, "line"))
+        found.append(Series(f"±{half_range} µm, {100.0 * level:g} %", loads, values, "line"))
     return found
 
 

@@ -14,7 +14,7 @@ from compare.measure import error_percent
 from compare.models.study import Study
 from compare.reference.runs import shipped_store
 from compare.rolling.body_sizes import NAMES, Variant, body_sizes
-from compare.rolling.from_rest import Series, from_rest
+from compare.rolling.from_rest import GAP, Series, from_rest
 from compare.rolling.patches import PatchField, fields
 from compare.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, stored_rows, within
 from compare.rolling.runs import FINITE, LEVELS, SOURCE_LEVEL, RollingRun, load
@@ -334,12 +334,12 @@ def _figure(series: Sequence[Series]) -> Figure:
     speeds = [Curve(f"ball {k + 1}", time, [1e3 * v[k] for v in last.speed], "line") for k in range(2)]
     return Figure(
         "rolling-from-rest",
-        "Linear bearing, case (a): two balls begin to roll 1 um apart",
+        f"Linear bearing, case (a): two balls begin to roll {1e6 * GAP:g} um apart",
         [
             Panel("ball-to-ball force", "time [ms]", "force [N]", forces, zero=True),
             Panel(f"speed of the balls, {last.steps} steps", "time [ms]", "speed [mm/s]", speeds),
         ],
-        "The source ran ten steps.",
+        f"The source ran {series[0].steps} steps.",
     )
 
 
