@@ -109,9 +109,10 @@ def compare(
     from compare.commands.compare_output import beside, is_itself, verdict
     from compare.commands.study import on_terminal, unconverged
     from compare.models.comparison import compared_models, from_model, reference_answers, suited
+    from compare.reference.estimate import reference
     from compare.reference.jobs import Engine, ensure, plan
     from compare.reference.levels import LEVELS
-    from compare.reference.runs import reference, shipped_store
+    from compare.reference.store import shipped_store
     from meshes.cache import default_root
 
     described = _described(scene)

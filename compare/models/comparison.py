@@ -17,8 +17,9 @@ from compare.measure import error_percent, load_error
 from compare.models.registry import MODELS, Model, Options, run_model
 from compare.printed.printed_data import entry
 from compare.reference.convergence import pool
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.runs import Reference, Run
+from compare.reference.store import Run
 from compare.scenes.catalogue import with_role
 from lowfi.statics.result import StaticResult
 from meshes.parts import SIDES, Scene

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from compare.models.registry import DEFAULT
 from compare.models.study import Study
 from compare.reference.levels import PRODUCTION
-from compare.reference.runs import settings_of
+from compare.reference.tasks import settings_of
 from compare.sections.loaded_screw import loaded_screw
 from compare.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
 from meshes.errors import specimen

@@ -12,7 +12,7 @@ from compare.commands import friction as friction_answer
 from compare.commands.answer import as_table
 from compare.commands.friction import Choices, run, solve, solve_scene
 from compare.errors import InputError, SceneError
-from compare.reference.runs import key_of
+from compare.reference.store import key_of
 from compare.scenes import catalogue, scene_file
 from lowfi.friction.whole import feedback as ball_feedback
 from meshes.parts import Friction, Motion, Time

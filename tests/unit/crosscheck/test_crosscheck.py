@@ -18,7 +18,7 @@ from compare.errors import InputError
 from compare.measure import load_error
 from compare.models.study import Study
 from compare.reference.convergence import observe
-from compare.reference.runs import Reference
+from compare.reference.estimate import Reference
 from compare.sections import crosscheck
 
 DAT = """
