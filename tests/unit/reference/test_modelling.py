@@ -14,7 +14,7 @@ from compare.reference.store import Run, save
 from compare.reference.tasks import settings_of
 from compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
 from compare.scenes import catalogue
-from hifi.setup import nut_transform
+from hifi.responses import nut_transform
 from meshes.parts import Solid, Support
 from meshes.solid import dimensions
 
