@@ -32,10 +32,11 @@ from compare.commands.friction_output import (
 )
 from compare.commands.friction_run import Run, run_data, run_lines, run_table, solve_run
 from compare.commands.solve_output import number
-from compare.errors import InputError, Refusal
+from compare.errors import InputError, Refusal, one_line
 from compare.models.registry import DEFAULT, Options, run_model
 from compare.scenes import catalogue
 from compare.scenes.scene_file import kind_of
+from compare.watch import checked, watched
 from lowfi.friction.whole.heathcote import heathcote
 from lowfi.friction.whole.state import FrictionState, friction_state, will_compile
 from lowfi.jit import cached
@@ -74,9 +75,18 @@ class Drag:
     note: str = ""
 
 
-def run(name: str, choices: Choices, as_json: bool, show: Callable[..., None], print_json: Callable[[Any], None]) -> int:
-    """Solve a shipped scene or a file of any kind and print it; 1 where it did not converge. Raises InputError."""
-    answer = solve(name, choices)
+def run(
+    name: str,
+    choices: Choices,
+    as_json: bool,
+    show: Callable[..., None],
+    print_json: Callable[[Any], None],
+    time_limit: float | None = None,
+) -> int:
+    """Solve a shipped scene or a file of any kind and print it; 1 where it did not converge, or the limit of time [s] ended
+    it. Raises InputError."""
+    with watched(f"{one_line(name)}, friction", checked(time_limit)):
+        answer = solve(name, choices)
     if as_json:
         print_json(answer.data)
     else:
