@@ -72,7 +72,7 @@ def friction(scene: Scene | Assembly | KindScene | str | Path, *, mu: Sequence[f
     mu: coefficients of friction in place of the scene's; model: of the contact loads, refined unless given. The first use
     compiles kernels for some 20 s. Raises InputError.
     """
-    from compare.commands.friction import Choices, solve_scene
+    from compare.commands.friction_whole import Choices, solve_scene
 
     described = _described(scene)
     choices = Choices(model, tuple(mu))

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from compare.commands.answer import Answer, Column
-from compare.commands.friction import COMPILING, NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
 from compare.commands.friction_output import BALL_COLUMNS, ball_rows, flat_rows, left_out, loss_rows, sums, warnings_of
+from compare.commands.friction_whole import COMPILING, NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
 from compare.commands.solve_output import number
 from compare.errors import InputError
 from compare.models.axis import run_axis

@@ -119,7 +119,8 @@ def solve(
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
     """
-    from compare.commands.solve import Choices, run_solve
+    from compare.commands.solve import run_solve
+    from compare.commands.solve_choices import Choices
 
     if members is not None:
         from compare.commands import members as ensembles
@@ -178,7 +179,8 @@ def friction(
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
     """
-    from compare.commands.friction import Choices, run
+    from compare.commands.friction import run
+    from compare.commands.friction_whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
     return run(scene, choices, as_json, show, print_json, time_limit)

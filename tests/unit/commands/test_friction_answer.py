@@ -10,7 +10,8 @@ import pytest
 from compare import cli
 from compare.commands import friction as friction_answer
 from compare.commands.answer import as_table
-from compare.commands.friction import Choices, run, solve, solve_scene
+from compare.commands.friction import run, solve
+from compare.commands.friction_whole import Choices, solve_scene
 from compare.errors import InputError, SceneError
 from compare.reference.store import key_of
 from compare.scenes import catalogue, scene_file

@@ -22,8 +22,8 @@ from compare.extremes.static import (
     shaft_scaled,
     table,
 )
+from compare.scenes.body_checks import geometry_faults
 from compare.scenes.catalogue import scene as shipped
-from compare.scenes.checks import geometry_faults
 from lowfi.statics.problem import nominal_hertz
 from lowfi.statics.static import solve_static
 from meshes.section import screw_section

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.commands.friction import Choices
 from compare.commands.friction import run as run_friction
 from compare.commands.friction_kinds import solve_kind
+from compare.commands.friction_whole import Choices
 from compare.errors import SceneError
 from compare.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from compare.scenes import catalogue, scene_file
