@@ -17,7 +17,7 @@ from meshes.axis import Assembly
 from meshes.parts import Scene
 
 
-def run(
+def run_friction(
     name: str,
     choices: Choices,
     as_json: bool,
@@ -28,7 +28,7 @@ def run(
     """Solve a shipped scene or a file of any kind and print it; 1 where it did not converge, or the limit of time [s] ended
     it. Raises InputError."""
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
-        answer = solve(name, choices)
+        answer = solve_friction(name, choices)
     if as_json:
         print_json(answer.data)
     else:
@@ -36,7 +36,7 @@ def run(
     return 0 if answer.converged else 1
 
 
-def solve(name: str, choices: Choices) -> Answer:
+def solve_friction(name: str, choices: Choices) -> Answer:
     """Solve a shipped scene or a file of any kind. Raises InputError."""
     scene = catalogue.any_scene(name)
     if isinstance(scene, Scene):

@@ -179,11 +179,11 @@ def friction(
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
     """
-    from compare.commands.friction import run
+    from compare.commands.friction import run_friction
     from compare.commands.friction_whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
-    return run(scene, choices, as_json, show, print_json, time_limit)
+    return run_friction(scene, choices, as_json, show, print_json, time_limit)
 
 
 @app.command

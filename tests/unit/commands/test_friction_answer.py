@@ -10,7 +10,7 @@ import pytest
 from compare import cli
 from compare.commands import friction as friction_answer
 from compare.commands.answer import as_table
-from compare.commands.friction import run, solve
+from compare.commands.friction import run_friction, solve_friction
 from compare.commands.friction_whole import Choices, solve_scene
 from compare.errors import InputError, SceneError
 from compare.reference.store import key_of
@@ -80,7 +80,7 @@ def answer(scene, model="lin", **choices):
 def test_two_start_left_hand_screw_of_a_file(tmp_path):
     path, printed = tmp_path / "my.toml", []
     path.write_text(MINE)
-    assert run(str(path), Choices(), True, print, printed.append) == 0
+    assert run_friction(str(path), Choices(), True, print, printed.append) == 0
     (data,) = printed
     json.dumps(data, allow_nan=False)
     t, e = data["torque"], data["energy"]
@@ -221,7 +221,7 @@ def test_compiling_is_said_where_it_happens(monkeypatch, tmp_path, capsys):
     for count, code_on_disk, said in ((20, False, True), (20, True, False), (8, False, False)):
         monkeypatch.setattr(friction_answer, "cached", lambda here=code_on_disk: here)
         path.write_text(MINE.replace("count = 20", f"count = {count}"))
-        assert run(str(path), Choices("lin"), True, print, [].append) == 0
+        assert run_friction(str(path), Choices("lin"), True, print, [].append) == 0
         assert ("compiling" in capsys.readouterr().err) == said
 
 
@@ -277,17 +277,17 @@ def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
     own.write_text(MINE)
     kind.write_text(catalogue.scene_text("lin-pair-a"))
     none.write_text('title = "no kind"\n')
-    assert solve(str(own), Choices("lin")).data["kind"] == "ball screw"
-    assert solve(str(kind), Choices()).data["kind"] == "linear pair"
+    assert solve_friction(str(own), Choices("lin")).data["kind"] == "ball screw"
+    assert solve_friction(str(kind), Choices()).data["kind"] == "linear pair"
     with pytest.raises(SceneError, match="track: got nothing"):
-        solve(str(none), Choices())
+        solve_friction(str(none), Choices())
     with pytest.raises(InputError, match="did you mean lin-rotary-1"):
-        solve("lin-rotary1", Choices())
+        solve_friction("lin-rotary1", Choices())
     for choices in (Choices("lin"), Choices(mu=(0.1,)), Choices(member=1)):
         with pytest.raises(InputError, match="whole screw or bearing"):
-            run("lin-rotary-1", choices, True, print, print)
+            run_friction("lin-rotary-1", choices, True, print, print)
     printed = []
-    assert run("lin-rotary-1", Choices(), True, print, printed.append) == 0
+    assert run_friction("lin-rotary-1", Choices(), True, print, printed.append) == 0
     assert printed[0]["kind"] == "bearing ball"
 
 
