@@ -125,12 +125,12 @@ def _answer(
         "warnings": warnings,
     }
     flat = [{"set": b["set"]} | f for b, f in zip(balls, flat_rows(balls), strict=True)]
-    tables = [("sets", SET_COLUMNS, rows), ("per ball", (("set", "set", "s"), *BALL_COLUMNS), flat)]
+    every = [("per ball", (("set", "set", "s"), *BALL_COLUMNS), flat)]
     lines = [
         f"friction torque of all sets {torque['friction_torque_Nmm']:.6g} N mm; torque that drives the shaft "
         f"{torque['driving_torque_on_screw_Nmm']:+.6g} N mm about +z at {motion.speed:.6g} rad/s"
     ]
-    return Answer(data, tables, lines, good)
+    return Answer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
 
 
 def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:

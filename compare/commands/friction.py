@@ -23,16 +23,19 @@ def run_friction(
     as_json: bool,
     show: Callable[..., None],
     print_json: Callable[[Any], None],
+    *,
+    balls: bool = False,
+    width: int = 100,
     time_limit: float | None = None,
 ) -> int:
-    """Solve a shipped scene or a file of any kind and print it; 1 where it did not converge, or the limit of time [s] ended
-    it. Raises InputError."""
+    """Solve a shipped scene or a file of any kind and print it, texts wrapped at ``width``; balls: also the table of every
+    ball. 1 where it did not converge, or the limit of time [s] ended it. Raises InputError."""
     with watched(f"{one_line(name)}, friction", checked(time_limit)):
         answer = solve_friction(name, choices)
     if as_json:
         print_json(answer.data)
     else:
-        show(*as_table(answer))
+        show(*as_table(answer, width, balls=balls))
     return 0 if answer.converged else 1
 
 

@@ -120,7 +120,7 @@ def _with_run(answer: Answer, run: Run) -> Answer:
     if answer.converged and not good:
         data |= {"status": f"run in time: {run.status}"}
     tables = [*answer.tables, *run_table(run)]
-    return Answer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good)
+    return Answer(data | {"converged": good}, tables, [*answer.lines, *run_lines(run)], good, answer.ball_tables)
 
 
 def drag_torques(
@@ -244,7 +244,8 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     }
     tables: list[tuple[str, Sequence[tuple[str, str, str]], Sequence[dict[str, object]]]] = []
     if state.loaded:
-        tables = [("per ball", BALL_COLUMNS, flat_rows(rows)), ("losses by contact and cause", LOSS_COLUMNS, losses)]
+        tables = [("losses by contact and cause", LOSS_COLUMNS, losses)]
     if len(over) > 1:
         tables.append(("over the coefficient of friction", mu_columns(kind_of(scene)), over))
-    return Answer(data, tables, lines_of(motion, state, (drag.torque, drag.reason or drag.note)), good)
+    every = [("per ball", BALL_COLUMNS, flat_rows(rows))] if state.loaded else []
+    return Answer(data, tables, lines_of(motion, state, (drag.torque, drag.reason or drag.note)), good, every)

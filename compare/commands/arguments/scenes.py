@@ -156,6 +156,7 @@ def friction(
     mu: Annotated[list[float] | None, Parameter(negative="")] = None,
     member: int = 0,
     condensed: Path | None = None,
+    balls: Annotated[bool, Parameter(negative="")] = False,
     time_limit: float | None = None,
     as_json: Json = False,
 ) -> int:
@@ -176,6 +177,8 @@ def friction(
         Which specimen of a scene with random errors.
     condensed
         File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+    balls
+        Also print motion, loads and losses of every ball.
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
     """
@@ -183,7 +186,8 @@ def friction(
     from compare.commands.friction_whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
-    return run_friction(scene, choices, as_json, show, print_json, time_limit)
+    out = (as_json, show, print_json)
+    return run_friction(scene, choices, *out, balls=balls, width=text_width(), time_limit=time_limit)
 
 
 @app.command

@@ -175,6 +175,18 @@ def test_shipped_case_and_a_bearing_answer(capsys):
     assert data["torque"]["driving_torque_on_screw_Nmm"] == pytest.approx(data["torque"]["friction_torque_Nmm"])
 
 
+@pytest.mark.parametrize("width", [60, 100])
+def test_the_torque_comes_first_and_the_table_of_balls_where_asked_for(width):
+    found = answer(mine())
+    short, long = as_table(found, width), as_table(found, width, balls=True)
+    assert short[2].startswith("friction torque ")
+    assert max(len(line) for part in short if isinstance(part, str) for line in part.splitlines()) <= width
+    titles = [[part.title for part in parts if not isinstance(part, str)] for parts in (short, long)]
+    assert titles == [["losses by contact and cause"], ["losses by contact and cause", "per ball"]]
+    assert any("--balls" in str(part) for part in short)
+    assert not any("--balls" in str(part) for part in long)
+
+
 def test_terminal_shows_torques_losses_and_what_is_left_out():
     shown = [part for part in as_table(answer(mine())) if isinstance(part, str)]
     text = "\n".join(shown)
