@@ -12,7 +12,7 @@ from compare.commands.scene_page import make_page
 from compare.errors import InputError
 from compare.measure import error_percent
 from compare.provenance import SOURCES, sources_hash
-from compare.reference.runs import shipped_store
+from compare.reference.store import shipped_store
 from reports.manifest import sha256
 from reports.scene_page import read_page, results_hash, without_manifest
 

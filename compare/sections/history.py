@@ -13,8 +13,9 @@ from compare.models.comparison import REFERENCED
 from compare.models.registry import MODELS
 from compare.models.study import Study
 from compare.provenance import commit
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.runs import Reference, shipped_store
+from compare.reference.store import shipped_store
 from compare.sections.reference_time import TimePoint, all_points
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 

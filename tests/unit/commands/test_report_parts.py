@@ -10,7 +10,7 @@ from compare.commands.report import PARTS, save_model_form, wanted_parts
 from compare.errors import InputError
 from compare.models import ladder, model_form
 from compare.models.study import Study
-from compare.reference.runs import shipped_store
+from compare.reference.store import shipped_store
 
 
 def test_every_part_has_a_module_with_a_section():

@@ -15,24 +15,12 @@ from compare.models.ladder import DEEP, UNSEEN
 from compare.models.mesh_study import study_table
 from compare.models.registry import MODELS
 from compare.models.study import Study
-from compare.reference import jobs
-from compare.reference import runs as reference
+from compare.reference import jobs, store
+from compare.reference.estimate import Reference, reference
 from compare.reference.grid_summary import summarise
 from compare.reference.levels import LEVELS, STUDIED
-from compare.reference.runs import (
-    Run,
-    Task,
-    bodies_path,
-    geometry_of,
-    groups,
-    key_of,
-    load,
-    needed_sides,
-    path_in,
-    save,
-    serves,
-    settings_of,
-)
+from compare.reference.store import Run, bodies_path, key_of, load, path_in, save
+from compare.reference.tasks import Task, geometry_of, groups, needed_sides, serves, settings_of
 from compare.reference.variants import VARIANTS
 from compare.scenes import catalogue
 from meshes.condensed import CondensedBodies, geometry_digest, load_condensed
@@ -109,14 +97,14 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
     found = [key_of(s, "", mesh, sides) for s in changed]
     found += [key_of(scene, "", asdict(settings_of([scene], 2)), sides), key_of(scene, "land", mesh, sides)]
     found += [key_of(scene, "", mesh, (0, 1, 2, 3)), key_of(scene, "", mesh | {"reach": (1e-3, 1e-4)}, sides)]
-    monkeypatch.setattr(reference, "versions", lambda: {"gmsh": "0", "scikit-fem": "0"})
+    monkeypatch.setattr(store, "versions", lambda: {"gmsh": "0", "scikit-fem": "0"})
     found.append(key_of(scene, "", mesh, sides))
     monkeypatch.undo()
-    monkeypatch.setattr(reference, "SCHEMA", -1)
+    monkeypatch.setattr(store, "SCHEMA", -1)
     found.append(key_of(scene, "", mesh, sides))
     monkeypatch.undo()
     assumed = dimensions(scene)
-    monkeypatch.setattr(reference, "dimensions", lambda _: replace(assumed, hole=2.0 * assumed.hole))
+    monkeypatch.setattr(store, "dimensions", lambda _: replace(assumed, hole=2.0 * assumed.hole))
     found.append(key_of(scene, "", mesh, sides))
     assert len({key, *found}) == 11
 
@@ -332,8 +320,8 @@ def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: py
         assert any(not row.passed for row in gate.reference_rows(Study(), 7.0))
 
 
-def _found(name: str) -> reference.Reference:
-    found = reference.reference(catalogue.scene(name))
+def _found(name: str) -> Reference:
+    found = reference(catalogue.scene(name))
     assert found is not None
     return found
 
@@ -418,12 +406,12 @@ def test_two_levels_give_a_band_and_one_none(tmp_path: Path) -> None:
     finer = coarse.copy()
     finer[0, 0] += 2.0
     save(tmp_path, scene, run_of("lin-case1", 1, coarse))
-    one = reference.reference(scene, (tmp_path,))
+    one = reference(scene, (tmp_path,))
     assert one is not None
     assert one.uncertainty is None
     assert summarise(one).largest is None
     save(tmp_path, scene, run_of("lin-case1", 2, finer))
-    two = reference.reference(scene, (tmp_path,))
+    two = reference(scene, (tmp_path,))
     assert two is not None
     assert two.uncertainty is not None
     assert two.uncertainty[0, 0] == pytest.approx(6.0)
@@ -440,7 +428,7 @@ def test_levels_of_one_order_are_extrapolated(tmp_path: Path) -> None:
     for level in STUDIED:
         h = LEVELS[1]["b_over_h"] / LEVELS[level]["b_over_h"]
         save(tmp_path, scene, run_of("lin-case1", level, limit + slope * h**1.5))
-    found = reference.reference(scene, (tmp_path,))
+    found = reference(scene, (tmp_path,))
     assert found is not None
     assert found.extrapolated == pytest.approx(limit, rel=1e-5)
     s = summarise(found)

@@ -4,7 +4,7 @@ from compare import __version__
 from compare.costs.history import NAMES, QUANTITIES, Release, added, load, save
 from compare.models.registry import MODELS
 from compare.models.study import Study
-from compare.reference.runs import shipped_store
+from compare.reference.store import shipped_store
 from compare.sections import history
 from compare.sections.reference_time import TimePoint, all_points
 
