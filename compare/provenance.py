@@ -35,11 +35,11 @@ def commit() -> str:
     return run[0].strip() + (", changed since" if run[1].strip() else "")
 
 
-def sources_hash() -> str:
-    """SHA-256 over names and contents of all Python sources of the packages."""
-    lines = []
-    for package in PACKAGES:
-        root = Path(str(resources.files(package)))
+def sources_hash(folders: Sequence[str] = PACKAGES, more: str = "") -> str:
+    """SHA-256 over names and contents of all Python sources of the packages, or of folders in them, and over a text."""
+    lines = [more] if more else []
+    for package in folders:
+        root = Path(str(resources.files(package.replace("/", "."))))
         files = sorted(p for p in root.rglob("*.py") if "__pycache__" not in p.parts)
         lines += [f"{package}/{p.relative_to(root).as_posix()} {sha256(p.read_bytes())}" for p in files]
     return sha256("\n".join(lines))
