@@ -1,5 +1,5 @@
-"""System libraries that only meshing and pictures need, by the Debian package that holds them, and Python packages of single
-files: the one list of them."""
+"""System libraries that only meshing and pictures need, by the Debian package that holds them, and Python packages of
+single files: the one list of them."""
 
 from __future__ import annotations
 
