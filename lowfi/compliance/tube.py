@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 #: the angle between two contacts, the others as the sine.
 PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
 EVEN = 4
+#: Signs of the products that make the sine of a difference: sin s cos t - cos s sin t.
+SKEW = np.array([[1.0], [-1.0]])
 #: Points and weights of the quadrature over a patch, and the shapes of an element there.
 NODE, WEIGHT = np.polynomial.legendre.leggauss(8)
 SHAPES = quadratic(NODE)[0]
@@ -165,10 +167,9 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
         share = np.exp(-0.5 * (n * tube.width / tube.radius) ** 2) if n > 1 or not resultant else 1.0
         np.matmul(weights, parts, out=by_load)
         np.matmul(by_load.reshape(-1, found.z.size), weights.T, out=moved.reshape(-1, count))
-        c, s = share * np.cos(n * points.azimuth), share * np.sin(n * points.azimuth)
-        turned = np.column_stack([c, s])
-        moved[:, :EVEN] *= (turned @ turned.T)[:, None]  # cosine and sine of n times the angle between two contacts
-        moved[:, EVEN:] *= (np.column_stack([s, -c]) @ turned.T)[:, None]
+        turned = share * np.array([np.cos(n * points.azimuth), np.sin(n * points.azimuth)])
+        moved[:, :EVEN] *= (turned.T @ turned)[:, None]  # cosine and sine of n times the angle between two contacts
+        moved[:, EVEN:] *= (turned[::-1].T @ (SKEW * turned))[:, None]
         total += moved
     whole = np.empty((count, 3, 3, count))
     for k, (i, j) in enumerate(PARTS):

@@ -42,7 +42,7 @@ def test_first_order_is_stiff_and_converges(where):
 
     Hertz's pressure is sampled at the nodes, so that its edge falls anywhere between two of them: 3 % on four cells.
     """
-    limit = indentation("Q2", where, b_over_h=8.0)
+    limit = indentation("Q2", where, b_over_h=6.0)
     assert indentation("Q2", where, b_over_h=4.0) == pytest.approx(limit, rel=0.03)
     missing = [1.0 - indentation("P1", where, fine=fine) / limit for fine in (0.16e-3, 0.08e-3, 0.04e-3)]
     assert missing[0] > 1.7 * missing[1] > 1.7**2 * missing[2] > 0.0
