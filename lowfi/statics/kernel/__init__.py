@@ -7,7 +7,8 @@ from .ball import settle
 from .beam import assemble_beam
 from .elastic import solve_forces, start_forces
 from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
-from .newton import ensemble, evaluate, linear_start, solve
+from .members import ensemble
+from .newton import evaluate, linear_start, solve
 from .rollers import roller_forces
 
 __all__ = [
