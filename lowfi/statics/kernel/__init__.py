@@ -9,10 +9,13 @@ from .elastic import solve_forces, start_forces
 from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
 from .members import ensemble
 from .newton import evaluate, linear_start, solve
+from .pair import pair_alone
+from .press import answers, press_members
 from .rollers import roller_forces
 
 __all__ = [
     "add_axis",
+    "answers",
     "assemble_beam",
     "ball_rows",
     "contact_law",
@@ -21,6 +24,8 @@ __all__ = [
     "evaluate_axis",
     "evaluate_balls",
     "linear_start",
+    "pair_alone",
+    "press_members",
     "rest",
     "roller_forces",
     "settle",
