@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from math import cos
@@ -147,8 +148,7 @@ def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Speci
     terms = _terms(scene)
     drawn = [k for k, t in enumerate(terms) if t.sigma > 0.0]
     z, uniform = np.zeros((count, n + 2 * len(drawn))), balls.distribution != "normal"
-    for m in range(count):
-        rng = np.random.default_rng([scene.errors.seed, first + m])
+    for m, rng in enumerate(_generators(scene.errors.seed, first, count)):
         if balls.sigma > 0.0 and uniform:
             rng.random(out=z[m, :n])
             rng.standard_normal(out=z[m, n:])
@@ -166,6 +166,18 @@ def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Speci
         centre[:, :, term.side, term.axis] += term.along * (np.outer(a, np.sin(phi)) + np.outer(b, np.cos(phi)))
     offset = np.array([sum(scene.errors.side(name).profile) for name in SIDES])
     return Specimens(radius, centre, groove_radii(scene) - offset)
+
+
+def _generators(seed: int, first: int, count: int) -> Iterator[np.random.Generator]:
+    """``default_rng([seed, member])`` of the members from ``first`` on: where both are single words, as words, which takes
+    two thirds of the time."""
+    if max(seed, first + count) >= 2**32:
+        yield from (np.random.default_rng([seed, m]) for m in range(first, first + count))
+        return
+    words = np.empty((count, 2), dtype=np.uint32)
+    words[:, 0], words[:, 1] = seed, first + np.arange(count)
+    for pair in words:
+        yield np.random.Generator(np.random.PCG64(np.random.SeedSequence(pair)))  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

@@ -38,8 +38,8 @@ MARGIN = 1e-7
 ENOUGH = 1e-11
 #: Members tried first with fewer sides; the rest only if at least half of them pass.
 TRIAL = 32
-#: Members per call of the kernel that runs through them (bounds its memory).
-CHUNK = 200
+#: Members per call of the kernel that runs through them: few enough that the arrays of a call are not given back in between.
+CHUNK = 100
 BATCH_PATH = "one system, members in a batch"
 GENERAL_PATH = "member by member"
 
@@ -145,7 +145,7 @@ class _Batch:
         begin = perf_counter()
         # sides that the loads would leave idle if no ball were tight: tried, then verified member by member
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
-        if self._system(np.ones(4, dtype=bool)) is None:
+        if self._held(np.ones(4, dtype=bool)) is None:
             return None
         count = self.solved.size
         if not np.all(few):
@@ -170,8 +170,8 @@ class _Batch:
             int(left.size),
         )
 
-    def _system(self, use: NDArray[np.bool_]) -> Prepared | None:
-        """The common system, started from the solution without random errors; None where the screw is not held."""
+    def _held(self, use: NDArray[np.bool_]) -> Problem | None:
+        """The problem without random errors; None where the screw is not held."""
         problem = build(self.scene, self.mean, self.layout, use)
         if reference_scale(problem)[0] == 0.0:  # only the random errors press anything together
             tightest = self._of(np.array([distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
@@ -180,7 +180,14 @@ class _Batch:
         mechanism = free_motions(problem)
         if mechanism.driven:
             return None
-        prepared = prepare(pin(problem, mechanism), pick_engine(ENGINE, self.scene.ball_count))
+        return pin(problem, mechanism)
+
+    def _system(self, use: NDArray[np.bool_]) -> Prepared | None:
+        """The common system in its solution without random errors; None where the screw is not held."""
+        problem = self._held(use)
+        if problem is None:
+            return None
+        prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
         run(prepared)
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
@@ -194,7 +201,9 @@ class _Batch:
         if prepared is None:
             return
         near = None if np.all(use) else _Nearness(prepared, self.layout)
-        quick = pressed(prepared) if near is not None and len(self.drawn.centre) == 1 else None
+        quick = None
+        if near is not None and len(self.drawn.centre) == 1:
+            quick = pressed(prepared, np.concatenate([near.rows, prepared.beam.load.reshape(1, -1)]))
         for first, last in pairwise(sorted({0, *range(min(TRIAL, members.size), members.size, CHUNK), members.size})):
             part = members[first:last]
             if near is not None and quick is not None:
@@ -214,10 +223,9 @@ class _Batch:
         offset, closure = distances(self.scene, self._of(part))
         found = quick.solve(PairMembers(offset, closure, self.C[part]), self._side_by_side)
         done = found.status == 0
-        shift = quick.seen_by(near.rows, found.pull)
-        clear = near.clear(shift, found.p, offset, found.force)
-        works = quick.seen_by(quick.prepared.beam.load.reshape(1, -1), found.pull)[:, 0]
-        self._keep(part, done & clear, found.force, found.residual, works)
+        motions = quick.functions(found.pull)
+        clear = near.clear(motions[:, :-1], found.p, offset, found.force)
+        self._keep(part, done & clear, found.force, found.residual, motions[:, -1])
         return np.asarray(~done)
 
     def _follow(self, prepared: Prepared, near: _Nearness | None, part: NDArray[np.int64]) -> None:

@@ -20,13 +20,14 @@ LARGEST = 128
 class Pressed:
     """What specimens share that differ in radii of balls and grooves' centres, but not in lever arms.
 
-    common: see `lowfi.statics.records.PairCommon`; motions (2 N, 6 n) of the nodes by unit forces on the flanks; the
-    solution ``prepared`` that they belong to.
+    common: see `lowfi.statics.records.PairCommon`; seen (2 N, j): linear functions of the nodes' motions by unit forces on
+    the flanks, and at_start (j,) their values in the solution ``prepared`` that all begin from.
     """
 
     prepared: Prepared
     common: PairCommon
-    motions: Array
+    seen: Array
+    at_start: Array
 
     def solve(self, members: PairMembers, side_by_side: Callable[[Callable[[slice], None], int], None]) -> PairStates:
         """Solutions of specimens; ``side_by_side`` calls a function with slices of their range."""
@@ -43,14 +44,15 @@ class Pressed:
         side_by_side(some, k)
         return found
 
-    def seen_by(self, rows: Array, pulls: Array) -> Array:
-        """Linear functions ``rows`` (j, 6 n) of the nodes' motions in solutions of pulls (m, 2 N): (m, j)."""
-        return np.asarray(pulls @ (self.motions @ rows.T) + rows @ self.prepared.state.q.ravel())
+    def functions(self, pulls: Array) -> Array:
+        """Those linear functions (m, j) in solutions of pulls (m, 2 N)."""
+        return np.asarray(pulls @ self.seen + self.at_start)
 
 
-def pressed(prepared: Prepared) -> Pressed | None:
+def pressed(prepared: Prepared, functions: Array) -> Pressed | None:
     """The common part of specimens that all begin from a solution; None where balls have more than one pair of flanks, or
-    profiles, or the solution is no start for others, or there are too many."""
+    profiles, or the solution is no start for others, or there are too many. functions: see `Pressed`, by the motions of the
+    nodes (j, 6 n)."""
     engine, contacts, state, options = prepared.engine, prepared.contacts, prepared.state, prepared.options
     count, size = contacts.r_ball.size, state.q.size
     side = int(engine.pair_alone(contacts))
@@ -69,4 +71,4 @@ def pressed(prepared: Prepared) -> Pressed | None:
     if not engine.answers(prepared.beam, contacts, state, options, side, common, motions):
         return None
     common.reach[...] = motions @ rows.T
-    return Pressed(prepared, common, motions)
+    return Pressed(prepared, common, motions @ functions.T, functions @ state.q.ravel())
