@@ -14,6 +14,8 @@ from meshes.helix import BallLayout, groove_radii, lead_angle, nominal_groove_ce
 from meshes.parts import SIDES, BallErrors, Errors, FourierTerm, Scene, SideErrors
 
 Array = NDArray[np.float64]
+#: In place of a generator where nothing is random.
+_UNUSED = np.random.default_rng(0)
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,7 @@ def draw(scene: Scene, member: int = 0) -> Drawn:
     Draws are taken in the order ball radii; then per side SL, SR, NL, NR: pitch, roundness, profile.
     A uniform distribution has the stated standard deviation (half width sqrt(3) sigma).
     """
-    rng = np.random.default_rng([scene.errors.seed, member])
+    rng = np.random.default_rng([scene.errors.seed, member]) if scene.errors.random else _UNUSED
     radii = draw_ball_radii(scene, rng)
     sides = [scene.errors.side(name) for name in SIDES]
     found = [(_draw_terms(e.pitch, rng), _draw_terms(e.roundness, rng), _profile(e, rng)) for e in sides]
@@ -144,7 +146,7 @@ def alike_in_shape(scene: Scene) -> bool:
 def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Specimens:
     """Specimens number ``first`` and on of a scene that is ``alike_in_shape``: the same draws as ``specimen``, at once."""
     balls, n = scene.errors.balls, scene.ball_count
-    radius = np.tile(draw_ball_radii(without_draws(scene), np.random.default_rng(0)), (count, 1))
+    radius = np.tile(draw_ball_radii(without_draws(scene), _UNUSED), (count, 1))
     terms = _terms(scene)
     drawn = [k for k, t in enumerate(terms) if t.sigma > 0.0]
     z, uniform = np.zeros((count, n + 2 * len(drawn))), balls.distribution != "normal"
@@ -177,7 +179,7 @@ def _generators(seed: int, first: int, count: int) -> Iterator[np.random.Generat
     words = np.empty((count, 2), dtype=np.uint32)
     words[:, 0], words[:, 1] = seed, first + np.arange(count)
     for pair in words:
-        yield np.random.Generator(np.random.PCG64(np.random.SeedSequence(pair)))  # type: ignore[arg-type]
+        yield np.random.Generator(np.random.PCG64(np.random.SeedSequence(pair)))
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.statics.mechanism import free_motions
-from lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
 from lowfi.statics.pressed import Pressed, pressed
+from lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
 from lowfi.statics.records import MemberArrays, MemberStates, PairMembers
 from lowfi.statics.result import StaticResult
 from lowfi.statics.selection import all_clear, choose_sides
@@ -38,7 +38,7 @@ MARGIN = 1e-7
 ENOUGH = 1e-11
 #: Members tried first with fewer sides; the rest only if at least half of them pass.
 TRIAL = 32
-#: Members per call of the kernel that runs through them: few enough that the arrays of a call are not given back in between.
+#: Members per call of the kernel that runs through them: so few that the memory of a call is not given back in between.
 CHUNK = 100
 BATCH_PATH = "one system, members in a batch"
 GENERAL_PATH = "member by member"
@@ -213,7 +213,9 @@ class _Batch:
             if near is not None and 2 * np.count_nonzero(self.solved[members[:last]]) < last:
                 break
 
-    def _keep(self, members: NDArray[np.int64], good: NDArray[np.bool_], loads: Array, residuals: Array, works: Array) -> None:
+    def _keep(
+        self, members: NDArray[np.int64], good: NDArray[np.bool_], loads: Array, residuals: Array, works: Array
+    ) -> None:
         kept = members[good]
         self.loads[kept], self.residuals[kept], self.works[kept] = loads[good], residuals[good], works[good]
         self.solved[kept] = True

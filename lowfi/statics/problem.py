@@ -197,7 +197,7 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
         return np.array(np.broadcast_to(drawn_hertz(scene, drawn, same).C, (own.size, 4)))
     # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
     middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
-    series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)
+    series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
     shown = np.flatnonzero((np.abs(series) > ROUND_OFF * np.abs(series[0])).any(axis=1))[-1]
     powers = np.stack([np.pad(c, (0, shown + 1 - c.size)) for c in map(cheb2poly, series[: shown + 1].T)], axis=1)
     distinct, of_side = np.unique(powers, axis=1, return_inverse=True)

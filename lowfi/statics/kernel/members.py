@@ -38,8 +38,8 @@ from .newton import (
 from .pair import pair_alone
 
 #: Steps by the common stiffness, the first ones that may do what they will (balls find their centres), and the share of the
-#: residual that the others may leave: Newton's method is faster beyond.
-CHORDS, FREE, LEFT = 16, 3, 0.35
+#: residual that two of the others may leave: Newton's method is faster beyond.
+CHORDS, FREE, LEFT = 16, 3, 0.12
 
 
 @kernel
@@ -98,7 +98,7 @@ def follow(
     """Correct the state by a stiffness factored before, in the lower band; step (n, 6) and room: see
     ``glance``. Status as in ``solve``."""
     q, d, fixed = state.q, state.d, beam.fixed
-    before, status, scale, residual, tried = 1e300, ITERATIONS, 0.0, 0.0, 0
+    before, last, status, scale, residual, tried = 1e300, 1e300, ITERATIONS, 0.0, 0.0, 0
     pair = pair_alone(contacts) if contacts.B.shape[3] == 6 else -1
     for tried in range(1, CHORDS + 1):
         if pair >= 0:
@@ -112,7 +112,7 @@ def follow(
             break
         if tried > FREE and not residual <= LEFT * before:
             break
-        before = residual
+        before, last = last, residual
         for i in range(q.shape[0]):
             for k in range(6):
                 step[i, k] = 0.0 if fixed[i, k] else -out.gradient[i, k]
@@ -132,8 +132,8 @@ def ensemble(
 ) -> int:
     """Solve many specimens of one screw from the same start; they differ in ball radii, groove centres and lever arms.
 
-    Every member begins where ``begin`` is, the solution of ``contacts``, which stays as it is, so that calls may run side by
-    side; fills ``found``. Returns how many were left to Newton's method.
+    Every member begins where ``begin`` is, the solution of ``contacts``, which stays as it is, so that calls may run side
+    by side; fills ``found``. Returns how many were left to Newton's method.
     """
     state = BeamState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy())
     q, d, p, contact = state

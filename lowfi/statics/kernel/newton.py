@@ -9,15 +9,7 @@ from math import sqrt
 import numpy as np
 
 from lowfi.jit import kernel
-from lowfi.statics.records import (
-    Array,
-    BeamArrays,
-    BeamContacts,
-    BeamOptions,
-    BeamSlopes,
-    BeamState,
-    Outcome,
-)
+from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle
 from .banded import factor_band, substitute_band
@@ -382,6 +374,15 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
     reach = flank_reach(contacts, step.ravel())
     advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0 if reach <= limit else limit / reach)
     return True
+
+
+@kernel
+def start_and_solve(
+    beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array
+) -> Outcome:
+    """Linear start, then Newton: one call, because handing over the arrays takes as long as evaluating the contacts."""
+    linear_start(beam, contacts, state, options)
+    return solve(beam, contacts, state, options, history)
 
 
 @kernel

@@ -35,9 +35,7 @@ def pair_alone(contacts: BeamContacts) -> int:
 
 
 @kernel
-def stretched(
-    line: tuple[float, float, float], vx: float, vz: float
-) -> tuple[float, float, float, float]:
+def stretched(line: tuple[float, float, float], vx: float, vz: float) -> tuple[float, float, float, float]:
     """The line between the groove centres of a pair, with its length, after the motion (vx, vz) of its end: direction now,
     1 over its length now, and by how much it has grown."""
     dx, dz, before = line

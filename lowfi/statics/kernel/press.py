@@ -1,10 +1,10 @@
 """Many specimens of one screw whose balls are held by one diagonal pair each: solved on the motions of the flanks alone.
 
 With K the stiffness of beam and contacts in the common start, B the flanks' motion by that of the nodes, and H, f_0 the
-contacts' stiffness and forces there, every motion that forces on the flanks cause is K^-1 B^T y. The equations of a specimen
-then are r = y - H (v - v_0) + f(v) - f_0 = 0 with v = v_0 + P y and P = B K^-1 B^T, which is kept; y - r is a better y, because
-f changes by nearly H (v - v_0). The error falls by the change of the stiffness, some per cent, at each step, and the residual
-is that of the specimen's own equations. The product with P is quadratic in the number of balls.
+contacts' stiffness and forces there, every motion that forces on the flanks cause is K^-1 B^T y. The equations of a
+specimen then are r = y - H (v - v_0) + f(v) - f_0 = 0 with v = v_0 + P y and P = B K^-1 B^T, which is kept; y - r is a
+better y, because f changes by nearly H (v - v_0). The error falls by the change of the stiffness, some per cent, at each
+step, and the residual is that of the specimen's own equations. The product with P is quadratic in the number of balls.
 """
 
 from math import sqrt
@@ -33,7 +33,13 @@ from .pair import stand, stretched
 
 @kernel
 def answers(
-    beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, side: int, common: PairCommon, X: Array
+    beam: BeamArrays,
+    contacts: BeamContacts,
+    state: BeamState,
+    options: BeamOptions,
+    side: int,
+    common: PairCommon,
+    X: Array,
 ) -> bool:
     """Fill X (2 N, 6 n): motions of the nodes by unit forces on each ball's flank ``side`` of the screw along x3 and z3, at
     the stiffness of the state; and forces and stiffness of ``common``. False where that stiffness is not positive definite.
@@ -85,8 +91,8 @@ def press_members(common: PairCommon, options: BeamOptions, tiny: float, members
             own[i, 0], own[i, 1] = closure[m, i, side], 1.0 / (C[m, i, side] + C[m, i, other])
             for k in range(2):
                 v[2 * i + k], y[2 * i + k] = common.motion[i, k], 0.0
-        status, residual, before = ITERATIONS, 0.0, 1e300
-        for tried in range(CHORDS):
+        status, residual, before, last = ITERATIONS, 0.0, 1e300, 1e300
+        for _ in range(CHORDS):
             worst, scale = 0.0, options.floor
             for i in range(count):
                 vx, vz = v[2 * i], v[2 * i + 1]
@@ -107,9 +113,9 @@ def press_members(common: PairCommon, options: BeamOptions, tiny: float, members
             if residual <= options.tolerance:
                 status = CONVERGED
                 break
-            if tried > 0 and not residual <= LEFT * before:
+            if not residual <= LEFT * before:
                 break
-            before = residual
+            before, last = last, residual
             for i in range(2 * count):
                 y[i] -= r[i]
             moved_by(reach, r, v)
@@ -124,4 +130,4 @@ def press_members(common: PairCommon, options: BeamOptions, tiny: float, members
             found.p[m, i, 0], found.p[m, i, 1] = stand(line, moved, now, (b[WX], b[WZ], b[SIZE]), more)
             force = max(0.0, part) * sqrt(max(0.0, part))
             for s in range(4):
-                found.force[m, i, s] = force if force > tiny and (s == side or s == other) else 0.0
+                found.force[m, i, s] = force if force > tiny and s in (side, other) else 0.0
