@@ -19,7 +19,7 @@ from compare.models.study import Study
 from compare.reference.grid_summary import uncertainty_percent
 from compare.reference.runs import Reference, bodies_path, shipped_store
 from compare.scenes.catalogue import with_role
-from lowfi.compliance.bodies import forget
+from lowfi.compliance.ends import forget
 from lowfi.compliance.imported import PARTS, Condensed
 from lowfi.statics.elastic import solve_elastic
 from lowfi.statics.result import StaticResult
