@@ -152,8 +152,23 @@ def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
     return np.column_stack([radius * np.sin(turn), y - lost * down[0], z - lost * down[1]])
 
 
-def half_space(size: float, zone: Zone) -> ContactBody:
-    """A block of a half space, cut off at ``size`` [m] from the contact's middle."""
-    x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.depths(size)
+def half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None = None) -> ContactBody:
+    """A block of a half space, cut off at ``size`` [m] from the contact's middle.
+
+    near: boundaries [m] of its cells along x, y and z around the contact, to go on from (None: as the zone has them).
+    """
+    if near is None:
+        x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.depths(size)
+    else:
+        x, y = (
+            np.concatenate([-_on(-own[::-1], size, zone.growth)[::-1], own, _on(own, size, zone.growth)])
+            for own in near[:2]
+        )
+        z = np.concatenate([near[2], _on(near[2], size, zone.growth)])
     cut = [(0, -size), (0, size), (1, -size), (1, size), (2, size)]
     return _body(zone, x, y, z, points_of(tensor_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1)
+
+
+def _on(own: Array, size: float, growth: float) -> Array:
+    """Boundaries after the last of ``own`` to ``size`` [m]."""
+    return _beyond(float(own[-1]), size, float(own[-1] - own[-2]), growth)
