@@ -36,6 +36,11 @@ class Zone:
         step = float(core[1] - core[0])
         return np.concatenate([-_beyond(half, -low, step, self.growth)[::-1], core, _beyond(half, high, step, self.growth)])
 
+    def number(self, at: Array) -> Index:
+        """Places in the grid of the zone's nodes ``(n, 2)``, from zero, that are nearest to points ``(n, 2)`` [m]."""
+        cells = np.array(self.cells)
+        return np.asarray(np.clip(np.rint((at / np.array(self.half) + 1.0) * cells), 0, 2 * cells).astype(np.int64))
+
     def depths(self, deep: float) -> Array:
         """Boundaries of cells from the surface to ``deep`` [m], the first as large as the zone's smaller ones."""
         first = min(2.0 * h / n for h, n in zip(self.half, self.cells, strict=True))
@@ -54,11 +59,13 @@ def _beyond(start: float, end: float, step: float, growth: float) -> Array:
 @dataclass(frozen=True)
 class ContactBody:
     """Mesh with boundaries "contact" (the zone) and "held" (where a body is held or cut off; a ball has none); nodes of the
-    zone ``(c,)``; sense of z along the normal from ball to groove: -1 for the ball, 1 for a groove."""
+    zone ``(c,)``; sense of z along the normal from ball to groove: -1 for the ball, 1 for a groove; places of the nodes in
+    the zone's grid along x and y ``(c, 2)``, from zero."""
 
     mesh: Mesh
     contact: Index
     sense: int
+    number: Index
 
 
 def _body(
@@ -76,8 +83,10 @@ def _body(
     if held:
         on = [np.all(np.abs(corners[..., k] - value) < 1e-12, axis=0) for k, value in held]
         names["held"] = outer[np.any(on, axis=0)]
-    own = (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=1)
-    return ContactBody(named(mesh, names), np.flatnonzero(own), sense)
+    own = np.flatnonzero(
+        (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=1)
+    )
+    return ContactBody(named(mesh, names), own, sense, zone.number(xi[own, :2]))
 
 
 def whole_ball(radius: float, zone: Zone) -> ContactBody:

@@ -157,22 +157,15 @@ def beside(
 ) -> Array:
     """Answers ``(3 k, 3 k)`` [m/N] of a half space whose zone has its nodes where the body's are, seen along the normal.
 
-    A zone that is wider by a share e answers a linear traction by 3 e less: what such shapes do is then in both answers.
+    A zone that is wider by a share e answers a linear traction by 2 e to 3 e less: what its shape does is then in both
+    answers, as far as the half space has it.
     near: cells as in `meshes.contact_bodies.half_space`.
     """
     block = half_space(size, zone, near)
-    half, cells = np.array(zone.half), np.array(zone.cells)
-    counts = 2 * cells + 1
-
-    def number(at: Array) -> tuple[Array, Array]:
-        i, j = np.clip(np.rint((at / half + 1.0) * cells).astype(np.int64), 0, counts - 1).T
-        return i, j
-
-    at = in_frame(body, frame or Frame())
-    table = np.zeros((*counts, 2))
-    i, j = number(at)
-    table[i, j] = at - half * (np.stack([i, j], axis=1) / cells - 1.0)
+    cells = np.array(zone.cells)
+    off = np.zeros((*(2 * cells + 1), 2))
+    off[tuple(body.number.T)] = in_frame(body, frame or Frame()) - np.array(zone.half) * (body.number / cells - 1.0)
     points = points_of(block.mesh).copy()
-    points[:, :2] += table[number(points[:, :2])]
+    points[:, :2] += off[tuple(zone.number(points[:, :2]).T)]
     block = replace(block, mesh=moved(block.mesh, points))
     return half_space_answer(block, tractions(block, zone, degree, (0.0, 0.0)), young, poisson)

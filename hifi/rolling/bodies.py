@@ -74,7 +74,8 @@ def patch_kernels(
     """What the static reference's patches of groove and ball (radii [m]: ball, groove) add to a half space, each."""
     found = []
     for cut, sense in zip(cuts_of(curve, *radii, angle, zone, outer=outer), (1, -1), strict=True):
-        body, frame = ContactBody(cut.patch.mesh, cut.patch.contact, sense), Frame(cut.centre, cut.axes)
+        body = ContactBody(cut.patch.mesh, cut.patch.contact, sense, cut.number)
+        frame = Frame(cut.centre, cut.axes)
         own = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
         found.append(own - beside(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
     return _of_groove(found[0], zone, degree), Regular(found[1], zone.half, degree)

@@ -26,12 +26,15 @@ from meshes.parts import SIDE_SIGNS
 from meshes.sockets import SocketSize, fitted_socket, local_points, reach, socket_centre
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 #: Left flanks of screw or inner ring, and of nut or outer ring; right ones are these turned.
 INNER, OUTER = 0, 2
 #: Land beyond the pitch circle, wall behind the groove at most and solid core of a screw, over the ball's radius, the
 #: ball's radius and the pitch radius.
 LAND, WALL, CORE = 0.18, 2.7, 1.0 / 11.0
+#: Where the pieces of grooved bodies are held.
+ENDS = ("low end", "high end")
 #: Subdivisions of the sockets' edges; element sizes near and away from the socket over the ball's radius, of grooves and of
 #: balls: level 1 of the static reference (`compare.reference.levels`).
 CUTS, GROOVE_SIZES, BALL_SIZES = (4, 4, 4), (0.216, 1.3), (0.119, 0.27)
@@ -48,13 +51,15 @@ class Curve:
 @dataclass(frozen=True)
 class Cut:
     """A patch in a piece of its body; ball's centre ``(3,)`` [m] in the patch's frame; rows ``(3, 3)``: along the track,
-    towards the bottom of the groove, into the body; boundaries of the patch's cells [m] in their order."""
+    across it towards the bottom of the groove, into the body; boundaries of the patch's cells [m] in their order;
+    places of the contact's nodes in the zone's grid along the first two ``(c, 2)``."""
 
     patch: PatchMesh
     piece: Piece
     centre: Array
     axes: Array
     cells: tuple[Array, Array, Array]
+    number: Index
 
 
 def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, *, outer: bool) -> tuple[Cut, Cut]:
@@ -74,7 +79,6 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
     size = fitted_socket(m, alone, (side,), lands[0], walls[0], lands[1], walls[1], (-3.0 * ball, 3.0 * ball), need)
     size = replace(size, cuts=CUTS)
     lines, own = _lines(m, size, side, zone)
-    x, y = lines.along * zone.half[0] / own[1], lines.across * zone.half[1] / own[0]
     half = max(reach(m, size, (side,))) + BEYOND * ball
     radii = (lands[1], walls[1]) if outer else (walls[0], lands[0])
     sizes = [s * ball for s in GROOVE_SIZES]
@@ -84,22 +88,15 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
     grooved = build_patch(lines, own, partial(local_points, m, size, side), body.sockets[side])
     round_ = build_patch(lines, own, place, sphere.sockets[side])
     normal, axes = _axes(m, side)
-    return (
-        Cut(
-            grooved,
-            Piece(body.mesh, body.socket_nodes[0], np.eye(3), ("low end", "high end")),
-            np.array([m.R, 0.0, 0.0]),
-            np.vstack([axes, normal]),
-            (x, y, size.depth * lines.depth),
-        ),
-        Cut(
-            round_,
-            Piece(sphere.mesh, sphere.socket_nodes[side], np.eye(3), ()),
-            np.zeros(3),
-            np.vstack([axes, -normal]),
-            (x, y, ball_socket.depth * lines.depth),
-        ),
-    )
+    x, y = lines.along * zone.half[0] / own[1], lines.across * zone.half[1] / own[0]
+    out = []
+    for patch, piece, centre, inward, depth in (
+        (grooved, Piece(body.mesh, body.socket_nodes[0], np.eye(3), ENDS), np.array([m.R, 0.0, 0.0]), normal, size.depth),
+        (round_, Piece(sphere.mesh, sphere.socket_nodes[side], np.eye(3), ()), np.zeros(3), -normal, ball_socket.depth),
+    ):
+        number = _number(patch, axes, centre)
+        out.append(Cut(patch, piece, centre, np.vstack([axes, inward]), (x, y, depth * lines.depth), number))
+    return out[0], out[1]
 
 
 def groove_map(curve: Curve, ball: float, groove: float, angle: float) -> GrooveMap:
@@ -122,9 +119,25 @@ def _lines(m: GrooveMap, size: SocketSize, side: int, zone: Zone) -> tuple[Lines
 
 
 def _axes(m: GrooveMap, side: int) -> tuple[Array, Array]:
-    """Normal from ball to groove, and rows along the track and towards the bottom of the groove, right-handed with it."""
+    """Normal from ball to groove; rows along the groove where it is touched, and across it towards its bottom, right-handed
+    with the normal."""
     radial, binormal = np.array([1.0, 0.0, 0.0]), np.array([0.0, -np.sin(m.alpha), np.cos(m.alpha)])
     sx, sz = m.signs[side]
     normal = sx * np.cos(m.beta) * radial + sz * np.sin(m.beta) * binormal
-    bottom = sx * np.sin(m.beta) * radial - sz * np.cos(m.beta) * binormal
-    return normal, np.stack([np.cross(bottom, normal), bottom])
+    touched = m.R * radial + m.ball * normal
+    along = np.array([-touched[1], touched[0], m.rg])
+    along = (along - (along @ normal) * normal) / np.linalg.norm(along - (along @ normal) * normal)
+    across = np.cross(normal, along)
+    sign = np.sign(sx * (across @ radial))
+    return normal, sign * np.stack([along, across])
+
+
+def _number(patch: PatchMesh, axes: Array, centre: Array) -> Index:
+    """Places of the contact's nodes along the rows of ``axes`` in their grid, ``(c, 2)``, from zero."""
+    assert patch.contact_shape is not None  # a grid
+    places = np.stack(np.unravel_index(np.arange(patch.contact.size), patch.contact_shape)[::-1], axis=1)
+    at = (patch.points[patch.contact] - centre) @ axes.T
+    for k in range(2):
+        if (places[:, k] - places[:, k].mean()) @ at[:, k] < 0.0:
+            places[:, k] = places[:, k].max() - places[:, k]
+    return places
