@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -17,6 +18,7 @@ from compare.reference.tasks import Task
 from compare.scenes import catalogue
 from compare.system import cores, gmsh_fault
 from meshes.libraries import MESHING, PICTURES, install
+from reports import first_pages, view3d
 
 if TYPE_CHECKING:
     from compare.commands.report import Part
@@ -31,7 +33,7 @@ AGREES = 1e-3
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Sections that a report leaves out, why, and the command that brings them back."""
+    """Sections or files that a report leaves out, why, and the command that brings them back."""
 
     names: tuple[str, ...]
     why: str
@@ -56,6 +58,15 @@ def kept_parts(parts: Sequence[Part], *, named: bool, everything: bool) -> tuple
         left.append(LeftOut(names, f"gmsh cannot be loaded ({fault})", install(MESHING, PICTURES)))
         out |= set(names)
     return [part for part in parts if part.name not in out], left
+
+
+def lacking() -> list[LeftOut]:
+    """What a report leaves out because a package that nothing else needs is not installed."""
+    known = (
+        ("typst", "the PDF of the first pages", first_pages.REMEDY),
+        ("trimesh", "the view that can be turned", view3d.REMEDY),
+    )
+    return [LeftOut((what,), f"{name} is not installed", remedy) for name, what, remedy in known if find_spec(name) is None]
 
 
 @dataclass(frozen=True)

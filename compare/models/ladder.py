@@ -120,9 +120,13 @@ def shares(study: Study) -> list[Share]:
 
 
 def ladder(study: Study) -> list[Rung]:
-    """Every rung of every scene that has a stored reference."""
+    """Every rung of every scene that has a stored reference; the study keeps the results."""
     found = study.references((*REFERENCED, *UNSEEN))
-    return [rung for name, ref in found.items() for rung in climb(study.scene(name), ref, study.stores)]
+    rungs = [rung for name, ref in found.items() for rung in climb(study.scene(name), ref, study.stores)]
+    for rung in rungs:
+        if rung.model != "condensed":  # that one depends on a file too
+            study.results[study.scene(rung.scene), rung.model, 0] = rung.result
+    return rungs
 
 
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:
