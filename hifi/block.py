@@ -284,11 +284,17 @@ def _run(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float, far_fi
 
 def read_pressure(surface: SurfaceCompliance, found: ContactResult) -> tuple[tuple[float, float], float, float]:
     """Semi-axes [m], pressure at the pole and fitted pole pressure [Pa], as `HertzRun` defines them."""
-    forces, pressure = found.forces, found.forces / surface.areas
-    squares = 5.0 * (forces @ surface.places**2) / forces.sum()
-    ellipse = (surface.places**2 / squares).sum(axis=1)
+    return read_ellipse(surface.places, surface.areas, found.forces)
+
+
+def read_ellipse(places: FloatArray, areas: FloatArray, forces: FloatArray) -> tuple[tuple[float, float], float, float]:
+    """Semi-axes [m], pressure at the pole and fitted pole pressure [Pa], as `HertzRun` defines them, of forces ``(n,)`` [N]
+    on areas ``(n,)`` [m2] at places ``(n, 2)`` [m] from the contact's middle."""
+    pressure = forces / areas
+    squares = 5.0 * (forces @ places**2) / forces.sum()
+    ellipse = (places**2 / squares).sum(axis=1)
     height = np.sqrt(np.maximum(1.0 - ellipse, 0.0))
     nearest = int(ellipse.argmin())
-    fitted = (surface.areas * height) @ pressure / ((surface.areas * height) @ height)
+    fitted = (areas * height) @ pressure / ((areas * height) @ height)
     semi = np.sqrt(squares)
     return (float(semi[0]), float(semi[1])), float(pressure[nearest] / height[nearest]), float(fitted)

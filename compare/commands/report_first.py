@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from compare.commands.report_parts import Part
 from compare.measure import error_percent
 from compare.reference.computing import compute
 from compare.reference.store import load
@@ -18,9 +18,6 @@ from compare.reference.tasks import Task
 from compare.scenes import catalogue
 from compare.system import cores, gmsh_fault
 from meshes.libraries import EXTRAS, MESHING, PICTURES, install
-
-if TYPE_CHECKING:
-    from compare.commands.report import Part
 
 #: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
 COSTLY = frozenset({"pictures", "friction", "friction-screw", "verification", "stability", "timing"})

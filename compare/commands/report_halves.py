@@ -11,36 +11,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib import import_module
 from time import perf_counter
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
+from compare.commands.report_parts import Part
 from compare.models.study import Study
 from compare.system import cores
 from reports.records import Section
 
 Step = Callable[[str], None]
-
-
-class Part(Protocol):
-    """What a section is made by: see ``compare.commands.report.Part``."""
-
-    @property
-    def name(self) -> str:
-        """Name of the section."""
-
-    @property
-    def module(self) -> str:
-        """Its module in ``compare.sections``."""
-
-    @property
-    def appendix(self) -> bool:
-        """Whether it stands after the others."""
-
-    @property
-    def beside(self) -> bool:
-        """Whether it may be made beside the others."""
-
-
-P = TypeVar("P", bound=Part)
 
 
 @dataclass(frozen=True)
@@ -51,7 +29,7 @@ class Made:
     study: Study
 
 
-def split(wanted: Sequence[P], study: Study) -> tuple[list[P], list[P]]:
+def split(wanted: Sequence[Part], study: Study) -> tuple[list[Part], list[Part]]:
     """Parts for a second process, and those for this one: all of them where something is timed, this machine has one core,
     or there is nothing to make beside."""
     aside = [part for part in wanted if part.beside]

@@ -20,7 +20,7 @@ from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
 from compare.reference.store import bodies_path, shipped_store
 from compare.scenes.catalogue import with_role
-from lowfi.compliance.bodies import forget
+from lowfi.compliance.ends import forget
 from lowfi.compliance.imported import PARTS, Condensed
 from lowfi.statics.elastic import solve_elastic
 from lowfi.statics.result import StaticResult

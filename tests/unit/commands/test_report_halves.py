@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from compare.commands import report_halves
-from compare.commands.report import PARTS, Part
 from compare.commands.report_halves import build, make, split
+from compare.commands.report_parts import PARTS, Part
 from compare.models.study import Study
 
 ASIDE, OWN = Part("crosscheck", "crosscheck", beside=True), Part("tolerances", "tolerances")

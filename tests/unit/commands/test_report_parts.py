@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from compare.commands import report
-from compare.commands.report import PARTS, save_model_form, wanted_parts
+from compare.commands.report import save_model_form, wanted_parts
+from compare.commands.report_parts import PARTS
 from compare.errors import InputError
 from compare.models import ladder, model_form
 from compare.models.study import Study
