@@ -166,11 +166,12 @@ class HertzJob:
         return hertz(self.load, self.radius_x, self.radius_y, self.young, self.poisson)
 
 
-_BALL = 2.778e-3
-#: A: ball on a flat. B: ball in a groove of radius 3.254 mm across (x), 20.56 mm convex along (y).
+#: Radii [m] of the ball, of the groove across (x) and of its convex course along (y).
+BALL, GROOVE, ALONG = 2.778e-3, 3.254e-3, 20.56e-3
+#: A: ball on a flat. B: ball in a groove.
 JOBS = {
-    "A": HertzJob("A", _BALL, _BALL),
-    "B": HertzJob("B", 1.0 / (1.0 / _BALL - 1.0 / 3.254e-3), 1.0 / (1.0 / _BALL + 1.0 / 20.56e-3)),
+    "A": HertzJob("A", BALL, BALL),
+    "B": HertzJob("B", 1.0 / (1.0 / BALL - 1.0 / GROOVE), 1.0 / (1.0 / BALL + 1.0 / ALONG)),
 }
 
 
