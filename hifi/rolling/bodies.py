@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Sizes:
     """Numerical choices: cells of the contact zone along and across, ratio of cells beyond it, zone over the contact's
-    semi-axes, degree of the kernel; of straight tracks: size of the bars over the ball's radius, half of the grooves'
-    opening [rad]."""
+    semi-axes, degree of the kernel; of bars: size over the ball's radius, half of the grooves' opening [rad]; whether rings
+    and helices are patches of the static reference, or bent bars too."""
 
     cells: tuple[int, int] = (4, 4)
     growth: float = 2.5
@@ -36,6 +36,7 @@ class Sizes:
     degree: int = 4
     bar: float = 5.0
     opening: float = 1.4
+    patches: bool = True
 
 
 @lru_cache(maxsize=8)
@@ -128,7 +129,7 @@ class Place:
 @lru_cache(maxsize=8)
 def _kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
     zone, rest = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
-    if at.curve is not None:
+    if sizes.patches and at.curve is not None:
         radii = at.ball, at.arc
         groove, ball = patch_kernels(Curve(*at.curve), radii, at.angle, zone, *rest, outer=at.bend > 0.0)
         return groove + ball
