@@ -1,4 +1,4 @@
-"""What the choices behind finite bodies do to two balls of a linear bearing and of a screw: size of the bars, groove, cells,
+"""What the choices behind finite bodies do to two balls of a linear bearing and of a screw: size of bars, groove, cells,
 kernel, bars in place of the static reference's patches."""
 
 from __future__ import annotations

@@ -46,8 +46,9 @@ KNOWN = {
 class RollingRow:
     """One quantity of one scene: low-order, 3D and its uncertainty, printed low-order and ANSYS values (None: none),
     error of the low-order model against 3D [%] and that uncertainty [%] (None: of nothing); orders of the grids'
-    differences are in the mesh study. load_state: "plain" or "inferred" where the source does not print it. ablation: elastic bodies on flat contacts; rigid bodies on curved ones; half spaces
-    beside finite bodies on the finest grid (None: not solved beside these)."""
+    differences are in the mesh study. ablation: elastic bodies on flat contacts; rigid bodies on curved ones; half spaces
+    beside finite bodies on the finest grid (None: not solved beside these); load_state: "plain" or "inferred" where the
+    source does not print it, else None."""
 
     scene: str
     quantity: str
