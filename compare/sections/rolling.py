@@ -148,9 +148,10 @@ def _finite(stores: Sequence[Path], sizes: Sizes) -> list[Text | Table | Figure 
                 "added to the closed form of half spaces. Without motion they press as the static reference's patches do "
                 "(first rows of the verification). Balls that touch do so at a point: over Hertz's circle, all of which "
                 "slides, force and loss are the same (verification), whatever the elasticity. "
-                "The kernel changes the pressure, adds a strain by the normal forces that half spaces of one material do not "
-                "have, and the ball rolls on a radius shortened by half of the approach. Contact forces are the same, by "
-                "Hertz's law; contacts of one ball do not feel one another, and friction does not change pressures." + most
+                "The kernel changes the pressure, adds a strain by the normal forces that half spaces of one material do "
+                "not have, and the ball rolls on a radius shortened by half of the approach. Contact forces are the same, "
+                "by Hertz's law; contacts of one ball do not feel one another, and friction does not change pressures."
+                + most
             ]
         ),
         Table(

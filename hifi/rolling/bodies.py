@@ -145,3 +145,9 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
     """
     shared = float(2.0 ** np.ceil(np.log2(load)))
     return _kernel(replace(at, angle=STEP * round(at.angle / STEP)), shared, young, poisson, sizes)
+
+
+def forget_kernels() -> None:
+    """Let the next contact mesh its bodies anew."""
+    for kept in (_kernel, ball_kernel, bar_kernel, patch_kernels):
+        kept.cache_clear()
