@@ -17,6 +17,7 @@ from hifi.rolling.patch import grid, hertz_patch, seen_radii
 from hifi.rolling.regular import NORMAL, TANGENTS, Regular, monomials
 from hifi.rolling.scenes import along_radius
 from hifi.rolling.static_patches import Curve
+from hifi.rolling.transient import run_from_rest
 from hifi.rolling.verification import at_rest, mindlin, rubbing, static_reference
 from meshes.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
 from meshes.fem import points_of
@@ -244,6 +245,17 @@ def test_rolling_on_finite_bodies_balances_and_loses_what_is_put_in():
 def test_mated_grooves_on_finite_bodies_have_no_force_by_symmetry():
     found = solve_rolling(linear_pair(mated=True), Choices((10, 12), bodies=COARSE))
     assert found.force[0] < 1e-9
+
+
+def test_steps_from_rest_stay_within_the_zone_of_finite_bodies():
+    """Short steps give the force and losses of half spaces but for what bodies do; long ones are refused."""
+    scene, finite = linear_pair(), Choices((6, 6), bodies=COARSE)
+    short = [run_from_rest(scene, 2e-4, 2, 0.0, c) for c in (finite, Choices((6, 6)))]
+    assert short[0].converged
+    assert short[0].loss == pytest.approx(short[1].loss, rel=0.03)
+    assert short[0].loss != pytest.approx(short[1].loss, rel=1e-5)
+    with pytest.raises(ValueError, match="beyond the zone"):
+        run_from_rest(scene, 0.1, 10, 0.0, finite)
 
 
 def test_a_groove_whose_bottom_is_unknown_is_refused():
