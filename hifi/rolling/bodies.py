@@ -56,7 +56,7 @@ def bar_kernel(
     """What a grooved bar of ``size`` [m] adds to a half space, as it counts in the motion of a ball past it."""
     body = grooved_bar(groove, size, zone)
     found = held_answer(body, tractions(body, zone, degree, bends), young, poisson)
-    return _of_groove(found - beside(body, zone, groove.ball, young, poisson, degree), zone, degree)
+    return of_groove(found - beside(body, zone, groove.ball, young, poisson, degree), zone, degree)
 
 
 @lru_cache(maxsize=8)
@@ -79,10 +79,10 @@ def patch_kernels(
         frame = Frame(cut.centre, cut.axes)
         own = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
         found.append(own - beside(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
-    return _of_groove(found[0], zone, degree), Regular(found[1], zone.half, degree)
+    return of_groove(found[0], zone, degree), Regular(found[1], zone.half, degree)
 
 
-def _of_groove(added: Array, zone: Zone, degree: int) -> Regular:
+def of_groove(added: Array, zone: Zone, degree: int) -> Regular:
     """Kernel of a groove's own answers ``(3 k, 3 k)`` [m/N]: forces on it and its motion count the other way along
     tangents."""
     signs = np.repeat([-1.0, -1.0, 1.0], len(added) // 3)

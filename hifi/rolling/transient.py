@@ -99,7 +99,7 @@ def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
         shift = rolling_speed(touch, scene.track, scene.radius, scene.orbit) * dt
         if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
             raise ValueError(
-                "a step carries material from beyond the zone of finite bodies: take shorter steps, or half spaces"
+                "a step carries material from beyond the zone of finite bodies: take shorter ones, or half spaces"
             )
         share = choices.elastic / dt
         out.append(_Carried(contact, share * patch.tangential(), share * patch.tangential(shift)))

@@ -16,7 +16,7 @@ from hifi.grid_wave import approaches
 from hifi.hertz import hertz
 from hifi.pressures import mean_weights
 from hifi.rolling.balls import Rolling, RollingResult
-from hifi.rolling.bodies import Place, Sizes, ball_kernel, contact_kernel
+from hifi.rolling.bodies import Place, Sizes, ball_kernel, contact_kernel, of_groove
 from hifi.rolling.elements import Solids
 from hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
 from hifi.rolling.kinematics import MOTIONS, motion_rows
@@ -177,8 +177,7 @@ def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: S
     """What two like balls of ``radius`` [m] that touch over a circle of ``semi`` [m] add to half spaces."""
     zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
     one = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
-    signs = np.repeat([-1.0, -1.0, 1.0], len(one.M) // 3)
-    return one + replace(one, M=one.M * np.outer(signs, signs))
+    return one + of_groove(one.M, zone, sizes.degree)
 
 
 # --- balls that touch

@@ -18,7 +18,7 @@ from hifi.rolling.regular import NORMAL, TANGENTS, Regular, monomials
 from hifi.rolling.scenes import along_radius
 from hifi.rolling.static_patches import Curve
 from hifi.rolling.transient import run_from_rest
-from hifi.rolling.verification import at_rest, mindlin, rubbing, static_reference
+from hifi.rolling.verification import at_rest, mindlin, rubbing, static_reference, two_balls
 from meshes.contact_bodies import Groove, Zone, grooved_bar, half_space, whole_ball
 from meshes.fem import points_of
 from tests.rolling_scenes import linear_pair
@@ -181,6 +181,18 @@ def test_the_contact_of_two_balls_is_a_point_to_them():
     force, loss = rubbing(replace(scene, young=1e-5 * scene.young), spun, 0)
     assert force < 0.9
     assert loss > 1.1
+
+
+def test_like_balls_are_not_pushed_sideways_by_what_presses_them():
+    """Normal forces move both surfaces alike along tangents; tangential ones move them apart."""
+    whole = two_balls(20e-3, 0.2e-3, E, NU, COARSE).M
+    k = len(whole) // 3
+    one = ball_kernel(
+        20e-3, Zone((COARSE.margin * 0.2e-3,) * 2, COARSE.cells, COARSE.growth), ROUND, E, NU, COARSE.degree
+    ).M
+    assert np.abs(one[: 2 * k, 2 * k :]).max() > 1e-3 * np.abs(one).max()
+    assert np.array_equal(whole[: 2 * k, 2 * k :], np.zeros((2 * k, k)))
+    assert whole[: 2 * k, : 2 * k] == pytest.approx(2.0 * one[: 2 * k, : 2 * k])
 
 
 def test_a_half_space_beside_a_body_has_its_zone():
