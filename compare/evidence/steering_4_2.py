@@ -101,8 +101,8 @@ def _sizing(sheet: Sheet) -> None:
     sheet.number("ratio_bearing", float(loads[-1, 1] / loads[0, 1]), words)
     over = ", ".join(f"{a:.0f} and {b:.0f} N at {t:.0f} deg" for (a, b), t in zip(loads, ANGLES, strict=True))
     sheet.claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
-    even, bearing = (_loaded(results[0], i) for i in range(2))
-    sheet.claim("even_bearing", bool(bearing.min() > 0.8 * bearing.max()), f"{bearing.min():.0f} to {bearing.max():.0f} N")
+    even, ring = (_loaded(results[0], i) for i in range(2))
+    sheet.claim("even_bearing", bool(ring.min() > 0.8 * ring.max()), f"{ring.min():.0f} to {ring.max():.0f} N")
     tilted = _loaded(results[-1], 0)
     low, high = (float(x / even.mean()) for x in (even.min(), even.max()))
     words = (

@@ -175,8 +175,8 @@ def outer_rows(system: System, rollers: RollerElements) -> Array:
 def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     """Arrays for the kernels.
 
-    Some set has balls. Raises ValueError for inner rings on housings, uneven flanks, too many elements, or bodies that the
-    dimensions make impossible.
+    Some set has balls. Raises ValueError for inner rings on housings, too many elements, or bodies that the dimensions make
+    impossible.
     """
     if any(b.of.carrier is not None for b in system.balls):
         raise ValueError(
@@ -188,8 +188,6 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     N = balls + rollers.count
     if N > LARGEST:
         raise ValueError(f"{N} balls and rollers: elastic bodies are limited to {LARGEST}; use the model lin")
-    if system.contacts.profile.shape[2]:
-        raise ValueError("groove profiles of varying shape on several sets: use the model lin")
     whole, s = combined(system, rollers, backend), system.structure
     shaft, housings = shaft_of(whole), housings_of(s, system.arm)
     order = by_ball(N, (0, 1))
@@ -230,7 +228,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
         system.contacts.closure,
         local,
         system.contacts.r_ball,
-        np.zeros((4, 0)),
+        system.contacts.profile,
         np.zeros((balls, 7)),
         rollers.contacts,
     )

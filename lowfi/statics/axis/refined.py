@@ -45,7 +45,7 @@ def solve_refined(
     """Loads, stiffness and motions of an assembly with elastic bodies; arguments as for `solve_assembly`.
 
     Rollers alone leave nothing but the beam and their line contacts to be elastic: the model lin. Raises ValueError
-    for inner rings on housings, uneven flanks, more than `LARGEST` balls and rollers, or bodies that cannot be.
+    for inner rings on housings, more than `LARGEST` balls and rollers, or bodies that cannot be.
     """
     if not assembly.ball_count:
         found = solve_assembly(assembly, engine=engine, member=member)
@@ -91,7 +91,8 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     sets = [own_stiffness(elastic, i, b, S) for i, b in enumerate(system.balls)]
     whole = elastic_stiffness(elastic, S)
     rigid = rigid_rings(assembly)
-    ending = Ending(status, report, loose.text, held, sets, whole, name, (*ASSUMPTIONS, *elastic.assumed), rigid)
+    words = *ASSUMPTIONS, *elastic.assumed
+    ending = Ending(status, report, loose.text, held, sets, whole, name, words, rigid, flank_shifts(elastic))
     return assemble_axis(elastic.system, state, ending)
 
 
@@ -115,6 +116,16 @@ def flank_forces(elastic: ElasticAxis) -> Array:
     """Forces (N, 4, 2) [N] of the balls on their flanks."""
     contact = elastic.state.contact
     return np.asarray(contact[..., 0, None] * contact[..., 1:3])
+
+
+def flank_shifts(elastic: ElasticAxis) -> Array:
+    """Motions (N, 4, 2) [m] of all flanks."""
+    bodies, forces = elastic.bodies, flank_forces(elastic)
+    N = len(forces)
+    out = (bodies.v0 + bodies.R @ elastic.state.a).reshape(N, 4, 2)
+    for G, half in ((bodies.first, slice(2)), (bodies.second, slice(2, 4))):
+        out[:, half] += (G @ forces[:, half].ravel()).reshape(N, 2, 2)
+    return np.asarray(out)
 
 
 def state_of(elastic: ElasticAxis) -> tuple[AxisState, Array]:
