@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 #: the angle between two contacts, the others as the sine.
 PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
 EVEN = 4
+#: Signs of the products that make the sine of a difference: sin s cos t - cos s sin t.
+SKEW = np.array([[1.0], [-1.0]])
 #: Points and weights of the quadrature over a patch, and the shapes of an element there.
 NODE, WEIGHT = np.polynomial.legendre.leggauss(8)
 SHAPES = quadratic(NODE)[0]
@@ -167,17 +169,20 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
     tube, count = found.tube, points.z.size
     weights = patch_weights(found.z, points.z, tube.width)
     total = np.zeros((count, len(PARTS), count))
+    by_load, moved = np.empty((count, len(PARTS) * found.z.size)), np.empty_like(total)  # written anew for each harmonic
     for n, parts in enumerate(found.parts):
-        share = np.exp(-((n * tube.width / tube.radius) ** 2)) if n > 1 or not resultant else 1.0
-        moved = ((weights @ parts).reshape(-1, found.z.size) @ weights.T).reshape(total.shape)
-        c, s = np.sqrt(share) * np.cos(n * points.azimuth), np.sqrt(share) * np.sin(n * points.azimuth)
-        total[:, :EVEN] += (np.outer(c, c) + np.outer(s, s))[:, None] * moved[:, :EVEN]
-        total[:, EVEN:] += (np.outer(s, c) - np.outer(c, s))[:, None] * moved[:, EVEN:]
+        share = np.exp(-0.5 * (n * tube.width / tube.radius) ** 2) if n > 1 or not resultant else 1.0
+        np.matmul(weights, parts, out=by_load)
+        np.matmul(by_load.reshape(-1, found.z.size), weights.T, out=moved.reshape(-1, count))
+        turned = share * np.array([np.cos(n * points.azimuth), np.sin(n * points.azimuth)])
+        moved[:, :EVEN] *= (turned.T @ turned)[:, None]  # cosine and sine of n times the angle between two contacts
+        moved[:, EVEN:] *= (turned[::-1].T @ (SKEW * turned))[:, None]
+        total += moved
     whole = np.empty((count, 3, 3, count))
     for k, (i, j) in enumerate(PARTS):
         whole[:, i, j], whole[:, j, i] = total[:, k], total[:, k].T
-    by_load = np.matmul(points.axes, whole.reshape(count, 3, -1)).reshape(count, 2, 3, count).transpose(3, 2, 0, 1)
-    G = np.matmul(points.axes, by_load.reshape(count, 3, -1)).reshape(2 * count, 2 * count)
+    one_side = np.matmul(points.axes, whole.reshape(count, 3, -1)).reshape(count, 2, 3, count).transpose(3, 2, 0, 1)
+    G = np.matmul(points.axes, one_side.reshape(count, 3, -1)).reshape(2 * count, 2 * count)
     return np.asarray(0.5 * (G + G.T))
 
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial.chebyshev import cheb2poly, chebinterpolate
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
-from scipy.interpolate import BarycentricInterpolator
 
 from lowfi.compliance.bodies import geometry_only
 from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printed_hertz
@@ -23,8 +24,8 @@ from meshes.surface import ALL, principal_curvatures, printed_radii
 
 Array = NDArray[np.float64]
 
-#: Number of radii at which `hertz_C` takes exact values for many specimens.
-NODES = 12
+#: Number of radii at which `hertz_C` takes exact values for many specimens, and share of a coefficient that is round-off.
+NODES, ROUND_OFF = 12, 1e-15
 #: Signs of the contact directions, shape (4, 2).
 SIGNS = np.array(SIDE_SIGNS)
 
@@ -204,9 +205,12 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
         return np.array(np.broadcast_to(drawn_hertz(scene, drawn, same).C, (own.size, 4)))
     # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
     middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
-    node = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
-    exact = BarycentricInterpolator(node, drawn_hertz(scene, drawn, middle + half * node).C)
-    return np.asarray(exact((own - middle) / half))
+    series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
+    shown = np.flatnonzero((np.abs(series) > ROUND_OFF * np.abs(series[0])).any(axis=1))[-1]
+    powers = np.stack([np.pad(c, (0, shown + 1 - c.size)) for c in map(cheb2poly, series[: shown + 1].T)], axis=1)
+    distinct, of_side = np.unique(powers, axis=1, return_inverse=True)
+    values = polyval((own - middle) / half, distinct)
+    return np.stack([values[k] for k in of_side.ravel()], axis=-1)
 
 
 def pack_geometry(scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_]) -> tuple[Array, Array]:
