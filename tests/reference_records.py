@@ -4,7 +4,8 @@ from dataclasses import asdict
 
 import numpy as np
 
-from compare.reference.runs import Run, settings_of
+from compare.reference.store import Run
+from compare.reference.tasks import settings_of
 from compare.scenes import catalogue
 from meshes.condensed import CondensedBodies, geometry_digest
 from meshes.parts import Scene

@@ -127,7 +127,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     from compare.evidence.liu.bodies import SOLID, SOLID_LEVELS
     from compare.models.ladder import DEEP, UNSEEN
     from compare.reference import grid_order
-    from compare.reference.runs import reference
+    from compare.reference.estimate import reference
 
     scenes = [study.scene(name) for name in REFERENCED]
     if source.quick:
@@ -206,7 +206,7 @@ def make_report(
         raise _bad_folder(out, error) from None
     wanted, missed = kept_parts(wanted, named=bool(only), everything=everything or fresh)
     meshing = not gmsh_fault()
-    from compare.reference.runs import shipped_store
+    from compare.reference.store import shipped_store
 
     own = (store,) if fresh or quick else (store, shipped_store())
     source = Source(None if stored else own, engine or Engine(), not stored and meshing, quick, fresh)

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from compare.measure import error_percent
-from compare.reference.runs import Task, compute, load
+from compare.reference.computing import compute
+from compare.reference.store import load
+from compare.reference.tasks import Task
 from compare.scenes import catalogue
 from compare.system import cores, gmsh_fault
 from meshes.libraries import MESHING, PICTURES, install

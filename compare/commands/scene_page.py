@@ -23,7 +23,8 @@ from compare.models.model_form import FILE, ModelForm, estimate
 from compare.models.registry import DEFAULT, Options, run_model
 from compare.models.study import Study
 from compare.models.u_val import QUANTITIES, Validated, validated
-from compare.reference.runs import Reference, path_in, shipped_store
+from compare.reference.estimate import Reference
+from compare.reference.store import path_in, shipped_store
 from compare.scenes import catalogue, scene_file
 from compare.sections.applicability import range_figure, range_table
 from compare.sections.loaded_screw import loaded_screw

@@ -10,7 +10,7 @@ from typing import Any
 from compare.commands.scene_page import SOURCES, make_page, sources_hash
 from compare.errors import InputError
 from compare.measure import error_percent
-from compare.reference.runs import shipped_store
+from compare.reference.store import shipped_store
 from reports.scene_page import read_page, results_hash, sha256, without_manifest
 
 #: Change [%] of a number up to which it is round-off.

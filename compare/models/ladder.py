@@ -16,8 +16,9 @@ from compare.models.comparison import REFERENCED
 from compare.models.model_form import Point, estimate, features
 from compare.models.registry import MODELS, Options, run_model
 from compare.models.study import Study
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.runs import Reference, bodies_path, shipped_store
+from compare.reference.store import bodies_path, shipped_store
 from compare.scenes.catalogue import with_role
 from lowfi.compliance.bodies import forget
 from lowfi.compliance.imported import PARTS, Condensed

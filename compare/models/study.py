@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from compare.models.ensemble import EnsembleResult, run_ensemble
 from compare.models.registry import Options, run_model
-from compare.reference.runs import Reference, reference
+from compare.reference.estimate import Reference, reference
 from compare.scenes import catalogue
 from lowfi.statics.result import StaticResult
 from meshes.parts import Scene

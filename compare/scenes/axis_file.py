@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from compare.scenes.axis_schema import AxisKeys, HousingKeys, SetKeys, StiffKeys
-from compare.scenes.checks import TOLERANCE, Fault, choice_faults, geometry_faults, mm
+from compare.scenes.body_checks import geometry_faults
+from compare.scenes.fault import TOLERANCE, Fault, mm
+from compare.scenes.key_checks import choice_faults
+from compare.scenes.records import friction_of, material_of, scene_of, support_of, vector
 from compare.scenes.refusal import refuse
-from compare.scenes.scene_file import friction_of, material_of, scene_of, support_of, vector
 from compare.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
 from meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, Segment, Stiffness, diagonal, full
 from meshes.parts import FREEDOMS, Ingredients, Load, Motion, Scene, Screw

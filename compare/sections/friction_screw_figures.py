@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from compare.evidence.assumptions_3_4 import AXIAL, OVERSIZE, pair_map
-from compare.evidence.screw import ANGLES, THETA, curve, cut, loose_run, run, variation
+from compare.evidence.screw import ANGLES, THETA, curve, cut, loose_run, screw_run, variation
 from compare.evidence.source_cases import inferred
 from compare.printed.printed_data import entry
 from compare.sections.curves import numbers
@@ -53,7 +53,7 @@ def contact_panels(r: RunResult) -> tuple[Panel, Panel]:
 
 def run_figure() -> Figure:
     """Figures 3.23 to 3.25."""
-    three, two, open_grooves = run(3.0), run(2.0), loose_run()
+    three, two, open_grooves = screw_run(3.0), screw_run(2.0), loose_run()
     panels = (
         theta_panel(three.run),
         torque_panel(f"torque, θ of 3°, {1e6 * three.run.oversize:g} µm", three),

@@ -11,8 +11,8 @@ from compare.models.comparison import REFERENCED
 from compare.models.ladder import UNSEEN
 from compare.models.registry import DEFAULT, MODELS
 from compare.models.study import Study
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.runs import Reference
 from compare.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Summary, Table, Text

@@ -14,9 +14,10 @@ from compare.models.mesh_study import study_table
 from compare.models.modelling import REFINED, VARIED, varied
 from compare.models.study import Study
 from compare.reference.convergence import LABELS
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import mean_load, summarise
 from compare.reference.levels import LEVELS, SOURCE_LEVEL
-from compare.reference.runs import Reference, Run, load
+from compare.reference.store import Run, load
 from compare.reference.variants import NOT_VARIED, VARIANTS
 from compare.sections.reference import case_studies, modelling
 from compare.sections.study_figure import study_figure

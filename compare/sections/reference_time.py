@@ -20,8 +20,9 @@ from compare.models.ladder import UNSEEN, finest_bodies
 from compare.models.registry import MODELS, Model, Options, run_model
 from compare.models.study import Study
 from compare.printed.printed_data import entry
+from compare.reference.estimate import Reference
 from compare.reference.levels import SOURCE_LEVEL
-from compare.reference.runs import Array, Reference, load, shipped_store
+from compare.reference.store import Array, load, shipped_store
 from compare.system import machine
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Series, Table

@@ -10,7 +10,7 @@ from compare.measure import error_percent
 from compare.models.loading import solve_scaled
 from compare.models.registry import DEFAULT, Options
 from compare.models.study import Study
-from compare.reference.runs import Reference
+from compare.reference.estimate import Reference
 from lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
 from meshes.parts import Scene
 from reports.records import Cell, Column, Table

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from compare.evidence.rolling_proof import Proof, proofs
 from compare.measure import error_percent
 from compare.models.study import Study
-from compare.reference.runs import shipped_store
+from compare.reference.store import shipped_store
 from compare.rolling.body_sizes import NAMES, Variant, body_sizes
 from compare.rolling.from_rest import Series, from_rest
 from compare.rolling.patches import PatchField, fields

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from scipy.linalg import block_diag
 
 from compare.scenes import catalogue
-from hifi import condensed, contact_kinematics, coupling, grid_wave, part_meshes, reference, setup, submodel
+from hifi import condensed, contact_kinematics, coupling, grid_wave, part_meshes, reference, responses, setup, submodel
 from hifi.assembly import assemble
 from hifi.balls import State, solve_balls
 from hifi.bodies import freedoms, isostatic
@@ -130,9 +130,9 @@ def bodies(small, meshes):
         own, hats = patch(small, meshes, side)
         parts = [(own, hats, s.nodes, s.rotation) for s in placed(mesh, tuple(places[side]))]
         if name == "screw":
-            reduce = lambda _, m=mesh: setup.screw_transform(m, small.dims, small.dims.ends(small.scene)[1])  # noqa: E731
+            reduce = lambda _, m=mesh: responses.screw_transform(m, small.dims, small.dims.ends(small.scene)[1])  # noqa: E731
         else:
-            reduce = lambda _, m=mesh: setup.nut_transform(m, small.dims)  # noqa: E731
+            reduce = lambda _, m=mesh: responses.nut_transform(m, small.dims)  # noqa: E731
         out[name] = whole(mesh.mesh, parts, material, reduce)
     parts = [(*patch(small, meshes, s, ball=True), meshes.ball.socket_nodes[s], np.eye(3)) for s in (0, 3)]
     held = isostatic(meshes.ball.points, np.concatenate([p[2] for p in parts]))

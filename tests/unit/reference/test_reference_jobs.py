@@ -13,7 +13,8 @@ from compare.models.ladder import DEEP, UNSEEN
 from compare.models.study import Study
 from compare.reference import jobs
 from compare.reference.levels import LEVELS, STUDIED
-from compare.reference.runs import Run, Task, bodies_path, load, path_in, save
+from compare.reference.store import Run, bodies_path, load, path_in, save
+from compare.reference.tasks import Task
 from compare.reference.variants import VARIANTS
 from compare.scenes import catalogue
 from meshes.condensed import CondensedBodies

@@ -11,10 +11,10 @@ from compare.models.comparison import from_model, gate_points, reference_answers
 from compare.models.mesh_study import study_table
 from compare.models.registry import MODELS
 from compare.models.study import Study
-from compare.reference import runs as reference
+from compare.reference.estimate import Reference, reference
 from compare.reference.grid_summary import summarise
 from compare.reference.levels import LEVELS, STUDIED
-from compare.reference.runs import save
+from compare.reference.store import save
 from compare.scenes import catalogue
 from tests.reference_records import run_of
 
@@ -56,8 +56,8 @@ def test_gate_passes_and_a_stiffness_off_by_20_per_cent_does_not(monkeypatch: py
         assert any(not row.passed for row in gate.reference_rows(Study(), 7.0))
 
 
-def _found(name: str) -> reference.Reference:
-    found = reference.reference(catalogue.scene(name))
+def _found(name: str) -> Reference:
+    found = reference(catalogue.scene(name))
     assert found is not None
     return found
 
@@ -142,12 +142,12 @@ def test_two_levels_give_a_band_and_one_none(tmp_path: Path) -> None:
     finer = coarse.copy()
     finer[0, 0] += 2.0
     save(tmp_path, scene, run_of("lin-case1", 1, coarse))
-    one = reference.reference(scene, (tmp_path,))
+    one = reference(scene, (tmp_path,))
     assert one is not None
     assert one.uncertainty is None
     assert summarise(one).largest is None
     save(tmp_path, scene, run_of("lin-case1", 2, finer))
-    two = reference.reference(scene, (tmp_path,))
+    two = reference(scene, (tmp_path,))
     assert two is not None
     assert two.uncertainty is not None
     assert two.uncertainty[0, 0] == pytest.approx(6.0)
@@ -164,7 +164,7 @@ def test_levels_of_one_order_are_extrapolated(tmp_path: Path) -> None:
     for level in STUDIED:
         h = LEVELS[1]["b_over_h"] / LEVELS[level]["b_over_h"]
         save(tmp_path, scene, run_of("lin-case1", level, limit + slope * h**1.5))
-    found = reference.reference(scene, (tmp_path,))
+    found = reference(scene, (tmp_path,))
     assert found is not None
     assert found.extrapolated == pytest.approx(limit, rel=1e-5)
     s = summarise(found)

@@ -6,22 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.reference import jobs
-from compare.reference import runs as reference
+from compare.reference import jobs, store
 from compare.reference.levels import LEVELS
-from compare.reference.runs import (
-    Task,
-    bodies_path,
-    geometry_of,
-    groups,
-    key_of,
-    load,
-    needed_sides,
-    path_in,
-    save,
-    serves,
-    settings_of,
-)
+from compare.reference.store import bodies_path, key_of, load, path_in, save
+from compare.reference.tasks import Task, geometry_of, groups, needed_sides, serves, settings_of
 from compare.scenes import catalogue
 from meshes.condensed import load_condensed
 from meshes.solid import dimensions
@@ -67,14 +55,14 @@ def test_key_follows_the_content_not_the_name(monkeypatch: pytest.MonkeyPatch) -
     found = [key_of(s, "", mesh, sides) for s in changed]
     found += [key_of(scene, "", asdict(settings_of([scene], 2)), sides), key_of(scene, "land", mesh, sides)]
     found += [key_of(scene, "", mesh, (0, 1, 2, 3)), key_of(scene, "", mesh | {"reach": (1e-3, 1e-4)}, sides)]
-    monkeypatch.setattr(reference, "versions", lambda: {"gmsh": "0", "scikit-fem": "0"})
+    monkeypatch.setattr(store, "versions", lambda: {"gmsh": "0", "scikit-fem": "0"})
     found.append(key_of(scene, "", mesh, sides))
     monkeypatch.undo()
-    monkeypatch.setattr(reference, "SCHEMA", -1)
+    monkeypatch.setattr(store, "SCHEMA", -1)
     found.append(key_of(scene, "", mesh, sides))
     monkeypatch.undo()
     assumed = dimensions(scene)
-    monkeypatch.setattr(reference, "dimensions", lambda _: replace(assumed, hole=2.0 * assumed.hole))
+    monkeypatch.setattr(store, "dimensions", lambda _: replace(assumed, hole=2.0 * assumed.hole))
     found.append(key_of(scene, "", mesh, sides))
     assert len({key, *found}) == 11
 

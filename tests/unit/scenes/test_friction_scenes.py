@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from compare.commands.friction import Choices
-from compare.commands.friction import run as run_friction
+from compare.commands.friction import run_friction
 from compare.commands.friction_kinds import solve_kind
+from compare.commands.friction_whole import Choices
 from compare.commands.left_out import left_out_of_kind
 from compare.scenes import catalogue, scene_file
 from compare.scenes.kinds.bearing_ball import BearingBallScene
