@@ -57,7 +57,7 @@ def case(tmp_path_factory):
     scene = replace(scene, nut=replace(scene.nut, length=16e-3), solid=Solid(shaft=6e-3, shaft_diameter=30e-3))
     semi = expected_semi_axes(scene)
     settings = Settings(
-        b_over_h=2.5,
+        b_over_h=2.1,
         semi=semi,
         reach=expected_reach(scene),
         fine=2.4e-3,
