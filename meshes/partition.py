@@ -39,9 +39,11 @@ def merge(stations: Array, exact: Array | None = None) -> Array:
     ordered = np.sort(stations)
     if np.all(ordered[1:] - ordered[:-1] > MERGE):
         return ordered
-    stay = np.isin(ordered, exact) if exact is not None else np.zeros(ordered.size, dtype=bool)
-    keep, firm = [ordered[0]], stay[0]
-    for z, own in zip(ordered[1:], stay[1:], strict=True):
+    named = frozenset(exact.tolist()) if exact is not None else frozenset()
+    first, *others = ordered.tolist()
+    keep, firm = [first], first in named
+    for z in others:
+        own = z in named
         if z - keep[-1] > MERGE:
             keep.append(z)
             firm = own

@@ -10,7 +10,7 @@ import numpy as np
 
 from compare.commands.left_out import left_out_of_kind
 from compare.commands.solve_output import number
-from compare.commands.summary import wrapped
+from compare.commands.wrapping import wrapped
 from compare.measure import error_percent
 from lowfi.friction.contact.ellipse import Array
 

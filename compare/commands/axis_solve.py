@@ -14,7 +14,7 @@ from compare.commands.axis_summary import block
 from compare.commands.load_curve import FACTORS, write_rows
 from compare.commands.matrix_files import write_stiffness
 from compare.commands.solve_choices import Choices
-from compare.commands.summary import wrapped
+from compare.commands.wrapping import wrapped
 from compare.errors import InputError
 from compare.models.axis import run_axis
 from compare.models.axis_answers import curve, gather

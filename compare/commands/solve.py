@@ -10,7 +10,8 @@ from compare.commands.matrix_files import check_matrix, write_matrix
 from compare.commands.solve_choices import Choices
 from compare.commands.solve_output import as_json as to_json
 from compare.commands.solve_output import as_table, number, stiffness_lines
-from compare.commands.summary import answers_json, block, wrapped
+from compare.commands.summary import answers_json, block
+from compare.commands.wrapping import wrapped
 from compare.errors import InputError, named, one_line
 from compare.models.answers import Answers, gather, tangent_of
 from compare.models.model_form import estimate

@@ -6,6 +6,7 @@ packed at once, and compiled kernels run through them. Anything else goes member
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -15,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.statics.mechanism import free_motions
+from lowfi.statics.pressed import Pressed, pressed
 from lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
-from lowfi.statics.records import MemberArrays, MemberStates
+from lowfi.statics.records import MemberArrays, MemberStates, PairMembers
 from lowfi.statics.result import StaticResult
 from lowfi.statics.selection import all_clear, choose_sides
 from lowfi.statics.shape import motion_matrices
@@ -36,8 +38,8 @@ MARGIN = 1e-7
 ENOUGH = 1e-11
 #: Members tried first with fewer sides; the rest only if at least half of them pass.
 TRIAL = 32
-#: Members per call of the kernel that runs through them (bounds its memory).
-CHUNK = 200
+#: Members per call of the kernel that runs through them: so few that the memory of a call is not given back in between.
+CHUNK = 100
 BATCH_PATH = "one system, members in a batch"
 GENERAL_PATH = "member by member"
 
@@ -143,7 +145,7 @@ class _Batch:
         begin = perf_counter()
         # sides that the loads would leave idle if no ball were tight: tried, then verified member by member
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
-        if self._system(np.ones(4, dtype=bool)) is None:
+        if self._held(np.ones(4, dtype=bool)) is None:
             return None
         count = self.solved.size
         if not np.all(few):
@@ -168,8 +170,8 @@ class _Batch:
             int(left.size),
         )
 
-    def _system(self, use: NDArray[np.bool_]) -> Prepared | None:
-        """The common system, started from the solution without random errors; None where the screw is not held."""
+    def _held(self, use: NDArray[np.bool_]) -> Problem | None:
+        """The problem without random errors; None where the screw is not held."""
         problem = build(self.scene, self.mean, self.layout, use)
         if reference_scale(problem)[0] == 0.0:  # only the random errors press anything together
             tightest = self._of(np.array([distances(self.scene, self.drawn)[1].max(axis=(1, 2)).argmax()]))
@@ -178,8 +180,16 @@ class _Batch:
         mechanism = free_motions(problem)
         if mechanism.driven:
             return None
-        prepared = prepare(pin(problem, mechanism), pick_engine(ENGINE, self.scene.ball_count), tolerance=ENOUGH)
+        return pin(problem, mechanism)
+
+    def _system(self, use: NDArray[np.bool_]) -> Prepared | None:
+        """The common system in its solution without random errors; None where the screw is not held."""
+        problem = self._held(use)
+        if problem is None:
+            return None
+        prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
         run(prepared)
+        prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
     def _solve(self, use: NDArray[np.bool_], members: NDArray[np.int64]) -> None:
@@ -191,18 +201,43 @@ class _Batch:
         if prepared is None:
             return
         near = None if np.all(use) else _Nearness(prepared, self.layout)
+        quick = None
+        if near is not None and len(self.drawn.centre) == 1:
+            quick = pressed(prepared, np.concatenate([near.rows, prepared.beam.load.reshape(1, -1)]))
         for first, last in pairwise(sorted({0, *range(min(TRIAL, members.size), members.size, CHUNK), members.size})):
             part = members[first:last]
-            arrays, found = self._run(prepared, part)
-            good = (found.status <= 1) & (found.residual <= ACCEPTED)
-            if near is not None:
-                good &= ~near.touched(found.q.reshape(part.size, -1), found.p, arrays.geometry, found.force)
-            kept = part[good]
-            self.loads[kept], self.residuals[kept] = found.force[good], found.residual[good]
-            self.works[kept] = np.tensordot(found.q[good], prepared.beam.load, axes=2)
-            self.solved[kept] = True
+            if near is not None and quick is not None:
+                part = part[self._press(quick, near, part)]
+            if part.size:
+                self._follow(prepared, near, part)
             if near is not None and 2 * np.count_nonzero(self.solved[members[:last]]) < last:
                 break
+
+    def _keep(
+        self, members: NDArray[np.int64], good: NDArray[np.bool_], loads: Array, residuals: Array, works: Array
+    ) -> None:
+        kept = members[good]
+        self.loads[kept], self.residuals[kept], self.works[kept] = loads[good], residuals[good], works[good]
+        self.solved[kept] = True
+
+    def _press(self, quick: Pressed, near: _Nearness, part: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Some members on the motions of their flanks alone; returns which were not solved so."""
+        offset, closure = distances(self.scene, self._of(part))
+        found = quick.solve(PairMembers(offset, closure, self.C[part]), self._side_by_side)
+        done = found.status == 0
+        motions = quick.functions(found.pull)
+        clear = near.clear(motions[:, :-1], found.p, offset, found.force)
+        self._keep(part, done & clear, found.force, found.residual, motions[:, -1])
+        return np.asarray(~done)
+
+    def _follow(self, prepared: Prepared, near: _Nearness | None, part: NDArray[np.int64]) -> None:
+        """Some members by the equations of the whole screw."""
+        arrays, found = self._run(prepared, part)
+        good = (found.status <= 1) & (found.residual <= ACCEPTED)
+        if near is not None:
+            shift = found.q.reshape(part.size, -1) @ near.rows.T
+            good &= near.clear(shift, found.p, arrays.geometry, found.force)
+        self._keep(part, good, found.force, found.residual, np.tensordot(found.q, prepared.beam.load, axes=2))
 
     def _run(self, prepared: Prepared, part: NDArray[np.int64]) -> tuple[MemberArrays, MemberStates]:
         """Some members through the compiled kernel, which lets other threads run."""
@@ -221,14 +256,18 @@ class _Batch:
             into = MemberStates(*(x[own] for x in found))
             prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, one, into)
 
-        edges = np.linspace(0, k, min(self.threads, k) + 1).astype(int)
+        self._side_by_side(some, k)
+        return arrays, found
+
+    def _side_by_side(self, some: Callable[[slice], None], count: int) -> None:
+        """Call a function that lets other threads run with slices of a range, one for each thread."""
+        edges = np.linspace(0, count, min(self.threads, count) + 1).astype(int)
         slices = [slice(a, b) for a, b in pairwise(edges)]
         if len(slices) == 1:
             some(slices[0])
         else:
             with ThreadPoolExecutor(len(slices)) as pool:
                 list(pool.map(some, slices))
-        return arrays, found
 
 
 class _Nearness:
@@ -242,12 +281,13 @@ class _Nearness:
         rows = [_flank_motion(problem, layout, s) for s in range(2)]
         self.rows = np.stack(rows, axis=1).reshape(-1, problem.nodes.size * 6)
 
-    def touched(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
-        """motions ``(k, 6 n)``, centres ``(k, N, 2)``, geometry ``(k, N, 4, 9)``, loads ``(k, N, 4)`` -> ``(k,)``."""
+    def clear(self, motions: Array, centres: Array, geometry: Array, loads: Array) -> NDArray[np.bool_]:
+        """Whether none comes near, ``(k,)``: motions ``(k, 4 N)`` of the screw's flanks, centres ``(k, N, 2)``, geometry
+        ``(k, N, 4, 4 or more)``, loads ``(k, N, 4)``."""
         k, n = centres.shape[:2]
         shift = np.zeros((k, n, 4, 2))
-        shift[:, :, :2] = (motions @ self.rows.T).reshape(k, n, 2, 2)
-        return np.asarray(~all_clear(centres, shift, geometry, loads, self.use, MARGIN))
+        shift[:, :, :2] = motions.reshape(k, n, 2, 2)
+        return all_clear(centres, shift, geometry, loads, self.use, MARGIN)
 
 
 def _flank_motion(problem: Problem, layout: BallLayout, side: int) -> Array:

@@ -205,6 +205,8 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
         row = replace(row, slices=r.slices, crown=float("inf") if r.crown is None else r.crown)
         return RollingSet(*shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust)  # type: ignore[arg-type]
     own = _scene_keys(keys, one)
+    if "seed" not in one.errors.model_fields_set:  # sets without a seed of their own do not draw the same errors
+        own = own.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
     refuse(origin, raw, [_blamed(f, i, raw) for f in choice_faults(own)])
     scene = scene_of(own, one.name)
     refuse(origin, raw, [_blamed(f, i, raw) for f in geometry_faults(scene)])

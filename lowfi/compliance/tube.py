@@ -44,11 +44,15 @@ class Tube:
 @dataclass(frozen=True)
 class TubeCompliance:
     """Motion [m/N] of the loaded grid line by loads on it at stations z ``(k,)`` [m]: for each harmonic the parts ``PARTS``
-    of a symmetric matrix, side by side ``(k, 6 k)``."""
+    of a symmetric matrix, side by side ``(k, 6 k)``. Of a shaft held by its section, for harmonics 0 and 1, by loads on the
+    mean motions of its high end (`lowfi.compliance.fourier.end_motions`): ends ``(2, 3, k)``, the line (r, t, z), and
+    own ``(2, 2)``, these motions themselves."""
 
     tube: Tube
     z: Array
     parts: tuple[Array, ...]
+    ends: tuple[Array, ...] = ()
+    own: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -127,8 +131,11 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     held = held_nodes(tube, grid.shape)
     springs = end_springs(tube) if tube.held == "section" else ()
     found = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
-    parts = tuple(np.hstack([S[i::3, j::3] for i, j in PARTS]) for S in found)
-    return TubeCompliance(tube, z[rows[0] : rows[1]], parts)
+    size = 3 * (rows[1] - rows[0])
+    parts = tuple(np.hstack([S[i:size:3, j:size:3] for i, j in PARTS]) for S in found)
+    ends = tuple(S[size:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in found[:2]) if springs else ()
+    own = tuple(S[size:, size:] for S in found[:2]) if springs else ()
+    return TubeCompliance(tube, z[rows[0] : rows[1]], parts, ends, own)
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
@@ -177,6 +184,12 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
     one_side = np.matmul(points.axes, whole.reshape(count, 3, -1)).reshape(count, 2, 3, count).transpose(3, 2, 0, 1)
     G = np.matmul(points.axes, one_side.reshape(count, 3, -1)).reshape(2 * count, 2 * count)
     return np.asarray(0.5 * (G + G.T))
+
+
+def on_line(tube: Tube, x: Array) -> Array:
+    """Points ``(c, 3)`` [m] where the tube takes the loads of contacts at x: on its surface where these lie beyond it."""
+    far = np.hypot(x[:, 0], x[:, 1])
+    return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
 
 
 def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial.chebyshev import cheb2poly, chebinterpolate
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
-from scipy.interpolate import BarycentricInterpolator
 
 from lowfi.compliance.bodies import geometry_only
 from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printed_hertz
@@ -19,12 +20,12 @@ from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_
 from meshes.partition import MERGE, beam_nodes, contact_stations
 from meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Scene
 from meshes.section import BeamSection, screw_section
-from meshes.surface import principal_curvatures, printed_radii
+from meshes.surface import ALL, principal_curvatures, printed_radii
 
 Array = NDArray[np.float64]
 
-#: Number of radii at which `hertz_C` takes exact values for many specimens.
-NODES = 12
+#: Number of radii at which `hertz_C` takes exact values for many specimens, and share of a coefficient that is round-off.
+NODES, ROUND_OFF = 12, 1e-15
 #: Signs of the contact directions, shape (4, 2).
 SIGNS = np.array(SIDE_SIGNS)
 
@@ -86,22 +87,31 @@ def nominal_hertz(scene: Scene) -> HertzConstants:
 
     Kept for all solutions of a scene: not to be written to.
     """
-    found = constants_of(scene, nominal_curvatures(scene))
-    for values in (found.C, found.C_a, found.C_b, found.eccentricity):
-        values.flags.writeable = False
-    return found
+    return _hertz_of(_parts_alone(scene))
 
 
 def nominal_curvatures(scene: Scene) -> Array:
     """Relative principal curvatures of the error-free parts at the nominal contact angle, ``(4, 2)`` [1/m], that across the
     groove first. Kept for all scenes of the same parts: not to be written to."""
-    return _curvatures_of(replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0)))
+    return _curvatures_of(_parts_alone(scene))
+
+
+def _parts_alone(scene: Scene) -> Scene:
+    return replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
 
 
 def forget_nominal() -> None:
     """Clear what is kept of nominal contacts, so that the next solve is timed with its set-up."""
-    _curvatures_of.cache_clear()
-    nominal_hertz.cache_clear()
+    for kept in (_curvatures_of, _hertz_of, nominal_hertz):
+        kept.cache_clear()
+
+
+@lru_cache(maxsize=64)
+def _hertz_of(bare: Scene) -> HertzConstants:
+    found = constants_of(bare, _curvatures_of(bare))
+    for values in (found.C, found.C_a, found.C_b, found.eccentricity):
+        values.flags.writeable = False
+    return found
 
 
 @lru_cache(maxsize=64)
@@ -141,8 +151,7 @@ def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
 
 def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
     """Relative principal curvatures ``(N, 4, 2)`` [1/m] at contact angles ``(N, 4)`` [rad], across the groove first."""
-    groove = [principal_curvatures(scene, drawn, side, gamma[:, side]) for side in range(4)]
-    return np.asarray(1.0 / drawn.ball_radius[:, None, None] + np.stack(groove, axis=1))
+    return np.asarray(1.0 / drawn.ball_radius[:, None, None] + principal_curvatures(scene, drawn, ALL, gamma))
 
 
 def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
@@ -196,9 +205,12 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
         return np.array(np.broadcast_to(drawn_hertz(scene, drawn, same).C, (own.size, 4)))
     # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
     middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
-    node = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
-    exact = BarycentricInterpolator(node, drawn_hertz(scene, drawn, middle + half * node).C)
-    return np.asarray(exact((own - middle) / half))
+    series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
+    shown = np.flatnonzero((np.abs(series) > ROUND_OFF * np.abs(series[0])).any(axis=1))[-1]
+    powers = np.stack([np.pad(c, (0, shown + 1 - c.size)) for c in map(cheb2poly, series[: shown + 1].T)], axis=1)
+    distinct, of_side = np.unique(powers, axis=1, return_inverse=True)
+    values = polyval((own - middle) / half, distinct)
+    return np.stack([values[k] for k in of_side.ravel()], axis=-1)
 
 
 def pack_geometry(scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_]) -> tuple[Array, Array]:

@@ -83,6 +83,43 @@ class MemberStates(NamedTuple):
     p: Array
 
 
+class PairCommon(NamedTuple):
+    """Balls that one diagonal pair holds, and no other flank, in the common start of many specimens; see
+    `lowfi.statics.kernel.press`."""
+
+    #: Flank of the screw that the pair has: 0 SL, 1 SR.
+    side: int
+    #: Motions (2 N, 2 N) of those flanks along x3, z3 by unit forces on them, at the stiffness of the start [m/N].
+    reach: Array
+    #: Their motions (N, 2) [m], forces (N, 2) [N] and stiffness (N, 2, 2) [N/m] in the start.
+    motion: Array
+    force: Array
+    stiffness: Array
+    #: Largest component of the nodes' residual by forces of one newton at all flanks, moments over the arm.
+    spread: float
+
+
+class PairMembers(NamedTuple):
+    """Specimens m of such a screw: offsets (m, N, 4, 4), interference (m, N, 2) [m], Hertz constants (m, N, 4)."""
+
+    offset: Array
+    closure: Array
+    C: Array
+
+
+class PairStates(NamedTuple):
+    """Solutions of specimens m of such a screw."""
+
+    #: Contact forces (m, N, 4) [N].
+    force: Array
+    #: How each ended (m,), and a bound of its relative residual (m,).
+    status: Array
+    residual: Array
+    #: Forces (m, 2 N) [N] that at the stiffness of the start would move the screw as it has moved; ball centres (m, N, 2).
+    pull: Array
+    p: Array
+
+
 class BeamSlopes(NamedTuple):
     """Derivatives of the energy of beam and balls."""
 

@@ -92,22 +92,27 @@ def all_clear(
     A ball with load must clear the flanks that are not in ``use`` (4,) where it is; a ball without load must find one
     place, of two tried, where it clears all four. Both are sufficient. loads ``(k, N, 4)``; for the rest see ``gaps``.
     """
+    left_out = np.flatnonzero(~use)
+    loaded = _extreme(np.maximum, loads) > 0.0
+    if np.all(loaded):
+        named: slice | Mask = ~use
+        if left_out.size == 2:  # a view of them
+            named = slice(left_out[0], left_out[1] + 1, left_out[1] - left_out[0])
+        room = _extreme(np.minimum, gaps(centres, shift[:, :, named], geometry[:, :, named]))
+        return np.asarray((room >= margin).all(axis=1))
     found = gaps(centres, shift, geometry)
-    loaded = loads.max(axis=2) > 0.0
-    room = np.where(loaded, _least(found, ~use), _least(found, np.ones(4, dtype=bool)))
+    room = np.where(loaded, _extreme(np.minimum, found[..., left_out]), _extreme(np.minimum, found))
     some = ~loaded.all(axis=1)
-    if np.any(some):
-        elsewhere = gaps(shift[some].mean(axis=2), shift[some], geometry[some]).min(axis=2)
-        room[some] = np.where(loaded[some], room[some], np.maximum(room[some], elsewhere))
+    elsewhere = gaps(shift[some].mean(axis=2), shift[some], geometry[some]).min(axis=2)
+    room[some] = np.where(loaded[some], room[some], np.maximum(room[some], elsewhere))
     return np.asarray((room >= margin).all(axis=1))
 
 
-def _least(found: Array, sides: Mask) -> Array:
-    """Smallest along the last axis of those named by a mask: side by side, which is faster than along a short axis."""
-    named = np.flatnonzero(sides)
-    out: Array = found[..., named[0]]
-    for s in named[1:]:
-        out = np.minimum(out, found[..., s])
+def _extreme(of_two: np.ufunc, found: Array) -> Array:
+    """Smallest or largest along the last axis: side by side, which is faster than along a short axis."""
+    out: Array = found[..., 0]
+    for s in range(1, found.shape[-1]):
+        out = of_two(out, found[..., s])
     return out
 
 

@@ -103,7 +103,7 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
     s = problem.section
     sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1)).reshape(lengths.size, 4)
     force, stiffness = reference_scale(problem)
-    count = problem.C.shape[0]
+    count, half_band = problem.C.shape[0], problem.half_bandwidth
     q = _lift(problem)
     d = np.zeros((lengths.size, 6))
     if lengths.size:
@@ -127,10 +127,10 @@ def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANC
         stiffness=float(stiffness),
         arm=float(problem.scene.track.pitch_radius),
         bound=1e3,
-        half_band=int(problem.half_bandwidth),
+        half_band=half_band,
         floor=force_floor(problem),
     )
-    constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * nodes.size, problem.half_bandwidth + 1))
+    constants, band = np.zeros((lengths.size, 5)), np.zeros((6 * nodes.size, half_band + 1))
     engine.assemble_beam(lengths, sections, constants, band)
     beam = BeamArrays(lengths, problem.fixed, problem.load, constants, band)
     return Prepared(problem, engine, beam, contacts, state, options, np.zeros(MAX_ITERATIONS + 1))
@@ -148,11 +148,8 @@ def _lift(problem: Problem) -> Array:
 
 def run(prepared: Prepared, *, start: bool = True) -> Outcome:
     """Solve from the linear start (or from the state as it is)."""
-    if start:
-        prepared.engine.linear_start(prepared.beam, prepared.contacts, prepared.state, prepared.options)
-    outcome: Outcome = prepared.engine.solve(
-        prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history
-    )
+    solve = prepared.engine.start_and_solve if start else prepared.engine.solve
+    outcome: Outcome = solve(prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history)
     prepared.scale = outcome.scale
     return outcome
 

@@ -124,7 +124,6 @@ def solve(
 
     if members is not None:
         from compare.commands import members as ensembles
-        from compare.models.registry import DEFAULT
         from compare.reference.jobs import Engine
 
         if balls or stiffness_at or matrix is not None or curve is not None:
@@ -132,15 +131,7 @@ def solve(
             raise InputError("command line", named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
         return ensembles.run(
-            scene,
-            model or DEFAULT,
-            members,
-            csv_out=csv,
-            seed=seed,
-            engine=how,
-            json_out=as_json,
-            show=show,
-            print_json=print_json,
+            scene, model, members, csv_out=csv, seed=seed, engine=how, json_out=as_json, show=show, print_json=print_json
         )
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")

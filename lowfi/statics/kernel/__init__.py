@@ -7,11 +7,15 @@ from .ball import settle
 from .beam import assemble_beam
 from .elastic import solve_forces, start_forces
 from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
-from .newton import ensemble, evaluate, linear_start, solve
+from .members import ensemble
+from .newton import evaluate, solve, start_and_solve
+from .pair import pair_alone
+from .press import answers, press_members
 from .rollers import roller_forces
 
 __all__ = [
     "add_axis",
+    "answers",
     "assemble_beam",
     "ball_rows",
     "contact_law",
@@ -19,7 +23,8 @@ __all__ = [
     "evaluate",
     "evaluate_axis",
     "evaluate_balls",
-    "linear_start",
+    "pair_alone",
+    "press_members",
     "rest",
     "roller_forces",
     "settle",
@@ -27,6 +32,7 @@ __all__ = [
     "solve_axis",
     "solve_forces",
     "solve_lines",
+    "start_and_solve",
     "start_axis",
     "start_forces",
     "tangent",

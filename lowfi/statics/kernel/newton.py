@@ -9,17 +9,7 @@ from math import sqrt
 import numpy as np
 
 from lowfi.jit import kernel
-from lowfi.statics.records import (
-    Array,
-    BeamArrays,
-    BeamContacts,
-    BeamOptions,
-    BeamSlopes,
-    BeamState,
-    MemberArrays,
-    MemberStates,
-    Outcome,
-)
+from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle
 from .banded import factor_band, substitute_band
@@ -66,15 +56,10 @@ def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: floa
 
 
 @kernel
-def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: BeamSlopes) -> tuple[float, float]:
-    """Energy and gradient at the state; fills out; returns energy and scale.
-
-    The scale [N] is the largest force met: applied, in an element, or of a contact.
-    """
+def evaluate_beam(beam: BeamArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
+    """Fill the nodes' motions q (n, 6) from the first node's and the element deformations d, and the gradient (n, 6) of the
+    energy of beam and loads; returns that energy and the largest force of either."""
     lengths, load, constants = beam.lengths, beam.load, beam.constants
-    node, B, geometry, closure, r_ball, profile, tiny = contacts
-    q, d, p, contact = state
-    gradient, hessians = out
     positions(q, d, lengths)
     energy, scale = 0.0, 0.0
     for i in range(q.shape[0]):
@@ -95,6 +80,19 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
                 scale = max(scale, abs(f[k]))
         gradient[e, 3] += lengths[e] * f[1]
         gradient[e, 4] -= lengths[e] * f[0]
+    return energy, scale
+
+
+@kernel
+def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: BeamSlopes) -> tuple[float, float]:
+    """Energy and gradient at the state; fills out; returns energy and scale.
+
+    The scale [N] is the largest force met: applied, in an element, or of a contact.
+    """
+    node, B, geometry, closure, r_ball, profile, tiny = contacts
+    q, d, p, contact = state
+    gradient, hessians = out
+    energy, scale = evaluate_beam(beam, q, d, gradient)
     shift = np.zeros((4, 2))
     flat = q.ravel()
     grad = gradient.ravel()
@@ -329,45 +327,6 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
 
 
 @kernel
-def ensemble(
-    beam: BeamArrays,
-    contacts: BeamContacts,
-    begin: BeamState,
-    options: BeamOptions,
-    members: MemberArrays,
-    found: MemberStates,
-) -> int:
-    """Solve many specimens of one screw from the same start; they differ in ball radii, groove centres and lever arms.
-
-    Every member begins where ``begin`` is, which stays as it is, so that calls may run side by side; fills ``found``.
-    Returns the total number of iterations.
-    """
-    state = BeamState(begin.q.copy(), begin.d.copy(), begin.p.copy(), begin.contact.copy())
-    q, d, p, contact = state
-    history = np.empty(options.most + 1)
-    total, shared = 0, members.B.shape[0] == 1
-    for m in range(members.r_ball.shape[0]):
-        q[:], d[:], p[:], contact[:] = begin.q, begin.d, begin.p, begin.contact
-        own = BeamContacts(
-            contacts.node,
-            members.B[0 if shared else m],
-            members.geometry[m],
-            members.closure[m],
-            members.r_ball[m],
-            contacts.profile,
-            contacts.tiny,
-        )
-        outcome = solve(beam, own, state, options, history)
-        found.status[m], found.residual[m] = outcome.status, outcome.residual
-        found.q[m], found.p[m] = q, p
-        for i in range(contact.shape[0]):
-            for s in range(4):
-                found.force[m, i, s] = contact[i, s, FORCE]
-        total += outcome.iterations
-    return total
-
-
-@kernel
 def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions) -> bool:
     """Start of the iteration: equilibrium of the screw on linear springs (reference stiffness) in place of contacts.
 
@@ -415,6 +374,15 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
     reach = flank_reach(contacts, step.ravel())
     advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0 if reach <= limit else limit / reach)
     return True
+
+
+@kernel
+def start_and_solve(
+    beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array
+) -> Outcome:
+    """Linear start, then Newton: one call, because handing over the arrays takes as long as evaluating the contacts."""
+    linear_start(beam, contacts, state, options)
+    return solve(beam, contacts, state, options, history)
 
 
 @kernel

@@ -35,6 +35,38 @@ def pair_alone(contacts: BeamContacts) -> int:
 
 
 @kernel
+def stretched(line: tuple[float, float, float], vx: float, vz: float) -> tuple[float, float, float, float]:
+    """The line between the groove centres of a pair, with its length, after the motion (vx, vz) of its end: direction now,
+    1 over its length now, and by how much it has grown."""
+    dx, dz, before = line
+    x, z = dx + vx, dz + vz
+    now = max(sqrt(x * x + z * z), APART)
+    inverse = 1.0 / now
+    return x * inverse, z * inverse, inverse, (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (now + before)
+
+
+@kernel
+def stand(
+    line: tuple[float, float, float],
+    v: tuple[float, float],
+    now: tuple[float, float, float, float],
+    offset: tuple[float, float, float],
+    more: float,
+) -> tuple[float, float]:
+    """Centre of a ball from its nominal place: from the nut's groove centre along the pair's line (``now``: see
+    ``stretched``) by the nominal distance and ``more`` [m]; offset: w of the nut's flank and its size.
+
+    By the change of the line's direction: no difference of unit vectors.
+    """
+    dx, dz, before = line
+    nx, nz, inverse, change = now
+    turned = offset[2] / before
+    x = nx * more + (v[0] * before - dx * change) * inverse * turned + (dx * turned - offset[0])
+    z = nz * more + (v[1] * before - dz * change) * inverse * turned + (dz * turned - offset[1])
+    return x, z
+
+
+@kernel
 def add_pairs(
     contacts: BeamContacts, state: BeamState, out: BeamSlopes, a: int, energy: float, scale: float
 ) -> tuple[float, float]:
@@ -55,16 +87,11 @@ def add_pairs(
         ca, cb = geometry[i, a, HERTZ], geometry[i, b, HERTZ]
         wx, wz, size = geometry[i, b, WX], geometry[i, b, WZ], geometry[i, b, SIZE]
         dx, dz = wx - geometry[i, a, WX], wz - geometry[i, a, WZ]
-        x, z = dx + vx, dz + vz
-        before, now = sqrt(dx * dx + dz * dz), max(sqrt(x * x + z * z), APART)
-        change = (vx * (2.0 * dx + vx) + vz * (2.0 * dz + vz)) / (now + before)
+        line = dx, dz, sqrt(dx * dx + dz * dz)
+        nx, nz, inverse, change = now = stretched(line, vx, vz)
         part = (closure[i, a] + change) / (ca + cb)
-        inverse = 1.0 / now
-        nx, nz = x * inverse, z * inverse
-        # from the nut's groove centre along the pair's line: by the change of that direction, no difference of unit vectors
-        more, turned = part * cb - geometry[i, b, APPROACH], size / before
-        p[i, 0] = nx * more + (vx * before - dx * change) * inverse * turned + (dx * turned - wx)
-        p[i, 1] = nz * more + (vz * before - dz * change) * inverse * turned + (dz * turned - wz)
+        more = part * cb - geometry[i, b, APPROACH]
+        p[i, 0], p[i, 1] = stand(line, (vx, vz), now, (wx, wz, size), more)
         root = sqrt(max(part, 0.0))
         force, stiff = part * root, 1.5 * root
         if force <= tiny:  # free between the flanks, which share the gap

@@ -1,0 +1,133 @@
+"""Many specimens of one screw whose balls are held by one diagonal pair each: solved on the motions of the flanks alone.
+
+With K the stiffness of beam and contacts in the common start, B the flanks' motion by that of the nodes, and H, f_0 the
+contacts' stiffness and forces there, every motion that forces on the flanks cause is K^-1 B^T y. The equations of a
+specimen then are r = y - H (v - v_0) + f(v) - f_0 = 0 with v = v_0 + P y and P = B K^-1 B^T, which is kept; y - r is a
+better y, because f changes by nearly H (v - v_0). The error falls by the change of the stiffness, some per cent, at each
+step, and the residual is that of the specimen's own equations. The product with P is quadratic in the number of balls.
+"""
+
+from math import sqrt
+
+import numpy as np
+
+from lowfi.jit import kernel
+from lowfi.statics.records import (
+    Array,
+    BeamArrays,
+    BeamContacts,
+    BeamOptions,
+    BeamSlopes,
+    BeamState,
+    PairCommon,
+    PairMembers,
+    PairStates,
+)
+
+from .ball import APPROACH, FORCE, MX, MZ, SIZE, WX, WZ
+from .banded import substitute_band
+from .members import CHORDS, LEFT, common_stiffness
+from .newton import CONVERGED, ITERATIONS
+from .pair import stand, stretched
+
+
+@kernel
+def answers(
+    beam: BeamArrays,
+    contacts: BeamContacts,
+    state: BeamState,
+    options: BeamOptions,
+    side: int,
+    common: PairCommon,
+    X: Array,
+) -> bool:
+    """Fill X (2 N, 6 n): motions of the nodes by unit forces on each ball's flank ``side`` of the screw along x3 and z3, at
+    the stiffness of the state; and forces and stiffness of ``common``. False where that stiffness is not positive definite.
+    """
+    n, count, m = state.q.shape[0], contacts.node.shape[0], contacts.B.shape[3]
+    out = BeamSlopes(np.empty((n, 6)), np.zeros((count, 4, 4)))
+    band = np.empty((6 * n, options.half_band + 1))
+    if not common_stiffness(beam, contacts, state, options, out, band):
+        return False
+    X[:, :] = 0.0
+    for i in range(count):
+        start = 6 * contacts.node[i, side]
+        f = state.contact[i, side, FORCE]
+        common.force[i, 0], common.force[i, 1] = -f * state.contact[i, side, MX], -f * state.contact[i, side, MZ]
+        for a in range(2):
+            for b in range(2):
+                common.stiffness[i, a, b] = out.hessians[i, 2 * side + a, 2 * side + b]
+            for k in range(m):
+                free = not beam.fixed[(start + k) // 6, (start + k) % 6]
+                X[2 * i + a, start + k] = contacts.B[i, side, a, k] if free else 0.0
+            substitute_band(band, X[2 * i + a])
+    return True
+
+
+@kernel
+def moved_by(reach: Array, r: Array, v: Array) -> None:
+    """Take reach r from v: reach (k, k) symmetric, k even."""
+    k = v.size
+    for j in range(0, k, 2):
+        a, b = r[j], r[j + 1]
+        one, two = reach[j], reach[j + 1]
+        for i in range(k):
+            v[i] -= a * one[i] + b * two[i]
+
+
+@kernel
+def press_members(common: PairCommon, options: BeamOptions, tiny: float, members: PairMembers, found: PairStates) -> None:
+    """Solve specimens by the pair's closed form; fills ``found``. Those not solved soon have the status ``ITERATIONS``."""
+    side, reach = common.side, common.reach
+    offset, closure, C = members
+    other, count = 3 - side, offset.shape[1]
+    v, y, r = np.empty(2 * count), np.empty(2 * count), np.empty(2 * count)
+    lines, own = np.empty((count, 3)), np.empty((count, 2))
+    for m in range(offset.shape[0]):
+        for i in range(count):
+            a, b = offset[m, i, side], offset[m, i, other]
+            dx, dz = b[WX] - a[WX], b[WZ] - a[WZ]
+            lines[i, 0], lines[i, 1], lines[i, 2] = dx, dz, sqrt(dx * dx + dz * dz)
+            own[i, 0], own[i, 1] = closure[m, i, side], 1.0 / (C[m, i, side] + C[m, i, other])
+            for k in range(2):
+                v[2 * i + k], y[2 * i + k] = common.motion[i, k], 0.0
+        status, residual, before, last = ITERATIONS, 0.0, 1e300, 1e300
+        for _ in range(CHORDS):
+            worst, scale = 0.0, options.floor
+            for i in range(count):
+                vx, vz = v[2 * i], v[2 * i + 1]
+                nx, nz, _, change = stretched((lines[i, 0], lines[i, 1], lines[i, 2]), vx, vz)
+                part = max(0.0, (own[i, 0] + change) * own[i, 1])
+                force = part * sqrt(part)
+                if force <= tiny:
+                    force = 0.0
+                vx -= common.motion[i, 0]
+                vz -= common.motion[i, 1]
+                h = common.stiffness[i]
+                x = y[2 * i] + force * nx - common.force[i, 0] - (h[0, 0] * vx + h[0, 1] * vz)
+                z = y[2 * i + 1] + force * nz - common.force[i, 1] - (h[1, 0] * vx + h[1, 1] * vz)
+                r[2 * i], r[2 * i + 1] = x, z
+                scale = max(scale, force)
+                worst = max(worst, abs(x), abs(z))
+            residual = worst * common.spread / scale
+            if residual <= options.tolerance:
+                status = CONVERGED
+                break
+            if not residual <= LEFT * before:
+                break
+            before, last = last, residual
+            for i in range(2 * count):
+                y[i] -= r[i]
+            moved_by(reach, r, v)
+        found.status[m], found.residual[m] = status, residual
+        found.pull[m] = y
+        for i in range(count):
+            b = offset[m, i, other]
+            line, moved = (lines[i, 0], lines[i, 1], lines[i, 2]), (v[2 * i], v[2 * i + 1])
+            now = stretched(line, moved[0], moved[1])
+            part = (own[i, 0] + now[3]) * own[i, 1]
+            more = part * C[m, i, other] - b[APPROACH]
+            found.p[m, i, 0], found.p[m, i, 1] = stand(line, moved, now, (b[WX], b[WZ], b[SIZE]), more)
+            force = max(0.0, part) * sqrt(max(0.0, part))
+            for s in range(4):
+                found.force[m, i, s] = force if force > tiny and s in (side, other) else 0.0

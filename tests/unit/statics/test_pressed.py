@@ -1,0 +1,172 @@
+"""Many specimens from one start: by the motions of the flanks alone, and by the stiffness of the start."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi import jit
+from lowfi.statics import pressed as module
+from lowfi.statics.pressed import pressed
+from lowfi.statics.problem import build, distances, hertz_C
+from lowfi.statics.records import MemberArrays, MemberStates, PairMembers
+from lowfi.statics.static import prepare, run
+from meshes.errors import specimen, specimens
+from meshes.helix import ball_layout
+from meshes.parts import BallErrors, Errors
+from tests.helpers import small_screw
+
+PAIR = np.array([True, False, False, True])
+
+
+def ready(sigma=1e-6, use=PAIR, oversize=1e-6, engine="compiled"):
+    """A screw of nine balls in its solution without random errors, and the scene with them."""
+    scene = replace(small_screw(9, force=(0.0, 30.0, 1500.0)), errors=Errors(balls=BallErrors(oversize=oversize)))
+    layout = ball_layout(scene)
+    prepared = prepare(
+        build(scene, specimen(scene, layout), layout, use), jit.kernels(jit.STATICS, compiled=engine == "compiled")
+    )
+    run(prepared)
+    prepared.options = prepared.options._replace(tolerance=1e-11)
+    return prepared, replace(scene, errors=Errors(balls=BallErrors(oversize=oversize, sigma=sigma), seed=3)), layout
+
+
+def one_by_one(prepared, scene, layout, count):
+    """Solutions of the same specimens by Newton's method, each from its own linear start."""
+    found = []
+    for m in range(count):
+        single = prepare(build(scene, specimen(scene, layout, m), layout, prepared.problem.use), prepared.engine)
+        assert run(single).status == 0
+        found.append(single)
+    return found
+
+
+def solved_at_once(prepared, scene, layout, count, functions):
+    drawn = specimens(scene, layout, 0, count)
+    offset, closure = distances(scene, drawn)
+    C = hertz_C(scene, prepared.problem.drawn, drawn.ball_radius)
+    quick = pressed(prepared, functions)
+    return quick, quick.solve(PairMembers(offset, closure, C), lambda some, k: [some(slice(0, 1)), some(slice(1, k))])
+
+
+@pytest.mark.parametrize("engine", ["interpreted", "compiled"])
+def test_flanks_alone_give_what_the_whole_screw_gives(engine):
+    prepared, scene, layout = ready(engine=engine)
+    size = prepared.state.q.size
+    quick, found = solved_at_once(prepared, scene, layout, 4, np.eye(size))
+    assert not found.status.any()
+    assert found.residual.max() <= 1e-11
+    nominal = prepared.force[:, 0].max()
+    motions = quick.functions(found.pull)
+    for m, single in enumerate(one_by_one(prepared, scene, layout, 4)):
+        assert np.abs(single.force - prepared.force).max() > 0.02 * nominal  # the errors matter
+        np.testing.assert_allclose(found.force[m], single.force, rtol=0, atol=1e-9 * nominal)
+        np.testing.assert_allclose(found.p[m], single.state.p, rtol=0, atol=1e-9 * np.abs(single.state.p).max())
+        q = single.state.q.ravel()
+        np.testing.assert_allclose(motions[m], q, rtol=0, atol=1e-8 * np.abs(q).max())
+
+
+def test_residual_bounds_that_of_the_nodes():
+    """With the first step taken only, the unbalanced force at a node is below the bound."""
+    prepared, scene, layout = ready()
+    loose = prepared.options._replace(tolerance=1e-3)
+    prepared.options = loose
+    size = prepared.state.q.size
+    quick, found = solved_at_once(prepared, scene, layout, 4, np.eye(size))
+    exact = one_by_one(prepared, scene, layout, 4)
+    assert np.all(found.residual <= 1e-3)
+    assert found.residual.max() > 1e-6
+    for m, single in enumerate(exact):
+        single.state.q[:] = quick.functions(found.pull)[m].reshape(-1, 6)
+        lengths = np.diff(single.problem.nodes)
+        q = single.state.q
+        moved = q[:-1].copy()
+        moved[:, 0] += lengths * q[:-1, 4]
+        moved[:, 1] -= lengths * q[:-1, 3]
+        single.state.d[:] = q[1:] - moved
+        run(replace_tolerance(single), start=False)
+        assert single.history[0] <= found.residual[m] * 1.0001
+        assert single.history[0] >= 0.05 * found.residual[m]
+
+
+def replace_tolerance(single):
+    single.options = single.options._replace(tolerance=1e-14)
+    return single
+
+
+def test_specimens_far_from_the_start_are_not_claimed():
+    prepared, scene, layout = ready(sigma=20e-6)
+    _, found = solved_at_once(prepared, scene, layout, 20, np.eye(prepared.state.q.size))
+    assert found.status.any()
+    for m, single in enumerate(one_by_one(prepared, scene, layout, 20)):
+        if found.status[m] == 0:
+            np.testing.assert_allclose(found.force[m], single.force, rtol=0, atol=1e-9 * single.force.max())
+
+
+def test_what_the_flanks_alone_do_not_serve(monkeypatch):
+    functions = np.zeros((0, ready()[0].state.q.size))
+    assert pressed(ready()[0], functions) is not None
+    assert pressed(ready(use=np.ones(4, dtype=bool), oversize=5e-6)[0], np.zeros((0, 1))) is None
+    unloaded = ready()[0]
+    unloaded.options = unloaded.options._replace(floor=0.0)
+    assert pressed(unloaded, functions) is None
+    monkeypatch.setattr(module, "LARGEST", 8)
+    assert pressed(ready()[0], functions) is None
+
+
+@pytest.mark.parametrize(("sigma", "left"), [(0.5e-6, False), (40e-6, True)])
+def test_stiffness_of_the_start_serves_four_flanks_or_leaves_them_to_newton(sigma, left):
+    prepared, scene, layout = ready(sigma, np.ones(4, dtype=bool), oversize=7e-6)
+    count = 6
+    singles = one_by_one(prepared, scene, layout, count)
+    arrays = MemberArrays(
+        *(np.stack([getattr(s.contacts, n) for s in singles]) for n in ("B", "geometry", "closure", "r_ball"))
+    )
+    q, p = prepared.state.q, prepared.state.p
+    found = MemberStates(
+        np.empty((count, 9, 4)),
+        np.empty(count, dtype=np.int64),
+        np.empty(count),
+        *(np.empty((count, *x.shape)) for x in (q, p)),
+    )
+    by_newton = prepared.engine.ensemble(prepared.beam, prepared.contacts, prepared.state, prepared.options, arrays, found)
+    assert (by_newton > 0) is left
+    assert not found.status.any()
+    for m, single in enumerate(singles):
+        np.testing.assert_allclose(found.force[m], single.force, rtol=0, atol=1e-9 * single.force.max())
+
+
+def test_a_step_of_a_ball_is_right_to_first_order():
+    """From a place a little off its equilibrium, forces on the flanks are right to the square of that distance."""
+    prepared, _, _ = ready(use=np.ones(4, dtype=bool), oversize=5e-6)
+    kernels = jit.kernels(jit.STATICS, compiled=False)
+    own = prepared.problem
+    errors = []
+    for off in (4e-8, 2e-8):
+        p, contact, pulls = np.zeros(2), np.zeros((4, 5)), np.zeros((2, 2))
+        at = own.geometry[2], own.closure[2], own.drawn.ball_radius[2], own.drawn.profile, 1e-9
+        shift = np.array([[1e-6, 2e-6], [1e-6, 2e-6], [0.0, 0.0], [0.0, 0.0]])
+        kernels.settle(p, shift, *at, contact)
+        expected = contact[:2, :1] * contact[:2, 1:3]
+        assert np.count_nonzero(contact[:, 0]) == 4
+        centre = p + off * np.array([1.0, -0.5])
+        kernels.ball.nudge(
+            centre, shift, own.geometry[2], own.drawn.ball_radius[2], own.drawn.profile, 1e-9, contact, pulls
+        )
+        errors.append(np.abs(pulls - expected).max())
+        assert np.abs(centre - p).max() < 0.1 * off
+        assert errors[-1] < 0.1 * np.abs(contact[:2, :1] * contact[:2, 1:3] - expected).max()
+    assert errors[1] == pytest.approx(errors[0] / 4.0, rel=0.15)
+
+
+def test_a_free_ball_pulls_at_nothing():
+    prepared, _, _ = ready(use=np.ones(4, dtype=bool), oversize=-20e-6)
+    own, kernels = prepared.problem, jit.kernels(jit.STATICS, compiled=False)
+    p, contact, pulls = np.zeros(2), np.ones((4, 5)), np.ones((2, 2))
+    net = kernels.ball.nudge(
+        p, np.zeros((4, 2)), own.geometry[0], own.drawn.ball_radius[0], own.drawn.profile, 1e-9, contact, pulls
+    )
+    assert net == 0.0
+    assert not pulls.any()
+    assert not contact[:, 0].any()
+    assert not p.any()
