@@ -9,7 +9,7 @@ machine code by the path of the source; what is compiled is loaded from a copy o
 checkouts and environments with the same kernels share what one of them compiled.
 
 To numba a number or truth value written out in a call has a type of its own, and the kernel that is called is compiled for
-each of them: where calls differ, ``np.int64(60)`` or ``np.bool_(False)`` is passed instead.
+each of them: where calls differ, ``int(np.int64(60))`` or ``bool(np.bool_(False))`` is passed instead.
 """
 
 from __future__ import annotations

@@ -110,7 +110,7 @@ def solve(
     if not good:
         restore(point, first)
         without = ChainArrays(contacts, shapes, nodes, closed, 0.0, hold, nominal)
-        used, good = _descend_eps(without, point, work, eps, np.int64(MANY))
+        used, good = _descend_eps(without, point, work, eps, int(np.int64(MANY)))
         total += used
         good = good and _pressed(z) == 0
     if not good:
@@ -119,7 +119,7 @@ def solve(
         total += used
         reopen(point, eps)
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
-    used, residual = settle(chain, point, exact, work, tolerance, np.int64(100), FIRMEST)
+    used, residual = settle(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     total += used
     if residual > tolerance:
         used, residual = leap(chain, point, exact, work, tolerance, LEAPS)
