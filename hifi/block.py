@@ -166,11 +166,12 @@ class HertzJob:
         return hertz(self.load, self.radius_x, self.radius_y, self.young, self.poisson)
 
 
-_BALL = 2.778e-3
-#: A: ball on a flat. B: ball in a groove of radius 3.254 mm across (x), 20.56 mm convex along (y).
+#: Radii [m] of the ball, of the groove across (x) and of its convex course along (y).
+BALL, GROOVE, ALONG = 2.778e-3, 3.254e-3, 20.56e-3
+#: A: ball on a flat. B: ball in a groove.
 JOBS = {
-    "A": HertzJob("A", _BALL, _BALL),
-    "B": HertzJob("B", 1.0 / (1.0 / _BALL - 1.0 / 3.254e-3), 1.0 / (1.0 / _BALL + 1.0 / 20.56e-3)),
+    "A": HertzJob("A", BALL, BALL),
+    "B": HertzJob("B", 1.0 / (1.0 / BALL - 1.0 / GROOVE), 1.0 / (1.0 / BALL + 1.0 / ALONG)),
 }
 
 
@@ -283,11 +284,17 @@ def _run(job: HertzJob, mesh: BlockMesh, b_over_h: float, seconds: float, far_fi
 
 def read_pressure(surface: SurfaceCompliance, found: ContactResult) -> tuple[tuple[float, float], float, float]:
     """Semi-axes [m], pressure at the pole and fitted pole pressure [Pa], as `HertzRun` defines them."""
-    forces, pressure = found.forces, found.forces / surface.areas
-    squares = 5.0 * (forces @ surface.places**2) / forces.sum()
-    ellipse = (surface.places**2 / squares).sum(axis=1)
+    return read_ellipse(surface.places, surface.areas, found.forces)
+
+
+def read_ellipse(places: FloatArray, areas: FloatArray, forces: FloatArray) -> tuple[tuple[float, float], float, float]:
+    """Semi-axes [m], pressure at the pole and fitted pole pressure [Pa], as `HertzRun` defines them, of forces ``(n,)`` [N]
+    on areas ``(n,)`` [m2] at places ``(n, 2)`` [m] from the contact's middle."""
+    pressure = forces / areas
+    squares = 5.0 * (forces @ places**2) / forces.sum()
+    ellipse = (places**2 / squares).sum(axis=1)
     height = np.sqrt(np.maximum(1.0 - ellipse, 0.0))
     nearest = int(ellipse.argmin())
-    fitted = (surface.areas * height) @ pressure / ((surface.areas * height) @ height)
+    fitted = (areas * height) @ pressure / ((areas * height) @ height)
     semi = np.sqrt(squares)
     return (float(semi[0]), float(semi[1])), float(pressure[nearest] / height[nearest]), float(fitted)

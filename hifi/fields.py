@@ -27,7 +27,8 @@ from hifi.part_meshes import Meshes, body_kind, mesh_parts, patch_mesh, patch_no
 from hifi.patch import CondensedPatch, PatchMesh, field
 from hifi.pressures import mean_weights
 from hifi.reference import ReferenceResult
-from hifi.setup import Setup, ball_compliance, nut_transform, screw_transform
+from hifi.responses import ball_compliance, nut_transform, screw_transform
+from hifi.setup import Setup
 from hifi.sides import condense_side
 from hifi.solvers import factor
 from meshes.ball_body import directions

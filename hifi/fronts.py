@@ -55,14 +55,14 @@ def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Arr
         own = nodes.order[low:high]
         rows = nodes.rows[nodes.start[k] : nodes.start[k + 1]]
         children = waiting.pop(k, [])
-        loads = B[own].tocoo()
-        border = np.unique(np.concatenate([loads.col.astype(np.int64), *(child.border for child in children)]))
+        loaded, load_of, loads = _entries(B, own)
+        border = np.unique(np.concatenate([loaded, *(child.border for child in children)]))
         front = np.zeros((rows.size + border.size, rows.size), order="F")
-        part = K[:, own].tocoo()
-        at = place[part.row]
+        coupled, column, stiffness = _entries(K, own)
+        at = place[coupled]
         kept = at >= low
-        front[np.searchsorted(rows, at[kept]), part.col[kept]] = part.data[kept]
-        front[rows.size + np.searchsorted(border, loads.col), loads.row] = loads.data
+        front[np.searchsorted(rows, at[kept]), column[kept]] = stiffness[kept]
+        front[rows.size + np.searchsorted(border, loaded), load_of] = loads
         for child in children:
             down = np.searchsorted(rows, child.rows)
             all_ = np.concatenate([down, rows.size + np.searchsorted(border, child.border)])
@@ -70,6 +70,15 @@ def gram_by_fronts(K: sp.csc_matrix, B: sp.csr_matrix, nodes: Supernodes) -> Arr
         children.clear()
         _eliminate(front, high - low, rows, border, found, waiting, owner)
     return found
+
+
+def _entries(A: sp.csc_matrix | sp.csr_matrix, own: Index) -> tuple[Index, Index, Array]:
+    """Entries of the columns ``own`` of a csc matrix, or rows of a csr one: row or column, place in ``own``, value."""
+    begin = A.indptr[own]
+    count = A.indptr[own + 1] - begin
+    of = np.repeat(np.arange(own.size), count)
+    at = np.arange(of.size) + np.repeat(begin - np.cumsum(count) + count, count)
+    return A.indices[at].astype(np.int64), of, A.data[at]
 
 
 def _extend_add(front: Array, rows: Index, columns: Index, block: Array) -> None:

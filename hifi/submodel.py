@@ -55,6 +55,14 @@ class Piece:
 def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float, poisson: float) -> Array:
     """C_fine ``(c, c)`` [m/N]: means over hats of the motion along ``normals`` ``(c, 3)`` under unit forces spread by hats.
 
+    Raises hifi.solvers.FactorError for a piece that does not hold together.
+    """
+    return piece_compliance(piece, patch, hat_rows(patch, normals), young, poisson)
+
+
+def piece_compliance(piece: Piece, patch: PatchMesh, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
+    """Answers ``(m, m)`` [m/N] of a piece with a patch in its socket to loads ``rows`` ``(m, 3 n)`` on the patch.
+
     The patch is not condensed: its inner freedoms and the piece's are solved as one. Raises hifi.solvers.FactorError for a
     piece that does not hold together.
     """
@@ -69,16 +77,15 @@ def fine_compliance(piece: Piece, patch: PatchMesh, normals: Array, young: float
     # the interface follows the socket's nodes: patch's frame = R^T times the body's
     turn = sp.block_diag([piece.rotation.T] * piece.socket.size)
     tie = (sp.kron(patch.tie, sp.identity(3)) @ turn).tocoo()
-    rows = np.concatenate([inner, outer[tie.row]])
+    lines = np.concatenate([inner, outer[tie.row]])
     columns = np.concatenate([np.arange(inner.size), place[freedoms(piece.socket)][tie.col]])
-    T = sp.csr_matrix((np.concatenate([np.ones(inner.size), tie.data]), (rows, columns)), (size, inner.size + free.size))
+    T = sp.csr_matrix((np.concatenate([np.ones(inner.size), tie.data]), (lines, columns)), (size, inner.size + free.size))
     body = K_body[free][:, free].tocoo()
     shape = (T.shape[1], T.shape[1])
     K = (T.T @ K_patch @ T + sp.coo_matrix((body.data, (body.row + inner.size, body.col + inner.size)), shape)).tocsc()
-    hats = (hat_rows(patch, normals) @ T).tocsr()
     relief = sp.hstack([sp.csr_matrix((loads.shape[0], inner.size)), loads[:, free]])
-    F = compliance(K, sp.vstack([hats, relief]).tocsr())
-    return _relieved(F, hats.shape[0], hat_rows(patch, normals) @ _turned_rigid(patch, piece), loads, piece)
+    F = compliance(K, sp.vstack([rows @ T, relief]).tocsr())
+    return _relieved(F, rows.shape[0], rows @ _turned_rigid(patch, piece), loads, piece)
 
 
 def coarse_compliance(piece: Piece, patch: CondensedPatch, rows: Array, young: float, poisson: float) -> Array:

@@ -232,10 +232,6 @@ def write_mesh(
         fresh.unlink(missing_ok=True)
 
 
-#: Earlier name, from when there was one format.
-write_vtu = write_mesh
-
-
 @dataclass(frozen=True, eq=False)
 class _Plain:
     """What all formats are written from: points, cells in VTK's node order by meshio's names, fields, place of every cell's

@@ -36,6 +36,11 @@ class Zone:
         step = float(core[1] - core[0])
         return np.concatenate([-_beyond(half, -low, step, self.growth)[::-1], core, _beyond(half, high, step, self.growth)])
 
+    def number(self, at: Array) -> Index:
+        """Places in the grid of the zone's nodes ``(n, 2)``, from zero, that are nearest to points ``(n, 2)`` [m]."""
+        cells = np.array(self.cells)
+        return np.asarray(np.clip(np.rint((at / np.array(self.half) + 1.0) * cells), 0, 2 * cells).astype(np.int64))
+
     def depths(self, deep: float) -> Array:
         """Boundaries of cells from the surface to ``deep`` [m], the first as large as the zone's smaller ones."""
         first = min(2.0 * h / n for h, n in zip(self.half, self.cells, strict=True))
@@ -54,11 +59,13 @@ def _beyond(start: float, end: float, step: float, growth: float) -> Array:
 @dataclass(frozen=True)
 class ContactBody:
     """Mesh with boundaries "contact" (the zone) and "held" (where a body is held or cut off; a ball has none); nodes of the
-    zone ``(c,)``; sense of z along the normal from ball to groove: -1 for the ball, 1 for a groove."""
+    zone ``(c,)``; sense of z along the normal from ball to groove: -1 for the ball, 1 for a groove; places of the nodes in
+    the zone's grid along x and y ``(c, 2)``, from zero."""
 
     mesh: Mesh
     contact: Index
     sense: int
+    number: Index
 
 
 def _body(
@@ -76,8 +83,10 @@ def _body(
     if held:
         on = [np.all(np.abs(corners[..., k] - value) < 1e-12, axis=0) for k, value in held]
         names["held"] = outer[np.any(on, axis=0)]
-    own = (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=1)
-    return ContactBody(named(mesh, names), np.flatnonzero(own), sense)
+    own = np.flatnonzero(
+        (np.abs(xi[:, 2]) < 1e-12) & np.all(np.abs(xi[:, :2]) <= np.array(zone.half) * (1.0 + 1e-9), axis=1)
+    )
+    return ContactBody(named(mesh, names), own, sense, zone.number(xi[own, :2]))
 
 
 def whole_ball(radius: float, zone: Zone) -> ContactBody:
@@ -152,8 +161,23 @@ def _bent(groove: Groove, x: Array, y: Array, z: Array) -> Array:
     return np.column_stack([radius * np.sin(turn), y - lost * down[0], z - lost * down[1]])
 
 
-def half_space(size: float, zone: Zone) -> ContactBody:
-    """A block of a half space, cut off at ``size`` [m] from the contact's middle."""
-    x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.depths(size)
+def half_space(size: float, zone: Zone, near: tuple[Array, Array, Array] | None = None) -> ContactBody:
+    """A block of a half space, cut off at ``size`` [m] from the contact's middle.
+
+    near: boundaries [m] of its cells along x, y and z around the contact, to go on from (None: as the zone has them).
+    """
+    if near is None:
+        x, y, z = zone.lines(0, -size, size), zone.lines(1, -size, size), zone.depths(size)
+    else:
+        x, y = (
+            np.concatenate([-_on(-own[::-1], size, zone.growth)[::-1], own, _on(own, size, zone.growth)])
+            for own in near[:2]
+        )
+        z = np.concatenate([near[2], _on(near[2], size, zone.growth)])
     cut = [(0, -size), (0, size), (1, -size), (1, size), (2, size)]
     return _body(zone, x, y, z, points_of(tensor_grid(x, y, z, "Q2")), [(k, float(v)) for k, v in cut], 1)
+
+
+def _on(own: Array, size: float, growth: float) -> Array:
+    """Boundaries after the last of ``own`` to ``size`` [m]."""
+    return _beyond(float(own[-1]), size, float(own[-1] - own[-2]), growth)

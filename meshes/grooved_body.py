@@ -106,16 +106,6 @@ class GroovedBody:
         """Nodes of the cells ``(m, 10)`` in gmsh's order."""
         return cells_of(self.mesh)
 
-    @property
-    def low_end(self) -> Index:
-        """Nodes of the flat end of smaller z."""
-        return nodes_on(self.mesh, "low end")
-
-    @property
-    def high_end(self) -> Index:
-        """Nodes of the flat end of larger z."""
-        return nodes_on(self.mesh, "high end")
-
 
 def cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array:
     """Points ``(n, 3)`` of cylindrical coordinates."""

@@ -13,6 +13,10 @@ from meshes.parts import SIDE_SIGNS, Scene
 
 Array = NDArray[np.float64]
 
+SIGNS = np.array(SIDE_SIGNS)
+#: In place of a side: all four, in a second axis.
+ALL = slice(None)
+
 
 def groove_profile(gamma: Array, radius: float | Array, profile: Array) -> Array:
     """Groove radius rho(gamma) = r - offset(gamma) and its first two derivatives, shape ``(3, ...)`` [m].
@@ -26,14 +30,19 @@ def groove_profile(gamma: Array, radius: float | Array, profile: Array) -> Array
     return np.stack([radius - poly(gamma), -poly.deriv()(gamma), -poly.deriv(2)(gamma) + 0.0 * gamma])
 
 
-def surface_derivatives(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> dict[str, Array]:
-    """Groove surface of one side at each ball's section and the angle ``gamma`` of each ball, with its derivatives.
+def surface_derivatives(scene: Scene, drawn: Specimen, side: int | slice, gamma: Array) -> dict[str, Array]:
+    """Groove surface of a side at each ball's section and the angle ``gamma`` of each ball, with its derivatives.
 
-    gamma: shape ``(n,)`` [rad]. Returns ``S, Sp, Sg, Spp, Spg, Sgg`` (subscripts p: azimuth, g: gamma), each
-    ``(n, 3)`` [m] in the cylindrical frame (radial, azimuthal, axial) of the ball's azimuth (Lin 2.6; analytic).
+    gamma: shape ``(n,)`` [rad], or ``(n, 4)`` for all sides at once (``ALL``). Returns ``S, Sp, Sg, Spp, Spg, Sgg``
+    (subscripts p: azimuth, g: gamma), each ``(..., 3)`` [m] in the cylindrical frame (radial, azimuthal, axial) of the
+    ball's azimuth (Lin 2.6; analytic).
     """
-    sx, sz = SIDE_SIGNS[side]
-    rho, rho1, rho2 = groove_profile(gamma, drawn.radius[side], drawn.profile[side])
+    sx, sz = SIGNS[side].T
+    if isinstance(side, int):
+        rho, rho1, rho2 = groove_profile(gamma, drawn.radius[side], drawn.profile[side])
+    else:
+        each = zip(gamma.T, drawn.radius, drawn.profile, strict=True)
+        rho, rho1, rho2 = np.stack([groove_profile(*x) for x in each], axis=-1)
     c, s = np.cos(gamma), np.sin(gamma)
     zero = np.zeros_like(c)
     a = np.stack([sx * rho * c, sz * rho * s], -1) + drawn.centre[:, side]
@@ -60,33 +69,35 @@ def surface_derivatives(scene: Scene, drawn: Specimen, side: int, gamma: Array) 
 
 
 def fundamental_forms(d: dict[str, Array]) -> tuple[Array, Array, Array]:
-    """First and second fundamental forms ``(n, 2, 2)`` and the unit normal S_phi x S_gamma ``(n, 3)`` (Lin B.5)."""
+    """First and second fundamental forms ``(..., 2, 2)`` and the unit normal S_phi x S_gamma ``(..., 3)`` (Lin B.5)."""
     normal = np.cross(d["Sp"], d["Sg"])
     normal = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
 
     def pair(u: Array, v: Array) -> Array:
-        return np.asarray(np.einsum("ni,ni->n", u, v))
+        return np.asarray(np.einsum("...i,...i->...", u, v))
 
     cross = pair(d["Sp"], d["Sg"])
-    first = np.stack([pair(d["Sp"], d["Sp"]), cross, cross, pair(d["Sg"], d["Sg"])], -1).reshape(-1, 2, 2)
+    shape = (*cross.shape, 2, 2)
+    first = np.stack([pair(d["Sp"], d["Sp"]), cross, cross, pair(d["Sg"], d["Sg"])], -1).reshape(shape)
     mixed = pair(d["Spg"], normal)
-    second = np.stack([pair(d["Spp"], normal), mixed, mixed, pair(d["Sgg"], normal)], -1).reshape(-1, 2, 2)
+    second = np.stack([pair(d["Spp"], normal), mixed, mixed, pair(d["Sgg"], normal)], -1).reshape(shape)
     return first, second, normal
 
 
-def principal_curvatures(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> Array:
-    """Principal curvatures of the groove body at each ball, shape ``(n, 2)`` [1/m], ascending, convex positive.
+def principal_curvatures(scene: Scene, drawn: Specimen, side: int | slice, gamma: Array) -> Array:
+    """Principal curvatures of the groove body at each ball, shape ``(..., 2)`` [1/m], ascending, convex positive; side and
+    gamma: as for `surface_derivatives`.
 
     Eigenvalues of I^-1 II with the normal turned out of the material; Lin B.4 takes those of II alone.
     """
     d = surface_derivatives(scene, drawn, side, gamma)
     first, second, normal = fundamental_forms(d)
-    sx, sz = SIDE_SIGNS[side]
+    sx, sz = SIGNS[side].T
     alpha = lead_angle(scene.track)
     to_ball = -np.stack([sx * np.cos(gamma), -sz * np.sin(gamma) * sin(alpha), sz * np.sin(gamma) * cos(alpha)], axis=-1)
-    outward = np.sign(np.einsum("ni,ni->n", normal, to_ball))
+    outward = np.sign(np.einsum("...i,...i->...", normal, to_ball))
     shape = np.linalg.solve(first, second)
-    return np.sort(-outward[:, None] * np.linalg.eigvals(shape).real, axis=1)
+    return np.sort(-outward[..., None] * np.linalg.eigvals(shape).real, axis=-1)
 
 
 def printed_radii(scene: Scene, drawn: Specimen, side: int, gamma: Array) -> Array:

@@ -10,8 +10,8 @@ from typing import Any
 
 from reports.records import Cell, Column, Table
 
-#: Characters of a text from which its column is made wide.
-LONG = 90
+#: Characters of a text from which its column is made wide, and up to which it stands in one line, as "31 SL".
+LONG, SHORT = 90, 9
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NUMBER = re.compile(r"[+−-]?\d[\d., ]*(?:[eE][+-]?\d+)?")
 
@@ -116,7 +116,7 @@ def is_number(column: Column, table: Table) -> bool:
 def cell_view(column: Column, value: Cell, *, number: bool) -> dict[str, str]:
     """Text and style of one cell; ``mark`` is the kind of tag or verdict, empty for plain cells."""
     text = format_cell(value, column.format)
-    align = "num" if number else "text long" if len(text) > LONG else "text"
+    align = "num" if number else "text long" if len(text) > LONG else "text short" if len(text) <= SHORT else "text"
     mark = ""
     if column.key == "class" and value is not None:
         mark = "tag tag-" + (text if text in ("hard", "as-printed", "band", "open", "input") else "other")

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from meshes.leftovers import temporary
 from reports.cells import format_cell, harmless, write_csv
+from reports.first_pages import FILE as PDF
+from reports.manifest import FILE as MANIFEST
 from reports.pages import MARKER, SEARCH, Progress, write_pages
 from reports.records import Report, Table, Text
 
@@ -70,10 +72,10 @@ def check_target(out: Path) -> None:
 
 
 def _is_page(entry: Path) -> bool:
-    """Whether a file is a page of a report, or the index of its search."""
+    """Whether a file is a page of a report, the index of its search, its manifest, or the PDF of its first pages."""
     if not entry.is_file():
         return False
-    return entry.name == SEARCH or (
+    return entry.name in (SEARCH, PDF, MANIFEST) or (
         entry.suffix == ".html" and MARKER in entry.read_text(encoding="utf-8", errors="replace")
     )
 

@@ -12,8 +12,9 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from reports import field3d, figures, scene3d
+from reports import field3d, figures, first_pages, scene3d, view3d
 from reports.cells import cell_view, filled, is_number, micro, write_csv
+from reports.manifest import write_manifest
 from reports.panels import draw_parts, themed
 from reports.records import FieldPicture, Figure, LoadedScrew, PressureMap, Report, Section, Summary, Table, Text
 
@@ -58,11 +59,13 @@ def write_pages(report: Report, folder: Path, say: Progress) -> None:
         page = environment.get_template("section.html.j2").render(**common, **own, heading=heading)
         _write(folder / section["file"], page)
     summary = next((section.summary for section in report.sections if section.summary), None)
-    first = None if summary is None else _summary(summary, writer)
+    first = None if summary is None else _summary(report, summary, writer)
     page = environment.get_template("index.html.j2").render(**common, summary=first, current="", heading=report.title)
     _write(folder / "index.html", page)
     lines = ",\n".join(json.dumps(entry, ensure_ascii=False) for entry in writer.entries)
     _write(folder / SEARCH, f"window.rollbenchSearch = [\n{lines}\n];\n")
+    if report.origin:
+        write_manifest(folder, report.origin)
 
 
 def _write(path: Path, text: str) -> None:
@@ -73,7 +76,7 @@ def _section(section: Section, number: int, total: int, writer: _Writer) -> dict
     """What the templates need of a section; writes the files of its items."""
     writer.say(f"report: {number}/{total} {section.title}")
     file = f"{section.name}.html"
-    items = [_item(item, writer) for item in section.items]
+    items = [_item(item, file, writer) for item in section.items]
     words = [p for item in section.items if isinstance(item, Text) for p in item.paragraphs]
     writer.entries.append(_entry(section.title, file, "page", " ".join(words)))
     marks = []
@@ -102,16 +105,22 @@ def _words(record: Any) -> str:
     return " ".join(dict.fromkeys([*(c.label for c in record.columns), record.note, *texts]))
 
 
-def _summary(summary: Summary, writer: _Writer) -> dict[str, Any]:
-    """The first screen, its figure drawn for wide and for narrow screens."""
+def _summary(report: Report, summary: Summary, writer: _Writer) -> dict[str, Any]:
+    """The first screen, its figure drawn for wide and for narrow screens; writes the PDF of it where typst is installed."""
     wide, narrow = draw_parts(summary.figure), draw_parts(summary.narrow)
     _write(writer.folder / "figures" / f"{summary.figure.name}.svg", wide.whole)
     writer.entries.insert(0, _entry(summary.question, "index.html", "page", " ".join((*summary.coverage, *summary.limits))))
-    return {"record": summary, "wide": Markup(wide.panels[0]), "narrow": Markup(narrow.panels[0])}
+    view = {"record": summary, "wide": Markup(wide.panels[0]), "narrow": Markup(narrow.panels[0])}
+    try:
+        first_pages.write_first_pages(report, summary, wide.whole, writer.folder)
+    except (ImportError, RuntimeError) as error:
+        writer.say(f"report: {first_pages.FILE} left out ({error}); {first_pages.REMEDY}")
+        return view | {"pdf": None}
+    return view | {"pdf": first_pages.FILE}
 
 
-def _item(item: Item, writer: _Writer) -> dict[str, Any]:
-    """What the templates need of one item; writes the item's file."""
+def _item(item: Item, page: str, writer: _Writer) -> dict[str, Any]:
+    """What the templates need of one item of a page; writes the item's file."""
     if isinstance(item, Text):
         return {"kind": "text", "text": item}
     if isinstance(item, Table):
@@ -119,7 +128,7 @@ def _item(item: Item, writer: _Writer) -> dict[str, Any]:
         return _table(item, writer)
     writer.figures += 1
     view: dict[str, Any] = {"kind": "figure", "figure": item, "number": writer.figures}
-    view |= {"file": None, "panels": (), "legend": "", "across": 1, "image": None, "missing": None}
+    view |= {"file": None, "panels": (), "legend": "", "across": 1, "image": None, "missing": None, "turned": None}
     name = f"figures/{item.name}"
     if isinstance(item, Figure):
         drawn = draw_parts(item)
@@ -131,11 +140,11 @@ def _item(item: Item, writer: _Writer) -> dict[str, Any]:
         svg = figures.draw_map(item)
         _write(writer.folder / f"{name}.svg", svg)
         return {**view, "file": f"{name}.svg", "panels": [Markup(themed(_inline(svg)))]}
-    return view | _picture(item, f"{name}.png", writer)
+    return view | _picture(item, f"{name}.png", f"{page}#figure-{item.name}", writer)
 
 
-def _picture(item: LoadedScrew | FieldPicture, name: str, writer: _Writer) -> dict[str, Any]:
-    """A 3D picture as a file of its own, or why it is missing."""
+def _picture(item: LoadedScrew | FieldPicture, name: str, back: str, writer: _Writer) -> dict[str, Any]:
+    """A 3D picture as a file of its own, or why it is missing; back: address of where it stands."""
     path = writer.folder / name
     try:
         if isinstance(item, LoadedScrew):
@@ -146,7 +155,19 @@ def _picture(item: LoadedScrew | FieldPicture, name: str, writer: _Writer) -> di
         path.unlink(missing_ok=True)
         writer.say(f"report: picture left out. {error}")
         return {"missing": str(error)}
-    return {"file": name, "image": name}
+    turned = _turned(item, back, writer) if isinstance(item, LoadedScrew) and item.turns else None
+    return {"file": name, "image": name, "turned": turned}
+
+
+def _turned(item: LoadedScrew, back: str, writer: _Writer) -> str | None:
+    """Name of the page on which a loaded screw can be turned; None where none can be made here."""
+    name = view3d.view_file(item)
+    try:
+        view3d.write_view(item, writer.folder / name, MARKER, back)
+    except (ImportError, RuntimeError) as error:
+        writer.say(f"report: {name} left out ({error}); {view3d.REMEDY}")
+        return None
+    return name
 
 
 def _inline(svg: str) -> str:

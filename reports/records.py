@@ -92,7 +92,8 @@ class LoadedScrew:
 
     Arrays are nested sequences: ball centres ``ball_radii_centres`` (n, 3), ``ball_loads`` (n) [N], contact
     points (m, 3) with the forces on the balls there (m, 3) [N], and ``helix`` (k, 3), the path of one start.
-    A lead of zero is a ball bearing; a groove radius of zero leaves its choice to the drawer.
+    A lead of zero is a ball bearing; a groove radius of zero leaves its choice to the drawer; ``turns``: also as a page on
+    which it can be turned.
     """
 
     name: str
@@ -112,6 +113,7 @@ class LoadedScrew:
     groove_radius: float = 0.0
     lead: float = 0.0
     caption: str = ""
+    turns: bool = False
 
 
 @dataclass(frozen=True)
@@ -203,7 +205,7 @@ class Text:
 @dataclass(frozen=True)
 class Summary:
     """The first screen: a question, its answer in one sentence, one figure of it and the same for a narrow screen, then
-    what the answer covers and what limits it, as statements."""
+    what the answer covers and what limits it, as statements; table: what the PDF shows beside them."""
 
     question: str
     answer: str
@@ -211,6 +213,7 @@ class Summary:
     narrow: Figure
     coverage: Sequence[str]
     limits: Sequence[str]
+    table: Table | None = None
 
 
 @dataclass(frozen=True)
@@ -228,10 +231,12 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """The whole report: title, subtitle, provenance, sections; the first summary of a section is its first screen."""
+    """The whole report: title, subtitle, provenance, sections; the first summary of a section is its first screen; origin:
+    what its manifest says of what it rests on, as plain data."""
 
     title: str
     subtitle: str
     provenance: Mapping[str, str]
     sections: Sequence[Section]
     scene_hashes: Mapping[str, str] = field(default_factory=dict)
+    origin: Mapping[str, object] = field(default_factory=dict)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import pickle
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -131,14 +132,15 @@ def _sheet(radius: Array, phi: Array, z: Array) -> Any:
     return sheet.extract_geometry().triangulate().clean(tolerance=1e-9, absolute=True)
 
 
-def _shaft(picture: LoadedScrew, grooves: _Grooves) -> list[Any]:
-    """Surfaces of the stretch of the screw around the nut: the grooved one and both ends; lengths in mm."""
+def _shaft(picture: LoadedScrew, grooves: _Grooves, coarse: float = 1.0) -> list[Any]:
+    """Surfaces of the stretch of the screw around the nut: the grooved one and both ends; lengths in mm. coarse: steps in
+    multiples of those of a picture."""
     half = 0.8 * picture.nut_length
     low = max(0.0, picture.nut_position - half)
     high = min(max(picture.screw_length, low + 0.1 * half), picture.nut_position + half)
     back = _VIEW + np.pi
-    around = np.linspace(back, back + 2.0 * np.pi, 361)
-    phi, z = _grid(grooves, around, (low, high), 0.06 * picture.ball_radius)
+    around = np.linspace(back, back + 2.0 * np.pi, round(360 / coarse) + 1)
+    phi, z = _grid(grooves, around, (low, high), 0.06 * coarse * picture.ball_radius)
     radius = grooves.surface(phi, z, picture.screw_radius)
     sheets = [_sheet(radius * 1e3, phi, z * 1e3)]
     for column in (0, -1):
@@ -149,12 +151,12 @@ def _shaft(picture: LoadedScrew, grooves: _Grooves) -> list[Any]:
     return sheets
 
 
-def _shell(picture: LoadedScrew, grooves: _Grooves) -> tuple[list[Any], list[Any]]:
-    """Surfaces of the half of the nut behind the screw, and its two cut faces; lengths in mm."""
+def _shell(picture: LoadedScrew, grooves: _Grooves, coarse: float = 1.0) -> tuple[list[Any], list[Any]]:
+    """Surfaces of the half of the nut behind the screw, and its two cut faces; lengths in mm. coarse: as for the shaft."""
     bore = 2.0 * picture.track_radius - picture.screw_radius
     ends = (picture.nut_position - 0.5 * picture.nut_length, picture.nut_position + 0.5 * picture.nut_length)
-    around = np.linspace(_VIEW + 0.5 * np.pi, _VIEW + 1.5 * np.pi, 181)
-    phi, z = _grid(grooves, around, ends, 0.06 * picture.ball_radius)
+    around = np.linspace(_VIEW + 0.5 * np.pi, _VIEW + 1.5 * np.pi, round(180 / coarse) + 1)
+    phi, z = _grid(grooves, around, ends, 0.06 * coarse * picture.ball_radius)
     inner = np.minimum(grooves.surface(phi, z, bore), 0.98 * picture.nut_radius)
     outer = np.full_like(inner, picture.nut_radius)
     share = np.linspace(0.0, 1.0, 8)
@@ -171,17 +173,41 @@ def _shell(picture: LoadedScrew, grooves: _Grooves) -> tuple[list[Any], list[Any
     return body, [between((0, everywhere)), between((-1, everywhere))]
 
 
-def _directions() -> tuple[Array, Array]:
+def directions() -> tuple[Array, Array]:
     """Unit vectors, across the axis, towards the viewer's side and upwards in the picture."""
     cosine, sine = np.cos(_VIEW), np.sin(_VIEW)
     return np.array([cosine, sine, 0.0]), np.array([sine, -cosine, 0.0])
 
 
-def _sight() -> Array:
+def sight() -> Array:
     """Unit vector from the nut to the viewer: from the open side, a little from above and from the right."""
-    outward, upward = _directions()
+    outward, upward = directions()
     eye: Array = outward + 0.22 * upward + 0.34 * np.array([0.0, 0.0, 1.0])
     return eye / float(np.linalg.norm(eye))
+
+
+def bodies(picture: LoadedScrew, coarse: float) -> list[tuple[Any, str]]:
+    """Surfaces of screw, opened nut, balls and forces, each with its colour; lengths in mm.
+
+    coarse: steps along the surfaces in multiples of those of a picture. Balls are coloured by load, unloaded ones pale.
+    """
+    import pyvista
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    grooves = _grooves(picture)
+    body, cuts = _shell(picture, grooves, coarse)
+    found: list[tuple[Any, str]] = [(sheet, _STEEL) for sheet in _shaft(picture, grooves, coarse)]
+    found += [(sheet, _NUT) for sheet in body] + [(sheet, _CUT) for sheet in cuts]
+    loads = np.asarray(picture.ball_loads, float)
+    low, high, _ = (
+        _round_scale(float(loads[loads > 0.0].min()), float(loads.max())) if (loads > 0.0).any() else (0.0, 1.0, 1)
+    )
+    for centre, load in zip(np.asarray(picture.ball_radii_centres, float).reshape(-1, 3) * 1e3, loads, strict=True):
+        ball = pyvista.Sphere(radius=picture.ball_radius * 1e3, center=centre, theta_resolution=16, phi_resolution=14)
+        colour = to_hex(colormaps["viridis"]((load - low) / (high - low))) if load > 0.0 else _IDLE
+        found.append((ball, colour))
+    return found + list(_arrows(picture))
 
 
 def _render(picture: LoadedScrew, path: str) -> None:
@@ -196,7 +222,7 @@ def _render(picture: LoadedScrew, path: str) -> None:
     # In a parallel projection a shift along the line of sight leaves a body's image as it is: moved back by
     # the length of an arrow, the screw does not hide the forces that it exerts, but balls and arrows hide
     # each other as they should.
-    behind = -1e3 * _ARROW * picture.ball_radius * _sight()
+    behind = -1e3 * _ARROW * picture.ball_radius * sight()
     for sheet in _shaft(picture, grooves):
         plotter.add_mesh(sheet.translate(behind), color=_STEEL, **steel)
     body, cuts = _shell(picture, grooves)
@@ -262,26 +288,33 @@ def _add_balls(plotter: Any, picture: LoadedScrew) -> None:
     )
 
 
-def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
-    """Arrows that end at the contacts on the open side, in proportion to the forces on the balls."""
+def _arrows(picture: LoadedScrew) -> Iterator[tuple[Any, str]]:
+    """Arrows that end at the contacts on the open side, in proportion to the forces on the balls, with their colour: those
+    of the forces from the screw, then from the nut; lengths in mm."""
     import pyvista
 
     points = np.asarray(picture.contact_points, float).reshape(-1, 3) * 1e3
     forces = np.asarray(picture.contact_forces, float).reshape(-1, 3)
     size = np.linalg.norm(forces, axis=1)
-    if not np.any(size > 0.0):
-        return
     longest = _ARROW * picture.ball_radius * 1e3
     facing = points[:, :2] @ np.array([np.cos(_VIEW), np.sin(_VIEW)]) > -0.02 * picture.track_radius * 1e3
     inside = np.hypot(points[:, 0], points[:, 1]) < picture.track_radius * 1e3
     for group, colour in ((inside, _SCREW_SIDE), (~inside, _NUT_SIDE)):
-        chosen = facing & group & (size > 1e-3 * size.max())
+        chosen = facing & group & (size > 1e-3 * size.max(initial=0.0))
         if not np.any(chosen):
             continue
         arrows = pyvista.PolyData(points[chosen] - forces[chosen] / size.max() * longest)
         arrows["force"] = forces[chosen] / size.max() * longest
         arrow = pyvista.Arrow(tip_length=0.28, tip_radius=0.075, shaft_radius=0.028)
-        mesh = arrows.glyph(orient="force", scale="force", geom=arrow)
+        yield arrows.glyph(orient="force", scale="force", geom=arrow), colour
+
+
+def _add_forces(plotter: Any, picture: LoadedScrew) -> None:
+    """The arrows, and what they stand for."""
+    size = np.linalg.norm(np.asarray(picture.contact_forces, float).reshape(-1, 3), axis=1)
+    if not np.any(size > 0.0):
+        return
+    for mesh, colour in _arrows(picture):
         plotter.add_mesh(mesh, color=colour, ambient=0.45, diffuse=0.55, smooth_shading=True)
     for text, colour, height in (
         ("Forces on the balls:", "black", 96),
@@ -296,16 +329,16 @@ def _set_view(plotter: Any, picture: LoadedScrew) -> None:
     import pyvista
 
     target = np.array([0.0, 0.0, picture.nut_position * 1e3])
-    outward, upward = _directions()
+    outward, upward = directions()
     extent = 1e3 * max(2.0 * picture.nut_radius, 1.6 * picture.nut_length * SIZE[1] / SIZE[0])
     plotter.camera.focal_point = target - 0.05 * extent * upward
-    plotter.camera.position = plotter.camera.focal_point + 5.0 * extent * _sight()
+    plotter.camera.position = plotter.camera.focal_point + 5.0 * extent * sight()
     plotter.camera.up = upward
     plotter.enable_parallel_projection()
     plotter.camera.parallel_scale = 0.66 * extent
     above = outward + 1.4 * upward - np.array([0.0, 0.0, 0.6])
     beside = outward - 0.3 * upward + np.array([0.0, 0.0, 2.5])
-    for direction, strength in ((above, 0.75), (_sight(), 0.3), (beside, 0.3)):
+    for direction, strength in ((above, 0.75), (sight(), 0.3), (beside, 0.3)):
         place = target + 10.0 * extent * direction
         light = pyvista.Light(position=place, focal_point=target, intensity=strength)
         light.positional = False

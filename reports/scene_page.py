@@ -7,7 +7,6 @@ used. `read_page` takes them out again. The hashes tell what changed; they prove
 from __future__ import annotations
 
 import base64
-import hashlib
 import json
 import re
 from collections.abc import Mapping, Sequence
@@ -21,6 +20,7 @@ from markupsafe import Markup
 
 from reports import figures, scene3d
 from reports.html import MARKER, format_cell
+from reports.manifest import sha256
 from reports.records import Figure, LoadedScrew, Section
 
 #: Blocks of the page that hold data, by id.
@@ -42,11 +42,6 @@ class ScenePage:
     scene_text: str
     results: Mapping[str, Any]
     files: Mapping[str, str] = field(default_factory=dict)
-
-
-def sha256(data: str | bytes) -> str:
-    """Full SHA-256 of a text or of bytes, hexadecimal."""
-    return hashlib.sha256(data.encode("utf-8", "surrogatepass") if isinstance(data, str) else data).hexdigest()
 
 
 def manifest_of(page: ScenePage, html: str) -> dict[str, Any]:

@@ -82,6 +82,14 @@ def fixed_axis(force=(0.0, 0.0, 600.0), preload=4e-6):
     return assembly(*sets, housings=(Housing("carriage", 0.12, held, None, force),), supports=(TURNING,))
 
 
+def with_nominal_arms(parts):
+    """The assembly with lever arms to the nominal contact points, where the smooth bodies are loaded, in place of those to
+    the grooves' centres, on the same line as long as a contact keeps its angle."""
+    nominal = replace(parts.ingredients, arm="nominal")
+    sets = (replace(s, parts=replace(s.parts, ingredients=nominal)) for s in parts.sets)
+    return replace(parts, ingredients=nominal, sets=tuple(sets))
+
+
 def solved(parts, **options):
     """Result of an assembly that must converge."""
     result = solve_assembly(parts, engine="interpreted", **options)
@@ -92,12 +100,16 @@ def solved(parts, **options):
 def mirrored(parts):
     """The assembly seen in a mirror across the shaft's middle: z, and rotations about x and y, change their signs."""
     length = SHAFT.length
+    faces = {"left face": "right face", "right face": "left face"}
 
     def flip(s):
         hand = "left" if s.parts.track.hand == "right" else "right"
         scene = replace(
             s.parts, track=replace(s.parts.track, hand=hand), nut=replace(s.parts.nut, position=length - s.position)
         )
+        if s.kind == "ball nut":
+            held = faces[s.parts.solid.nut_held or "left face"]
+            scene = replace(scene, solid=replace(scene.solid, nut_held=held))
         thrust = {"both": "both", "+z": "-z", "-z": "+z"}[s.thrust]
         return replace(s, parts=scene, position=length - s.position, offset=-s.offset, thrust=thrust)
 

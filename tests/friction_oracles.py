@@ -10,7 +10,7 @@ from lowfi.friction.linear.bearing import LinearBearing
 from lowfi.friction.screw.coupled import PATIENCE
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.joint import solve_joint
-from lowfi.friction.screw.load import Cell, ScrewLoad, screw_rows, settle
+from lowfi.friction.screw.load import Cell, ScrewLoad, screw_rows, settle_load
 from lowfi.friction.screw.motion import AGREED, ROUNDS, BallMotion, Coupling, Mixer, ball_motion, feedback, hold_screw
 
 _FORCE_SENSE = np.array([1.0, 1.0, -1.0, -1.0])
@@ -101,10 +101,10 @@ def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool =
 
     Failure is data: see ``converged``.
     """
-    load = settle(cell)
+    load = settle_load(cell)
     if coupling == "ball":
         cell = hold_screw(cell, load)
-        load = settle(cell, (load.ball, np.zeros(0)))
+        load = settle_load(cell, (load.ball, np.zeros(0)))
     groove, mixer, bare = cell.groove, Mixer(), (load.ball, load.screw)
     push, drag, start = cell.push, cell.drag, None
     rounds, change, good = 0, np.inf, False
@@ -120,10 +120,10 @@ def coupled_ball(cell: Cell, coupling: Coupling = "ball and screw", fast: bool =
         joint = solve_joint(cell, np.full(1, np.inf), bare, None, fast) if rounds == PATIENCE else None
         if joint is not None and joint.done:
             push, drag = joint.push, joint.drag
-            load = settle(replace(cell, push=push, drag=drag), (joint.ball, joint.screw))
+            load = settle_load(replace(cell, push=push, drag=drag), (joint.ball, joint.screw))
         else:
             x = mixer.next(x, g)
             push, drag = x[:2].reshape(1, 2), x[2:]
-            load = settle(replace(cell, push=push, drag=drag), (load.ball, load.screw))
+            load = settle_load(replace(cell, push=push, drag=drag), (load.ball, load.screw))
         start = moved.motion.q
     return CoupledBall(load, moved, change, rounds, good and change <= AGREED * float(np.sum(load.force)))

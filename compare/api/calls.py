@@ -72,7 +72,7 @@ def friction(scene: Scene | Assembly | KindScene | str | Path, *, mu: Sequence[f
     mu: coefficients of friction in place of the scene's; model: of the contact loads, refined unless given. The first use
     compiles kernels for some 20 s. Raises InputError.
     """
-    from compare.commands.friction import Choices, solve_scene
+    from compare.commands.friction_whole import Choices, solve_scene
 
     described = _described(scene)
     choices = Choices(model, tuple(mu))
@@ -109,9 +109,10 @@ def compare(
     from compare.commands.compare_output import beside, is_itself, verdict
     from compare.commands.study import on_terminal, unconverged
     from compare.models.comparison import compared_models, from_model, reference_answers, suited
+    from compare.reference.estimate import reference
     from compare.reference.jobs import Engine, ensure, plan
     from compare.reference.levels import LEVELS
-    from compare.reference.runs import reference, shipped_store
+    from compare.reference.store import shipped_store
     from meshes.cache import default_root
 
     described = _described(scene)

@@ -10,6 +10,7 @@ import numpy as np
 
 from compare.commands.left_out import left_out_of_kind
 from compare.commands.solve_output import number
+from compare.commands.wrapping import wrapped
 from compare.measure import error_percent
 from lowfi.friction.contact.ellipse import Array
 
@@ -28,12 +29,14 @@ Column = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class Answer:
-    """A solved scene: JSON-ready values, headings and rows of its tables, whether everything converged."""
+    """A solved scene: JSON-ready values, tables (title, headings, rows) and lines, whether everything converged; tables of
+    every ball of a whole screw, which are shown where asked for."""
 
     data: dict[str, Any]
     tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]]
     lines: Sequence[str]
     converged: bool
+    ball_tables: Sequence[tuple[str, Sequence[Column], Sequence[dict[str, Any]]]] = ()
 
 
 def head(scene: KindScene, status: str, converged: bool, coupling: str | None = None) -> dict[str, Any]:
@@ -95,23 +98,25 @@ def size_warnings(a: Array, radius: float) -> list[str]:
     return [f"a contact's semi-axis is {a.max() / radius:.2g} of the ball's radius: Hertz theory no longer holds"]
 
 
-def as_table(answer: Answer) -> list[RenderableType]:
-    """The answer for the terminal: tables, results in a few lines, warnings, assumptions."""
+def as_table(answer: Answer, width: int = 100, *, balls: bool = False) -> list[RenderableType]:
+    """The answer for the terminal, texts wrapped at ``width``: results in a few lines, tables, warnings, assumptions."""
     from rich.table import Table
 
     data = answer.data
-    parts: list[Any] = [f"{data['scene']}, {data['kind']}: {data['status']}", data["title"]]
-    for title, columns, rows in answer.tables:
+    parts: list[Any] = [f"{data['scene']}, {data['kind']}: {data['status']}", data["title"], *answer.lines]
+    for title, columns, rows in [*answer.tables, *(answer.ball_tables if balls else ())]:
         table = Table(title=title, title_justify="left")
         for _, heading, _ in columns:
             table.add_column(heading, justify="right")
         for row in rows:
             table.add_row(*(cell(row[name], form) for name, _, form in columns))
-        parts.append(table)
-    parts += answer.lines
+        parts += ["", table]
+    parts += [""] if answer.tables else []
+    if answer.ball_tables and not balls:
+        parts.append("motion, loads and losses of every ball: --balls")
     for heading, key in (("warning", "warnings"), ("assumed", "assumed"), ("left out", "left_out")):
         parts += [f"{heading}: {line}" for line in data.get(key, ())]
-    return parts
+    return [wrapped(part, width) if isinstance(part, str) else part for part in parts]
 
 
 def cell(value: Any, form: str) -> str:

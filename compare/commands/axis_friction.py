@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from compare.commands.answer import Answer, Column
-from compare.commands.friction import COMPILING, NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
 from compare.commands.friction_output import BALL_COLUMNS, ball_rows, flat_rows, left_out, loss_rows, sums, warnings_of
+from compare.commands.friction_whole import COMPILING, NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
 from compare.commands.solve_output import number
 from compare.errors import InputError
 from compare.models.axis import run_axis
@@ -125,12 +125,12 @@ def _answer(
         "warnings": warnings,
     }
     flat = [{"set": b["set"]} | f for b, f in zip(balls, flat_rows(balls), strict=True)]
-    tables = [("sets", SET_COLUMNS, rows), ("per ball", (("set", "set", "s"), *BALL_COLUMNS), flat)]
+    every = [("per ball", (("set", "set", "s"), *BALL_COLUMNS), flat)]
     lines = [
         f"friction torque of all sets {torque['friction_torque_Nmm']:.6g} N mm; torque that drives the shaft "
         f"{torque['driving_torque_on_screw_Nmm']:+.6g} N mm about +z at {motion.speed:.6g} rad/s"
     ]
-    return Answer(data, tables, lines, good)
+    return Answer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
 
 
 def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,15 +13,13 @@ from compare.commands.axis_output import as_json, as_table
 from compare.commands.axis_summary import block
 from compare.commands.load_curve import FACTORS, write_rows
 from compare.commands.matrix_files import write_stiffness
-from compare.commands.summary import wrapped
+from compare.commands.solve_choices import Choices
+from compare.commands.wrapping import wrapped
 from compare.errors import InputError
 from compare.models.axis import run_axis
 from compare.models.axis_answers import curve, gather
 from lowfi.statics.axis.result import AxisResult
 from meshes.axis import Assembly
-
-if TYPE_CHECKING:
-    from compare.commands.solve import Choices
 
 
 def solve_shown(

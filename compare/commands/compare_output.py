@@ -15,8 +15,8 @@ from compare.measure import LoadError, load_error
 from compare.models.answers import load_answers
 from compare.models.comparison import Loads
 from compare.models.registry import DEFAULT, MODELS
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.runs import Reference
 from compare.writing import replace_file
 from meshes.parts import SIDES, Scene
 from reports.html import harmless

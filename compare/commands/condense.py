@@ -9,7 +9,7 @@ from pathlib import Path
 
 from compare.errors import InputError, Refusal
 from compare.reference.levels import LEVELS
-from compare.reference.runs import settings_of
+from compare.reference.tasks import settings_of
 from compare.system import cores, need_gmsh, out_of_memory
 from compare.writing import need_writable
 from meshes.parts import Scene

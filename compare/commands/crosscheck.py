@@ -12,9 +12,10 @@ from compare.crosscheck.data import CrossData, load, save, shipped
 from compare.crosscheck.rows import ContactRow, agreement, columns, contact_rows
 from compare.crosscheck.study import STUDIES, checked_scene, run_study, scene_key
 from compare.errors import InputError
+from compare.reference.estimate import Reference, reference
 from compare.reference.jobs import Engine, ensure, plan
 from compare.reference.levels import LEVELS
-from compare.reference.runs import Reference, reference, shipped_store
+from compare.reference.store import shipped_store
 from compare.system import need_gmsh
 from meshes.parts import Scene
 

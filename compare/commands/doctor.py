@@ -203,7 +203,8 @@ def _size() -> Iterator[Check]:
 
 
 def _shipped() -> Iterator[Check]:
-    from compare.reference.runs import reference, versions
+    from compare.reference.estimate import reference
+    from compare.reference.store import versions
     from compare.scenes import catalogue
 
     names = catalogue.with_role("referenced")

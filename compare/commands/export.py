@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.errors import InputError, Refusal
-from compare.reference.runs import needed_sides, settings_of
+from compare.reference.tasks import needed_sides, settings_of
 from compare.system import need_gmsh
 from meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need, reduced, write_mesh
 from meshes.parts import SIDES, Scene

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +15,9 @@ import numpy as np
 from compare.commands.solve_output import number
 from compare.commands.study import on_terminal
 from compare.errors import InputError
-from compare.models.members import KEPT, Array, Members, run_members, statistics
+from compare.models.axis_members import OF_SET, WHOLE, AxisMembers, columns, run_axis_members, with_seed
+from compare.models.members import KEPT, Array, Bands, Members, run_members, statistics
+from compare.models.registry import DEFAULT
 from compare.reference.jobs import Engine
 from compare.scenes import catalogue
 from compare.scenes.scene_file import whole
@@ -39,14 +41,19 @@ def run(
 ) -> int:
     """Solve, write one CSV row a member as they come, print; 1 where none converged. Raises InputError."""
     described = catalogue.any_scene(name)
+    if seed is not None and not 0 <= seed < 2**62:
+        raise InputError("command line", "--seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
+    found: Members | AxisMembers
     if isinstance(described, Assembly):
-        advice = 'take one by --member K, or many by: rollbench sweep SCENE --vary "sets[0].errors.seed=0:999"'
-        raise InputError(described.name, "--members", str(count), "one set: bands are of its contacts", advice)
-    scene = whole(described, name)
-    if seed is not None:
-        scene = _with_seed(scene, seed)
-    with _rows(csv_out) as row:
-        found = run_members(scene, model, count, engine, on_terminal, row)
+        parts = described if seed is None else with_seed(described, seed)
+        with _rows(csv_out, columns(parts)) as row:
+            found = run_axis_members(parts, model, count, engine, on_terminal, row)
+    else:
+        scene = whole(described, name)
+        if seed is not None:
+            scene = replace(scene, errors=replace(scene.errors, seed=seed))
+        with _rows(csv_out, [*KEPT]) as row:
+            found = run_members(scene, model or DEFAULT, count, engine, on_terminal, row)
     if json_out:
         print_json(as_json(found))
     else:
@@ -54,14 +61,8 @@ def run(
     return 0 if len(found.failed) < count else 1
 
 
-def _with_seed(scene: Scene, seed: int) -> Scene:
-    if not 0 <= seed < 2**63:
-        raise InputError("command line", "--seed", str(seed), "0 to 9223372036854775807", "leave it out for the scene's")
-    return replace(scene, errors=replace(scene.errors, seed=seed))
-
-
 @contextmanager
-def _rows(path: Path | None) -> Iterator[Row]:
+def _rows(path: Path | None, names: Sequence[str]) -> Iterator[Row]:
     """What writes a member's row to the file, which takes its name only when it is whole."""
     if path is None:
         yield lambda *_: None
@@ -70,7 +71,7 @@ def _rows(path: Path | None) -> Iterator[Row]:
     try:
         with part.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file)
-            writer.writerow(["member", "status", *KEPT])
+            writer.writerow(["member", "status", *names])
 
             def row(member: int, status: str, kept: Array) -> None:
                 writer.writerow([member, status, *("" if np.isnan(v) else repr(float(v)) for v in kept)])
@@ -84,42 +85,75 @@ def _rows(path: Path | None) -> Iterator[Row]:
         part.unlink(missing_ok=True)
 
 
-def as_json(found: Members) -> dict[str, Any]:
-    """JSON-ready: statistics of what is kept, failures, bands of every contact that any member loads."""
-    quantiles = {level: found.quantile(level) for level in (0.05, 0.5, 0.95)}
-    return {
-        "scene": found.scene.name,
-        "model": found.model,
-        "seed": found.scene.errors.seed,
-        "members": len(found.kept),
-        "converged": len(found.kept) - len(found.failed),
-        "failed": [{"member": m, "status": s} for m, s in sorted(found.failed.items())],
-        "statistics": {key: statistics(found.kept[:, k]) for k, key in enumerate(KEPT)},
-        "band_resolution_N": number(found.width),
-        "balls": [
+def as_json(found: Members | AxisMembers) -> dict[str, Any]:
+    """JSON-ready: statistics of what is kept, failures, bands of every contact that any member loads. Of several sets,
+    their statistics stand in ``sets``, and rows of ``balls`` begin with their set."""
+    counts: dict[str, Any] = {"members": len(found.kept), "converged": len(found.kept) - len(found.failed)}
+    counts["failed"] = [{"member": m, "status": s} for m, s in sorted(found.failed.items())]
+    rows = _balls(found.bands)
+    if isinstance(found, Members):
+        head = {"scene": found.scene.name, "model": found.model, "seed": found.scene.errors.seed}
+        kept = {"statistics": {key: statistics(found.kept[:, k]) for k, key in enumerate(KEPT)}}
+        own = [x for one in rows for x in one]
+    else:
+        head = {"scene": found.assembly.name, "model": found.model, "seed": _seeds(found.assembly)}
+        kept = {"statistics": {key: statistics(found.kept[:, k]) for k, key in enumerate(WHOLE)}}
+        counts["sets"] = _sets(found)
+        own = [
+            {"set": i + 1, **x}
+            for i, place in enumerate(found.balls)
+            if place is not None
+            for one in rows[place]
+            for x in one
+        ]
+        for row in own:
+            place = found.balls[row["set"] - 1]
+            row["index"] -= 0 if place is None else place.start
+    return {**head, **counts, **kept, "band_resolution_N": number(found.bands.width), "balls": own}
+
+
+def _seeds(assembly: Assembly) -> list[int | None]:
+    return [s.parts.errors.seed if isinstance(s.parts, Scene) else None for s in assembly.sets]
+
+
+def _sets(found: AxisMembers) -> list[dict[str, Any]]:
+    """Statistics of each set."""
+    parts = np.split(found.kept[:, len(WHOLE) :], len(found.assembly.sets), axis=1)
+    return [
+        {"set": i + 1, "name": s.name, "statistics": {key: statistics(own[:, k]) for k, key in enumerate(OF_SET)}}
+        for i, (s, own) in enumerate(zip(found.assembly.sets, parts, strict=True))
+    ]
+
+
+def _balls(bands: Bands) -> list[list[dict[str, Any]]]:
+    """Rows of the loaded contacts of every ball."""
+    quantiles = {level: bands.quantile(level) for level in (0.05, 0.5, 0.95)}
+    return [
+        [
             {
                 "index": i + 1,
                 "side": side,
-                "without_random_errors_N": number(found.nominal[i, s]),
-                "mean_N": number(found.mean[i, s]),
-                "standard_deviation_N": number(found.deviation[i, s]),
-                "smallest_N": number(found.smallest[i, s]),
+                "without_random_errors_N": number(bands.nominal[i, s]),
+                "mean_N": number(bands.mean[i, s]),
+                "standard_deviation_N": number(bands.deviation[i, s]),
+                "smallest_N": number(bands.smallest[i, s]),
                 **{f"quantile_{level:g}_N": number(q[i, s]) for level, q in quantiles.items()},
-                "largest_N": number(found.largest[i, s]),
-                "loaded_share": number(found.loaded[i, s]),
+                "largest_N": number(bands.largest[i, s]),
+                "loaded_share": number(bands.loaded[i, s]),
             }
-            for i in range(found.nominal.shape[0])
             for s, side in enumerate(SIDES)
-            if found.largest[i, s] > 0.0
-        ],
-    }
+            if bands.largest[i, s] > 0.0
+        ]
+        for i in range(bands.nominal.shape[0])
+    ]
 
 
-def as_table(found: Members) -> list[Any]:
+def as_table(found: Members | AxisMembers) -> list[Any]:
     """The same for the terminal."""
     from rich.table import Table
 
     data = as_json(found)
+    several = isinstance(found, AxisMembers)
     parts: list[Any] = [
         f"{data['scene']}, model {data['model']}, seed {data['seed']}: {data['members']} members, {data['converged']} "
         f"converged, {1e3 * found.seconds / data['members']:.3g} ms a member"
@@ -128,18 +162,20 @@ def as_table(found: Members) -> list[Any]:
     table = Table(title="members (in brackets: 95 % interval of the quantile)", title_justify="left")
     for heading in ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest"):
         table.add_column(heading, justify="right")
-    for key, own in data["statistics"].items():
+    named = [((WHOLE if several else KEPT)[key], own) for key, own in data["statistics"].items()]
+    named += [(f"set {s['set']}: {OF_SET[key]}", own) for s in data.get("sets", []) for key, own in s["statistics"].items()]
+    for heading, own in named:
         if own is None:
             continue
         q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in own["quantiles"]}
         first = (f"{own[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
-        table.add_row(KEPT[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{own['largest']:.4g}")
-    balls = Table(title=f"bands of the contact loads / N (to {found.width:.2g} N)", title_justify="left")
-    keys = ("index", "side", "without_random_errors_N", "mean_N", "standard_deviation_N", "smallest_N", "quantile_0.05_N",
-            "quantile_0.95_N", "largest_N", "loaded_share")  # fmt: skip
+        table.add_row(heading, *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{own['largest']:.4g}")
+    balls = Table(title=f"bands of the contact loads / N (to {found.bands.width:.2g} N)", title_justify="left")
+    keys = (*(("set",) if several else ()), "index", "side", "without_random_errors_N", "mean_N", "standard_deviation_N",
+            "smallest_N", "quantile_0.05_N", "quantile_0.95_N", "largest_N", "loaded_share")  # fmt: skip
     for key in keys:
         balls.add_column(key.removesuffix("_N").replace("_", " "), justify="right")
     for row in data["balls"]:
         balls.add_row(*(v if isinstance(v, str) else f"{v:.4g}" for v in (row[k] for k in keys)))
-    life = "life: ISO/TS 16281 equivalent loads, raceways equally strong; stiffness: tangent, by 0.1 % more load"
-    return [*parts, balls, table, life]
+    stiffness = "in equilibrium, where it is asked for" if several else "tangent, by 0.1 % more load"
+    return [*parts, balls, table, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; stiffness: {stiffness}"]

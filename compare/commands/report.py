@@ -5,75 +5,34 @@ from __future__ import annotations
 import datetime
 import platform
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from importlib import import_module, metadata
+from importlib import metadata
 from pathlib import Path
 from time import perf_counter
 
 from compare import __version__
-from compare.commands.report_first import kept_parts, live_check
+from compare.commands import report_moved
+from compare.commands.report_first import kept_parts, lacking, live_check
+from compare.commands.report_halves import build, split
+from compare.commands.report_parts import PARTS, SECTIONS, Part
 from compare.errors import InputError
 from compare.models.study import Study
+from compare.provenance import commit, inputs
 from compare.reference.jobs import Engine
 from compare.scenes import catalogue
 from compare.scenes.scene_file import scene_hash
 from compare.system import gmsh_fault, machine
-from reports.records import Report, Section
+from reports.records import Report
 
 Step = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Part:
-    """A section of the report by name: its module in ``compare.sections``; long: left out of a quick report; runs: shows
-    runs of the 3D reference; meshes: needs gmsh; appendix: stands after the others."""
-
-    name: str
-    module: str
-    long: bool = False
-    runs: bool = False
-    meshes: bool = False
-    appendix: bool = False
-
-
-#: Sections in order.
-PARTS = (
-    Part("overview", "overview", runs=True),
-    Part("ladder", "ladder", runs=True, meshes=True),
-    Part("reference", "reference", runs=True, meshes=True),
-    Part("reference-mesh", "reference_mesh", runs=True),
-    Part("u-val", "u_val", runs=True, meshes=True),
-    Part("crosscheck", "crosscheck", runs=True, meshes=True),
-    Part("pictures", "pictures", long=True, meshes=True),
-    Part("hertz", "hertz"),
-    Part("cases", "cases", runs=True),
-    Part("errors", "errors"),
-    Part("manufacturing", "manufacturing"),
-    Part("steering", "steering"),
-    Part("tolerances", "tolerances"),
-    Part("friction", "friction"),
-    Part("friction-screw", "friction_screw"),
-    Part("rolling", "rolling"),
-    Part("smith", "smith"),
-    Part("liu", "liu"),
-    Part("external", "external", runs=True),
-    Part("formulations", "formulations"),
-    Part("verification", "verification", meshes=True),
-    Part("stability", "stability", long=True),
-    Part("timing", "timing", long=True),
-    Part("verdicts", "verdicts", runs=True, appendix=True),
-    Part("audit", "audit", runs=True, appendix=True),
-    Part("notes", "notes", runs=True, appendix=True),
-)
-SECTIONS = tuple(part.name for part in PARTS)
 
 
 def provenance() -> dict[str, str]:
     """What was run where: version, date, machine, library versions."""
     packages = ("numpy", "scipy", "numba", "gmsh", "scikit-fem", "cvxopt", "matplotlib", "pyvista")
     return {
-        "rollbench": __version__,
+        "rollbench": f"{__version__}, commit {commit()}",
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "machine": f"{machine()}, {platform.system()}",
         "Python": platform.python_version(),
@@ -127,7 +86,7 @@ def compute_references(study: Study, source: Source, step: Step) -> None:
     from compare.evidence.liu.bodies import SOLID, SOLID_LEVELS
     from compare.models.ladder import DEEP, UNSEEN
     from compare.reference import grid_order
-    from compare.reference.runs import reference
+    from compare.reference.estimate import reference
 
     scenes = [study.scene(name) for name in REFERENCED]
     if source.quick:
@@ -157,25 +116,15 @@ def wanted_parts(only: Sequence[str], *, quick: bool = False) -> list[Part]:
     return [part for part in PARTS if (part.name in only if only else not (quick and part.long))]
 
 
-def build(wanted: Sequence[Part], progress: Progress, study: Study) -> list[Section]:
-    """The sections in order, each made by its module."""
-    made = []
-    for part in wanted:
-        progress.section(part.name)
-        section: Callable[[Study, Step], Section] = import_module(f"compare.sections.{part.module}").section
-        made.append(replace(section(study, progress.step), appendix=part.appendix))
-    return made
-
-
-def save_model_form(study: Study, source: Source) -> None:
+def save_model_form(study: Study) -> None:
     """Write what the model-form estimate rests on into the report's own store, for ``rollbench solve`` to read once it is
     shipped; nothing without references or without a store."""
     from compare.models.ladder import ladder, points
     from compare.models.model_form import save_points
 
     rungs = study.once(ladder)
-    if rungs and source.stores:
-        save_points(source.stores[0], points(study, rungs))
+    if rungs and study.stores:
+        save_points(study.stores[0], points(study, rungs))
 
 
 def make_report(
@@ -188,13 +137,16 @@ def make_report(
     engine: Engine | None = None,
     fresh: bool = False,
     everything: bool = False,
+    against: Path | None = None,
 ) -> int:
     """Run, draw and write the report; returns the exit code: 1 where the live check does not agree.
 
     quick: coarsest meshes of the 3D reference only; stored: the runs that come with the package; store: folder in which
     computed runs are kept, so that an interrupted report goes on; fresh: compute them even if it holds them; everything:
-    the costly sections too. Raises InputError for a bad section name or folder.
+    the costly sections too; against: an earlier report, to list what moved. Raises InputError for a bad section name or
+    folder.
     """
+    before = None if against is None else report_moved.tables(against)
     wanted = wanted_parts(only, quick=quick)
     if fresh and stored:
         raise InputError("command line", "--fresh", "also --stored", "one of both", "leave --stored out to compute")
@@ -206,15 +158,16 @@ def make_report(
         raise _bad_folder(out, error) from None
     wanted, missed = kept_parts(wanted, named=bool(only), everything=everything or fresh)
     meshing = not gmsh_fault()
-    from compare.reference.runs import shipped_store
+    from compare.reference.store import shipped_store
 
     own = (store,) if fresh or quick else (store, shipped_store())
     source = Source(None if stored else own, engine or Engine(), not stored and meshing, quick, fresh)
-    runs, ladder = any(part.runs for part in wanted), any(part.name == "ladder" for part in wanted)
+    runs = any(part.runs for part in wanted)
     checking = runs and meshing and not (only or stored or fresh or quick)
-    progress = Progress(len(wanted) + runs + ladder + checking + 1)
-    start = perf_counter()
     study = Study(source.stores, quick=quick, timed=everything or fresh, cache=source.engine.cache)
+    aside, others = split(wanted, study)
+    progress = Progress(len(others) + bool(aside) + runs + checking + 1)
+    start = perf_counter()
     if runs:
         progress.section("runs of the 3D reference")
         compute_references(study, source, progress.step)
@@ -222,15 +175,13 @@ def make_report(
     if checking:
         progress.section("one shipped run computed anew")
         checked = live_check((shipped_store(),), progress.step)
-    sections = build(wanted, progress, study)
-    if ladder:
-        progress.section("points of the model-form estimate")
-        save_model_form(study, source)
+    made = build(aside, others, progress.section, progress.step, study, save_model_form)
     progress.section("drawing and writing")
-    facts = provenance()
+    facts, texts = provenance(), {name: catalogue.scene_text(name) for name in study.used}
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
     facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
+    missed += lacking()
     if missed:
         facts["left out"] = "; ".join(gap.line().removeprefix("left out: ") for gap in missed)
     if checked is not None:
@@ -242,8 +193,9 @@ def make_report(
         + (f" (quick run: coarse meshes, cases 1 and 2 only, without {left_out})" if quick else "")
         + "".join(f" ({gap.line()})" for gap in missed),
         provenance=facts,
-        sections=sections,
-        scene_hashes={name: scene_hash(catalogue.scene_text(name)) for name in study.used},
+        sections=[made[part.name] for part in wanted],
+        scene_hashes={name: scene_hash(text) for name, text in texts.items()},
+        origin={**facts, "inputs": inputs(study.stores or (shipped_store(),), texts)},
     )
     try:
         page = write(report, out, partial(progress.step))
@@ -251,6 +203,8 @@ def make_report(
         raise _bad_folder(out, error) from None
     for line in (*([] if checked is None else [checked.line()]), *(gap.line() for gap in missed)):
         print(line, flush=True)
+    if before is not None:
+        print("\n".join(report_moved.moved(before, report_moved.tables(page.parent))) or "nothing moved", flush=True)
     print(f"report: {page} ({perf_counter() - start:.0f} s)", flush=True)
     return 0 if checked is None or checked.agrees else 1
 

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from compare.commands.report_parts import Part
 from compare.measure import error_percent
-from compare.reference.runs import Task, compute, load
+from compare.reference.computing import compute
+from compare.reference.store import load
+from compare.reference.tasks import Task
 from compare.scenes import catalogue
 from compare.system import cores, gmsh_fault
 from meshes.libraries import MESHING, PICTURES, install
-
-if TYPE_CHECKING:
-    from compare.commands.report import Part
+from reports import first_pages, view3d
 
 #: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
 COSTLY = frozenset({"pictures", "friction", "friction-screw", "verification", "stability", "timing"})
@@ -29,7 +30,7 @@ AGREES = 1e-3
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Sections that a report leaves out, why, and the command that brings them back."""
+    """Sections or files that a report leaves out, why, and the command that brings them back."""
 
     names: tuple[str, ...]
     why: str
@@ -54,6 +55,15 @@ def kept_parts(parts: Sequence[Part], *, named: bool, everything: bool) -> tuple
         left.append(LeftOut(names, f"gmsh cannot be loaded ({fault})", install(MESHING, PICTURES)))
         out |= set(names)
     return [part for part in parts if part.name not in out], left
+
+
+def lacking() -> list[LeftOut]:
+    """What a report leaves out because a package that nothing else needs is not installed."""
+    known = (
+        ("typst", "the PDF of the first pages", first_pages.REMEDY),
+        ("trimesh", "the view that can be turned", view3d.REMEDY),
+    )
+    return [LeftOut((what,), f"{name} is not installed", remedy) for name, what, remedy in known if find_spec(name) is None]
 
 
 @dataclass(frozen=True)

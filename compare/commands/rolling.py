@@ -8,7 +8,7 @@ from typing import Any
 
 from compare.commands.study import on_terminal
 from compare.errors import InputError, Refusal
-from compare.reference.runs import shipped_store
+from compare.reference.store import shipped_store
 from compare.rolling.rows import RollingRow, rows
 from compare.rolling.runs import BODIES, HALF_SPACE, LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
 from compare.scenes import catalogue

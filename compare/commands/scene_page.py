@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import datetime
 import platform
-import subprocess
 from collections.abc import Sequence
-from importlib import metadata, resources
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import compare
 from compare import __version__
 from compare.commands.solve_output import as_json
 from compare.commands.summary import answers_json, entries
@@ -23,7 +21,9 @@ from compare.models.model_form import FILE, ModelForm, estimate
 from compare.models.registry import DEFAULT, Options, run_model
 from compare.models.study import Study
 from compare.models.u_val import QUANTITIES, Validated, validated
-from compare.reference.runs import Reference, path_in, shipped_store
+from compare.provenance import SOURCES, commit, sources_hash
+from compare.reference.estimate import Reference
+from compare.reference.store import path_in, shipped_store
 from compare.scenes import catalogue, scene_file
 from compare.sections.applicability import range_figure, range_table
 from compare.sections.loaded_screw import loaded_screw
@@ -32,11 +32,10 @@ from lowfi.statics.problem import nominal_hertz
 from lowfi.statics.result import StaticResult
 from lowfi.statics.tangent import Tangent
 from meshes.parts import FREEDOMS, SIDES, Scene
+from reports.manifest import sha256
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
-from reports.scene_page import ScenePage, render, sha256
+from reports.scene_page import ScenePage, render
 
-#: Packages whose sources are part of what a page rests on.
-PACKAGES = ("compare", "hifi", "lowfi", "meshes", "reports")
 LIBRARIES = ("numpy", "scipy", "numba")
 
 
@@ -232,35 +231,6 @@ def _picture(scene: Scene, result: StaticResult) -> Any:
 
 def _scene_text(name: str) -> str:
     return catalogue.scene_text(name) if name in catalogue.scene_names() else scene_file.read_text(name)
-
-
-def commit() -> str:
-    """Commit of the sources where they stand in a repository, marked where they were changed since; else words."""
-    root = Path(compare.__file__).resolve().parents[1]
-    if not (root / ".git").exists():
-        return "not a repository: an installed package"
-    try:
-        run = [
-            subprocess.run(["git", "-C", str(root), *args], capture_output=True, text=True, check=True, timeout=20).stdout
-            for args in (("rev-parse", "HEAD"), ("status", "--porcelain", "--untracked-files=no"))
-        ]
-    except (OSError, subprocess.SubprocessError):
-        return "not known: git does not answer"
-    return run[0].strip() + (", changed since" if run[1].strip() else "")
-
-
-def sources_hash() -> str:
-    """SHA-256 over names and contents of all Python sources of the packages."""
-    lines = []
-    for package in PACKAGES:
-        root = Path(str(resources.files(package)))
-        files = sorted(p for p in root.rglob("*.py") if "__pycache__" not in p.parts)
-        lines += [f"{package}/{p.relative_to(root).as_posix()} {sha256(p.read_bytes())}" for p in files]
-    return sha256("\n".join(lines))
-
-
-#: Name under which the sources stand in a manifest.
-SOURCES = "sources of rollbench"
 
 
 def _files(scene: Scene, reference: Reference | None, stores: Sequence[Path]) -> dict[str, str]:

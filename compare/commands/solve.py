@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from compare.commands.load_curve import write_curve
 from compare.commands.matrix_files import check_matrix, write_matrix
+from compare.commands.solve_choices import Choices
 from compare.commands.solve_output import as_json as to_json
 from compare.commands.solve_output import as_table, number, stiffness_lines
-from compare.commands.summary import answers_json, block, wrapped
+from compare.commands.summary import answers_json, block
+from compare.commands.wrapping import wrapped
 from compare.errors import InputError, named, one_line
 from compare.models.answers import Answers, gather, tangent_of
 from compare.models.model_form import estimate
@@ -24,22 +24,6 @@ from lowfi.statics.result import StaticResult
 from lowfi.statics.tangent import Tangent
 from meshes.axis import Assembly
 from meshes.parts import FREEDOMS, Scene
-
-
-@dataclass(frozen=True)
-class Choices:
-    """What the command line says: model, whether to leave nothing out, specimen, condensed bodies, whether to print the
-    table of balls, station of the stiffness and its file, file of the load curve, seconds after which to give up."""
-
-    model: str = ""
-    everything: bool = False
-    member: int = 0
-    condensed: Path | None = None
-    balls: bool = False
-    stiffness_at: str = ""
-    matrix: Path | None = None
-    curve: Path | None = None
-    time_limit: float | None = None
 
 
 def run_solve(

@@ -85,7 +85,7 @@ def run_campaign(
     part = None if keep is None else Part(keep.with_name(f"{keep.name}.{model}-{seed}.part"), seed, model)
     if part is not None and part.outcomes:
         sys.stderr.write(f"{len(part.outcomes)} scenes of an interrupted campaign are known\n")
-    found = record.run(seed, count, model, files, kills, progress, part)
+    found = record.run_campaign(seed, count, model, files, kills, progress, part)
     if sys.stderr.isatty():
         sys.stderr.write("\r\033[K")
     if keep is not None:

@@ -14,9 +14,10 @@ from compare.commands.compare_output import table as compared_table
 from compare.errors import InputError, Refusal
 from compare.models.comparison import compared_models, from_model, from_run, reference_answers, rows, suited
 from compare.models.mesh_study import study_table
+from compare.reference.estimate import Reference, reference
 from compare.reference.jobs import Engine, all_variants, ensure, plan
 from compare.reference.levels import LEVELS, SOURCE_LEVEL, STUDIED
-from compare.reference.runs import Reference, Run, load, reference, shipped_store
+from compare.reference.store import Run, load, shipped_store
 from compare.scenes import catalogue
 from compare.writing import replace_file
 from meshes.parts import Scene

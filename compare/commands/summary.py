@@ -183,13 +183,6 @@ def entry(label: str, text: str, width: int) -> str:
     )
 
 
-def wrapped(text: str, width: int) -> str:
-    """A line wrapped at words, what follows indented; texts of several lines as they are."""
-    if "\n" in text or len(text) <= max(width, 40):
-        return text
-    return textwrap.fill(text, max(width, 40), subsequent_indent="  ", break_on_hyphens=False)
-
-
 def _loads(data: dict[str, Any]) -> str:
     d = data["loads"]
     if d is None:

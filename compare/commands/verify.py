@@ -1,35 +1,23 @@
-"""``rollbench verify``: the hashes of a page computed again, and what moved between two pages."""
+"""``rollbench verify``: the hashes of a page or a report computed again, and what moved between two pages."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from compare.commands.scene_page import SOURCES, make_page, sources_hash
+from compare.commands import report_moved
+from compare.commands.checked import Checked
+from compare.commands.scene_page import make_page
 from compare.errors import InputError
 from compare.measure import error_percent
-from compare.reference.runs import shipped_store
-from reports.scene_page import read_page, results_hash, sha256, without_manifest
+from compare.provenance import SOURCES, sources_hash
+from compare.reference.store import shipped_store
+from reports.manifest import sha256
+from reports.scene_page import read_page, results_hash, without_manifest
 
 #: Change [%] of a number up to which it is round-off.
 ROUND_OFF = 1e-6
-
-
-@dataclass(frozen=True)
-class Checked:
-    """One thing that a page rests on: ``state`` is ok, changed, or missing."""
-
-    name: str
-    state: str
-    stated: str
-    found: str
-
-    @property
-    def line(self) -> str:
-        """For the terminal."""
-        return f"{self.state:8} {self.name} {self.stated[:16]}" + (f", now {self.found[:16]}" if self.found else "")
 
 
 def page_file(report: Path) -> Path:
@@ -68,9 +56,11 @@ def checked(html: str, blocks: dict[str, Any], stores: Sequence[Path]) -> Iterat
 
 def run_verify(report: Path, store: Path) -> int:
     """Print every hash's state; 0 where all hold, else 1. Raises InputError for a file that is no page with a manifest."""
-    html, blocks = read(report)
-    rows = list(checked(html, blocks, (store, shipped_store())))
-    print("\n".join(row.line for row in rows))
+    stores = (store, shipped_store())
+    whole = report_moved.is_whole(report)
+    rows = list(report_moved.checked(report, stores) if whole else checked(*read(report), stores))
+    shown = [row for row in rows if not whole or row.state != "ok"]  # a whole report has hundreds
+    print("".join(f"{row.line}\n" for row in shown), end="")
     wrong = sum(row.state != "ok" for row in rows)
     print(f"{len(rows) - wrong} of {len(rows)} hashes hold: {'the same inputs and code' if not wrong else 'see above'}")
     return 1 if wrong else 0

@@ -24,7 +24,7 @@ from compare.extremes.static import with_balls
 from compare.models.ensemble import run_ensemble
 from compare.scenes.catalogue import scene as shipped
 from lowfi.as_source import static as lin
-from lowfi.compliance.bodies import forget
+from lowfi.compliance.ends import forget
 from lowfi.statics.static import TOLERANCE as OWN_TOLERANCE
 from lowfi.statics.static import solve_static
 from meshes.memory import peak_MB, reset_peak

@@ -57,7 +57,7 @@ SAME = 1e-6
 
 
 @dataclass(frozen=True)
-class Row:
+class FrictionJob:
     """One job: median seconds, target [s], the source's formulation over the one here in this process (None: it has
     none)."""
 
@@ -73,26 +73,26 @@ class Row:
         return self.seconds <= self.target
 
 
-def against_root(name: str, ours: Callable[[], object], theirs: Callable[[], Motion], repeats: int) -> Row:
+def against_root(name: str, ours: Callable[[], object], theirs: Callable[[], Motion], repeats: int) -> FrictionJob:
     """A ball at given loads against the source's root finding from the solution; no ratio where that finds no root."""
     seconds = timed(ours, 20 * repeats)
     if theirs().status != "exact":
-        return Row(name, seconds, BALL, None, "given loads; the source's root finding fails even from the solution")
+        return FrictionJob(name, seconds, BALL, None, "given loads; the source's root finding fails even from the solution")
     note = "given loads; ratio: the source's root finding, started from the solution, over least dissipation"
-    return Row(name, seconds, BALL, timed(theirs, 5 * repeats) / seconds, note)
+    return FrictionJob(name, seconds, BALL, timed(theirs, 5 * repeats) / seconds, note)
 
 
-def contact_jobs(repeats: int) -> Iterator[Row]:
+def contact_jobs(repeats: int) -> Iterator[FrictionJob]:
     """One contact: friction with first and second derivatives."""
     shape = np.full(MANY, 1e-3), np.full(MANY, 2e-4)
     motion = about_point(np.ones(MANY), np.linspace(-2e-3, 2e-3, MANY), np.full(MANY, 1e-4))
     out, call = np.empty((MANY, 11)), kernels(CONTACT, compiled=True).dissipation_many
     seconds = timed(lambda: call(*shape, motion, 0.0, out), 2 * repeats) / MANY
     note = f"friction, first and second derivatives; mean of {MANY} in a call; {NO_SOURCE}"
-    yield Row("one contact", seconds, CONTACT_CALL, None, note)
+    yield FrictionJob("one contact", seconds, CONTACT_CALL, None, note)
 
 
-def rotary_job(case: str, repeats: int) -> Row:
+def rotary_job(case: str, repeats: int) -> FrictionJob:
     """One ball of the rotary bearing."""
     s = solve_ball(ROTARY, AXIAL, CASES[case], fast=True)
     law, start = source_law(ROTARY, SHARPNESS, None), s.motion.q
@@ -104,7 +104,7 @@ def rotary_job(case: str, repeats: int) -> Row:
     )
 
 
-def screw_job(name: str, pair: Pair, repeats: int) -> Row:
+def screw_job(name: str, pair: Pair, repeats: int) -> FrictionJob:
     """Second ball of a pair of the screw, without contact."""
     g, load = pair.groove, solve_pair(pair).free.load
     one, law = ball_motion(g, load.force[1], load.angle[1]), screw_law(pair.groove, SHARPNESS)
@@ -116,7 +116,7 @@ def screw_job(name: str, pair: Pair, repeats: int) -> Row:
     )
 
 
-def ball_jobs(repeats: int) -> Iterator[Row]:
+def ball_jobs(repeats: int) -> Iterator[FrictionJob]:
     """One ball at given loads."""
     for case in CASES:
         yield rotary_job(case, repeats)
@@ -146,7 +146,7 @@ def against_source(
     return timed(theirs, repeats) / ours, f"ratio: {way}, without and in contact"
 
 
-def linear_jobs(repeats: int) -> Iterator[Row]:
+def linear_jobs(repeats: int) -> Iterator[FrictionJob]:
     """Two balls of a linear bearing, then chains: the source's roots without a sigmoid, as 3.25 prints them."""
     for count in (2, *CHAINS):
         state = pair_state(LINEAR, THETA, SIDE, VERTICAL) if count == 2 else chain_state(count)
@@ -156,22 +156,22 @@ def linear_jobs(repeats: int) -> Iterator[Row]:
         ratio, how = against_source(ours, theirs, solve(chain).ball_force, 5 * repeats)
         how += ", over the chain solver in contact only" if ratio else ""
         name = "linear pair, given loads" if count == 2 else f"linear chain, {count} balls"
-        yield Row(name, ours, LINEAR_PAIR if count == 2 else count * BALL, ratio, f"prepared, in contact; {how}")
+        yield FrictionJob(name, ours, LINEAR_PAIR if count == 2 else count * BALL, ratio, f"prepared, in contact; {how}")
     case, printed = (LINEAR, THETA, SIDE, VERTICAL), entry("lin-3.5", "a_time_numerical").printed
     ours, force = timed(lambda: solve_linear_pair(*case), 10 * repeats), np.array([solve_linear_pair(*case).force])
     ratio, how = against_source(ours, lambda: linear_pair_by_root(*case), force, 5 * repeats)
     note = f"loads, without and in contact; {how}; the source prints {printed} s on another machine"
-    yield Row("linear pair, all of it", ours, LINEAR_PAIR, ratio, note)
+    yield FrictionJob("linear pair, all of it", ours, LINEAR_PAIR, ratio, note)
 
 
-def pair_jobs(repeats: int) -> Iterator[Row]:
+def pair_jobs(repeats: int) -> Iterator[FrictionJob]:
     """Two balls of a screw, without and in contact, with their loads."""
     printed = entry("lin-3.7", "time_a").printed
     for make, words in ((inferred, "loads not coupled"), (plain, "friction moves the balls")):
         pair = make()
         ratio, how = screw_ratio(pair, seconds := timed(partial(solve_pair, pair), 2 * repeats), 2 * repeats)
         note = f"loads ({words}), without and in contact; {how}; the source prints {printed} s on another machine"
-        yield Row(f"screw pair, {make.__name__} reading", seconds, SCREW_PAIR, ratio, note)
+        yield FrictionJob(f"screw pair, {make.__name__} reading", seconds, SCREW_PAIR, ratio, note)
 
 
 def screw_ratio(pair: Pair, ours: float, repeats: int) -> tuple[float | None, str]:
@@ -189,7 +189,7 @@ def screw_ratio(pair: Pair, ours: float, repeats: int) -> tuple[float | None, st
     return again, f"{how_again} ({how.removeprefix('no ratio: ')})"
 
 
-def run_jobs(repeats: int) -> Iterator[Row]:
+def run_jobs(repeats: int) -> Iterator[FrictionJob]:
     """The whole screw over 200 steps; the source's method over the first of them."""
     run = lin_3_4_4()
     seconds = timed(lambda: simulate(run), max(1, repeats // 5))
@@ -199,26 +199,26 @@ def run_jobs(repeats: int) -> Iterator[Row]:
     theirs = (perf_counter() - begin) * run.steps / SOURCE_STEPS
     if found.failures:
         why = f"no ratio: the source's root finding fails in {found.failures} of its first {SOURCE_STEPS} steps"
-        yield Row("whole screw", seconds, WHOLE, None, f"{note}; {why}")
+        yield FrictionJob("whole screw", seconds, WHOLE, None, f"{note}; {why}")
         return
     note += (
         f"; ratio: the source's root finding, {SOURCE_STEPS} steps times {run.steps / SOURCE_STEPS:g}, over the solver here"
     )
     note += f"; its rule (3.77) lets balls overlap in {found.overlapping} of these"
-    yield Row("whole screw", seconds, WHOLE, theirs / seconds, note)
+    yield FrictionJob("whole screw", seconds, WHOLE, theirs / seconds, note)
     agreed = replace(run, coupling="ball and screw", rounds=ROUNDS)
     seconds = timed(lambda: simulate(agreed), max(1, repeats // 5))
     note = "the same, friction moves balls and screw, to agreement of loads and friction in every step; the source's "
-    yield Row("whole screw, coupled", seconds, WHOLE, None, note + "root finding is here for given loads only")
+    yield FrictionJob("whole screw, coupled", seconds, WHOLE, None, note + "root finding is here for given loads only")
 
 
-def whole_jobs(repeats: int) -> Iterator[Row]:
+def whole_jobs(repeats: int) -> Iterator[FrictionJob]:
     """Friction of a shipped scene: its balls' motions after their loads, and a run in time with loads solved anew."""
     scene, friction, drive = scene_of(WHOLE_SCENE), Friction(0.1, 0.1), Drive(2.0 * np.pi)
     at = contacts_of(scene, solve_static(scene, engine="compiled"))
     seconds = timed(lambda: ball_friction(scene, at, friction, drive, fast=True), 4 * repeats)
     note = f"{scene.ball_count} balls, after their loads; {NO_SOURCE}"
-    yield Row(f"motions of all balls of {scene.name}", seconds, ALL_BALLS, None, note)
+    yield FrictionJob(f"motions of all balls of {scene.name}", seconds, ALL_BALLS, None, note)
     drawn = draw(scene)
     balls = balls_of(scene, friction, drive, drawn)
     for model, loads in AGAIN.items():
@@ -229,7 +229,7 @@ def whole_jobs(repeats: int) -> Iterator[Row]:
         )
         note = f"{RUN_STEPS} steps of {scene.ball_count} balls, loads solved in every one by the model {model}; time of "
         note += f"{SOURCE_STEPS} steps times {RUN_STEPS / SOURCE_STEPS:g}; {NO_SOURCE}"
-        yield Row(f"{scene.name} over a turn, {model}", seconds, WHOLE, None, note)
+        yield FrictionJob(f"{scene.name} over a turn, {model}", seconds, WHOLE, None, note)
 
 
 def _compiled(loads: Callable[..., ContactLoads], scene: Scene, met: Specimen, layout: BallLayout) -> ContactLoads:
@@ -237,7 +237,7 @@ def _compiled(loads: Callable[..., ContactLoads], scene: Scene, met: Specimen, l
     return loads(scene, met, layout, "compiled")
 
 
-def jobs(repeats: int = 5) -> Iterator[Row]:
+def jobs(repeats: int = 5) -> Iterator[FrictionJob]:
     """All jobs, compiled kernels, medians of ``repeats`` or a multiple of it."""
     for group in (contact_jobs, ball_jobs, linear_jobs, pair_jobs, run_jobs, whole_jobs):
         yield from group(repeats)

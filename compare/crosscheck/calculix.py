@@ -81,7 +81,7 @@ def digest(text: str) -> str:
     return hashlib.sha256("\n".join(said).encode()).hexdigest()[:16]
 
 
-def run(text: str, folder: Path) -> Outcome:
+def run_calculix(text: str, folder: Path) -> Outcome:
     """Run a deck in a folder, one thread; a result of the same deck that is there already is read instead.
 
     Raises InputError where CalculiX is missing, and ValueError, with its last words, where it does not converge.

@@ -21,7 +21,7 @@ from compare.crosscheck.deck_contacts import (
 from compare.errors import InputError
 from compare.models.model_form import estimate
 from compare.models.registry import Options, run_model
-from compare.reference.runs import needed_sides
+from compare.reference.tasks import needed_sides
 from lowfi.statics.result import StaticResult
 from meshes.ball_body import directions, parting
 from meshes.deck import Contact, Deck, DeckBody, RigidSection

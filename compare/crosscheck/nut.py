@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from compare.crosscheck.calculix import run
+from compare.crosscheck.calculix import run_calculix
 from compare.crosscheck.deck import DeckOptions, build_deck
 from compare.errors import InputError
 from compare.writing import replace_file
@@ -131,7 +131,7 @@ def check_nut(scene: Scene, work: Path, options: DeckOptions = MESH, key: str = 
     theirs, date, version = np.zeros_like(ours), "", ""
     for k, deck in enumerate(decks):
         try:
-            found = run(write(deck, "mm"), work / f"{scene.name}-nut-{k + 1}")
+            found = run_calculix(write(deck, "mm"), work / f"{scene.name}-nut-{k + 1}")
         except ValueError as error:
             raise InputError(scene.name, "nut", str(error), "a deck that CalculiX solves", "see its folder") from None
         date, version = found.date, found.version

@@ -10,7 +10,7 @@ import numpy as np
 from compare.crosscheck.data import CrossData, CrossRun
 from compare.crosscheck.fit import Extrapolation, extrapolate
 from compare.measure import error_percent
-from compare.reference.runs import Reference
+from compare.reference.estimate import Reference
 from meshes.parts import SIDES
 from reports.records import Cell, Column
 

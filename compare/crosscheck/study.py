@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare import __version__
-from compare.crosscheck.calculix import Outcome, digest, run
+from compare.crosscheck.calculix import Outcome, digest, run_calculix
 from compare.crosscheck.data import BodyMesh, CrossData, CrossRun
 from compare.crosscheck.deck import DeckOptions, Made, build_deck
 from compare.errors import InputError
@@ -90,7 +90,7 @@ def run_study(scene: Scene, work: Path, step: Callable[[str], None], stored: Seq
             step(f"{label(options)}: stored")
             continue
         try:
-            outcome = run(text, work / scene.name / label(options))
+            outcome = run_calculix(text, work / scene.name / label(options))
             runs.append(record(made, options, digest(text), outcome))
         except ValueError as error:
             raise InputError(

@@ -20,7 +20,7 @@ from compare.evidence.screw import (
     cut,
     increase,
     onset,
-    run,
+    screw_run,
     settled,
     variation,
 )
@@ -29,7 +29,7 @@ from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.printed_data import entry
 from lowfi.as_source.run import simulate_by_root
-from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BearingCase, Row, torque_curve
+from lowfi.friction.bearing.pairs import DIAGONAL, OTHER, BallRow, BearingCase, torque_curve
 from lowfi.friction.screw.groove import Mode
 from lowfi.friction.screw.motion import Coupling
 from lowfi.friction.screw.pair import SHIFTED, Pair, PairMap, implied_load, oversize_map, solve_pair
@@ -173,7 +173,7 @@ def run_rows() -> list[dict[str, Cell]]:
     """The whole run as the case study, by the source's rule of contact, and with one assumption changed at a time."""
     names = [f"theta of {a:g}°" for a in AMPLITUDES]
     rows = [
-        summary_row(AS_CASE, f"{n}, {oversize_text()}, {run(a).run.steps} steps", run(a))
+        summary_row(AS_CASE, f"{n}, {oversize_text()}, {screw_run(a).run.steps} steps", screw_run(a))
         for n, a in zip(names, AMPLITUDES, strict=True)
     ]
     rows.append(source_run_row(lin_3_4_4()))
@@ -183,7 +183,7 @@ def run_rows() -> list[dict[str, Cell]]:
 
 def bearing_cases() -> list[tuple[str, str, BearingCase]]:
     """Bearings of 4.3.1 under varied assumptions."""
-    face = (Row(-6e-3, DIAGONAL), Row(6e-3, OTHER))
+    face = (BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER))
     four = four_point(tilt=True)
     faulty: Mode = "as printed"
     out = [("four-point", "tilt free, no clearance", four), ("four-point", "tilt held", four_point(tilt=False))]

@@ -48,7 +48,7 @@ def pair(case: str, reading: Literal["plain", "inferred"]) -> PairResult:
 
 
 @cache
-def run(amplitude: float) -> RunResult:
+def screw_run(amplitude: float) -> RunResult:
     """The whole screw of 3.4.4 in steps chosen by their error (``stepped``); amplitude [deg] of theta."""
     return stepped(amplitude)[0]
 
@@ -206,7 +206,7 @@ def section_3_4_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every
 
 
 def _numbers_of_run(sheet: Sheet) -> None:
-    low, high = (summarise(run(a)) for a in AMPLITUDES)
+    low, high = (summarise(screw_run(a)) for a in AMPLITUDES)
     assumed = f"assumed: theta of 3 deg (with 2 deg {{}}), balls {1e6 * inferred_oversize():g} µm oversize"
     earlier = "; earlier than printed, see table friction-run-sensitivity"
     between = (
@@ -219,7 +219,7 @@ def _numbers_of_run(sheet: Sheet) -> None:
 
 
 def _claims_of_run(sheet: Sheet) -> None:
-    low, high = (summarise(run(a)) for a in AMPLITUDES)
+    low, high = (summarise(screw_run(a)) for a in AMPLITUDES)
     words = f"{low.groups} groups with 2 deg, {high.groups} with 3 deg"
     sheet.claim("groups", low.groups == high.groups == 4, words)
     vary = [low.groove_variation, high.groove_variation]
@@ -232,7 +232,7 @@ def _claims_of_run(sheet: Sheet) -> None:
         f"{summarise(loose).groove_variation:.0%} with the first, whose loads are computed without friction: mostly the "
         "start, not third contacts that come and go",
     )
-    again = [engages_again(run(a)) for a in AMPLITUDES]
+    again = [engages_again(screw_run(a)) for a in AMPLITUDES]
     sheet.claim("none_then_again", all(again), "with 2 and with 3 deg")
 
 

@@ -32,7 +32,6 @@ SCENES_3_2_3_3 = (
     LINEAR_MATED,
     LINEAR_WORST,
 )
-SCENES_3_4_4_3 = (*PAIR_SCENES.values(), *(f"{n}-inferred" for n in PAIR_SCENES.values()), *RUN_SCENES.values(), BEARINGS)
 
 
 def rotary(name: str, *, printed: bool = False) -> BearingBallScene:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from compare.extremes.static import CONVERGED, FORMULATIONS, OURS, SAME, Row
+from compare.extremes.static import CONVERGED, FORMULATIONS, OURS, SAME, Attempt
 from reports.records import Cell
 
 
-def wide_rows(rows: Sequence[Row]) -> list[dict[str, Cell]]:
+def wide_rows(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
     """One row per case, one status per formulation."""
     by_case: dict[str, dict[str, Cell]] = {}
     for row in rows:
@@ -25,7 +25,7 @@ def wide_rows(rows: Sequence[Row]) -> list[dict[str, Cell]]:
     return list(by_case.values())
 
 
-def short(row: Row) -> str:
+def short(row: Attempt) -> str:
     """Status for a table: how it ended, with iterations and residual where it converged."""
     if row.status == CONVERGED:
         apart = row.difference_percent
@@ -34,7 +34,7 @@ def short(row: Row) -> str:
     return row.status.split(" (")[0]
 
 
-def tally(rows: Sequence[Row]) -> dict[str, tuple[int, int, int]]:
+def tally(rows: Sequence[Attempt]) -> dict[str, tuple[int, int, int]]:
     """Per formulation: cases solved (or its mechanism named), cases tried, cases."""
     out = {}
     for formulation in FORMULATIONS:

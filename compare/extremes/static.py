@@ -67,7 +67,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Row:
+class Attempt:
     """One case solved by one formulation.
 
     residual: largest unbalanced force over the largest force (None where nothing was solved, or there is no force);
@@ -263,7 +263,7 @@ def cases() -> list[Case]:
 # --- solving
 
 
-def run(case: Case, formulation: str) -> Row:
+def attempt(case: Case, formulation: str) -> Attempt:
     """Solve one case by one of ``FORMULATIONS``; a failure is a row, never an exception of the solvers.
 
     Ours runs on the scene's own partition (a node at every contact). The source runs on its own 15 mm partition, with
@@ -280,28 +280,30 @@ def _load_kernels() -> None:
     solve_static(shipped("lin-case1"), engine="compiled")
 
 
-def _ours(case: Case) -> Row:
+def _ours(case: Case) -> Attempt:
     _load_kernels()
     begin = perf_counter()
     row = _row_of(case, OURS, solve_static(case.scene, engine="compiled"), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
 
 
-def _elastic(case: Case, formulation: str) -> Row:
+def _elastic(case: Case, formulation: str) -> Attempt:
     """A case with elastic bodies; where its dimensions leave no body (no land, no wall) it is not attempted."""
     begin = perf_counter()
     try:
         result = solve_elastic(case.scene, backend=LADDER[BACKENDS[formulation]], engine="compiled")
     except ValueError as error:
         status, spent = f"not attempted: {error}", perf_counter() - begin
-        return Row(case.name, case.group, formulation, status, case.expected, False, 0, None, 0.0, spent, 0, None, status)
+        return Attempt(
+            case.name, case.group, formulation, status, case.expected, False, 0, None, 0.0, spent, 0, None, status
+        )
     return _row_of(case, formulation, result, begin)
 
 
-def _row_of(case: Case, formulation: str, result: StaticResult, begin: float) -> Row:
+def _row_of(case: Case, formulation: str, result: StaticResult, begin: float) -> Attempt:
     """What a solver of this project made of a case since ``begin``; no difference from the energy solver."""
     status, s = _fault(result) or result.status, result.solver
-    return Row(
+    return Attempt(
         case.name,
         case.group,
         formulation,
@@ -343,7 +345,7 @@ def dense_unknowns(scene: Scene) -> int:
     return 6 * layout.z.size + problem.unknowns
 
 
-def _source(case: Case, formulation: str, scene: Scene, ours: StaticResult | None = None) -> Row:
+def _source(case: Case, formulation: str, scene: Scene, ours: StaticResult | None = None) -> Attempt:
     unknowns = dense_unknowns(scene)
     iterations, residual, seconds, difference = 0, math.nan, 0.0, None
     if unknowns > DENSE_LIMIT:
@@ -356,7 +358,7 @@ def _source(case: Case, formulation: str, scene: Scene, ours: StaticResult | Non
         if found.converged:
             ours = ours if ours is not None else solve_static(scene, engine="compiled")
             difference = _difference(found.load, ours) if ours.converged else None
-    return Row(
+    return Attempt(
         case.name,
         case.group,
         formulation,
@@ -396,7 +398,7 @@ def _short(status: str) -> str:
     return ": ".join(parts[:2]) if parts[0] == "not held" else status.split(" (")[0]
 
 
-def _rows_of(case: Case) -> list[Row]:
+def _rows_of(case: Case) -> list[Attempt]:
     rows = [_ours(case)]
     scene = _on_source_partition(case.scene)
     ours = solve_static(scene, engine="compiled") if dense_unknowns(scene) <= DENSE_LIMIT else None
@@ -405,7 +407,7 @@ def _rows_of(case: Case) -> list[Row]:
 
 def table(
     progress: Callable[[int, int, str], None] | None = None, only: Sequence[str] | None = None, *, n_jobs: int = 2
-) -> list[Row]:
+) -> list[Attempt]:
     """Every case by every formulation, in the order of ``cases``; two processes share the work.
 
     progress: called with the number of cases done, their total, and the name of the one just done; only: names of cases
@@ -421,7 +423,7 @@ def table(
         picked = [c for c in picked if c.name in only or c.group in only]
     from joblib import Parallel, delayed
 
-    rows: list[Row] = []
+    rows: list[Attempt] = []
     workers = Parallel(n_jobs=min(n_jobs, max(1, len(picked))), return_as="generator")
     done = workers(delayed(_rows_of)(c) for c in picked)
     for i, (case, found) in enumerate(zip(picked, done, strict=True)):
@@ -431,7 +433,7 @@ def table(
     return rows
 
 
-def failures(rows: Sequence[Row]) -> list[Row]:
+def failures(rows: Sequence[Attempt]) -> list[Attempt]:
     """Rows of the solvers of this project whose status is not the expected one: converged, or the mechanism by name."""
     own = [r for r in rows if r.formulation == OURS or r.formulation in BACKENDS]
     return [r for r in own if r.status != r.expected and not r.status.startswith("not attempted")]

@@ -19,7 +19,7 @@ from compare.models.registry import DEFAULT
 from compare.models.source_start import best_start
 from compare.models.study import Study
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.runs import shipped_store
+from compare.reference.store import shipped_store
 from compare.rolling.rows import GATED, KNOWN, LIMIT, PAIRS, RINGS, stored_rows, within
 from compare.scenes import catalogue
 

@@ -11,9 +11,11 @@ from compare.gate.loads_file import read_loads
 from compare.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge
 from compare.models.comparison import compared_models
 from compare.models.registry import DEFAULT, MODELS, Options, run_model
+from compare.reference.estimate import Reference, reference
 from compare.reference.jobs import Engine, ensure, plan
 from compare.reference.levels import LEVELS
-from compare.reference.runs import Reference, groups, load, reference, shipped_store
+from compare.reference.store import load, shipped_store
+from compare.reference.tasks import groups
 from meshes.parts import SIDES, Scene
 
 #: Mesh levels that are computed where none is asked for: the fewest that give an uncertainty.

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from compare.measure import load_error
 from compare.models.comparison import gate_points
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import summarise
-from compare.reference.runs import Reference
 from meshes.parts import SIDES
 
 Array = NDArray[np.float64]

@@ -17,8 +17,9 @@ from compare.measure import error_percent, load_error
 from compare.models.registry import MODELS, Model, Options, run_model
 from compare.printed.printed_data import entry
 from compare.reference.convergence import pool
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.runs import Reference, Run
+from compare.reference.store import Run
 from compare.scenes.catalogue import with_role
 from lowfi.statics.result import StaticResult
 from meshes.parts import SIDES, Scene
@@ -51,7 +52,7 @@ def compared_models(names: tuple[str, ...]) -> list[Model]:
 
 
 @dataclass(frozen=True)
-class Row:
+class ComparisonRow:
     """One quantity of one scene on one model against the reference, as ``rollbench compare --json`` prints it."""
 
     scene: str
@@ -115,7 +116,7 @@ def reference_answers(found: Reference, source: Run | None) -> list[Loads]:
     return out
 
 
-def rows(scene: Scene, answer: Loads, found: Reference) -> list[Row]:
+def rows(scene: Scene, answer: Loads, found: Reference) -> list[ComparisonRow]:
     """Loads and angles of every contact, the centreline, the load ratio, and the largest and RMS errors."""
     return [*_contact_rows(scene, answer, found), *_line_rows(scene, answer, found), *_summary_rows(scene, answer, found)]
 
@@ -135,7 +136,7 @@ def _bar(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
+def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
     best, turns = found.best, uncertainties_of(found, lambda run: run.angle)
     for i, s in np.ndindex(answer.load.shape):
         value, ref = float(answer.load[i, s]), float(found.load[i, s])
@@ -143,10 +144,12 @@ def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
             continue
         bar = None if found.uncertainty is None else float(found.uncertainty[i, s])
         percent = float(error_percent(value, ref)) if ref > 0.0 else None
-        yield Row(scene.name, "load", i + 1, SIDES[s], "N", None, answer.model, value, ref, bar, percent, answer.seconds)
+        yield ComparisonRow(
+            scene.name, "load", i + 1, SIDES[s], "N", None, answer.model, value, ref, bar, percent, answer.seconds
+        )
         if value > 0.0 and ref > 0.0:
             angle, own = float(answer.angle[i, s]), float(best.angle[i, s])
-            yield Row(
+            yield ComparisonRow(
                 scene.name,
                 "contact angle",
                 i + 1,
@@ -162,7 +165,7 @@ def _contact_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
             )
 
 
-def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
+def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
     """Centreline at the reference's stations, in per cent of its largest displacement along that axis."""
     line = found.best.centreline
     for k, axis in enumerate("xyz"):
@@ -170,7 +173,7 @@ def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
         values = np.interp(line[:, 0], answer.stations, answer.line[:, k])
         bars = uncertainties_of(found, lambda run, k=k: 1e6 * run.centreline[:, 1 + k])  # type: ignore[misc]
         for z, value, ref, bar in zip(line[:, 0], values, line[:, 1 + k], bars, strict=True):
-            yield Row(
+            yield ComparisonRow(
                 scene.name,
                 f"centreline u{axis} at {1e3 * z:.4g} mm",
                 None,
@@ -186,7 +189,7 @@ def _line_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
             )
 
 
-def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row]:
+def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[ComparisonRow]:
     e = load_error(answer.load, found.load)
     keys = PRINTED.get(scene.name, ("", "", ""))
 
@@ -200,9 +203,11 @@ def _summary_rows(scene: Scene, answer: Loads, found: Reference) -> Iterator[Row
         ("largest error, of the own load", "%", e.own_max_percent, keys[0]),
         ("RMS error, of the own load", "%", e.own_rms_percent, keys[1]),
     ):
-        yield Row(scene.name, name, None, None, unit, printed(key), answer.model, value, 0.0, bar, value, answer.seconds)
+        yield ComparisonRow(
+            scene.name, name, None, None, unit, printed(key), answer.model, value, 0.0, bar, value, answer.seconds
+        )
     ratio, own = load_ratio(answer.load), load_ratio(found.load)
-    yield Row(
+    yield ComparisonRow(
         scene.name,
         "largest over smallest load, SL",
         None,

@@ -16,10 +16,11 @@ from compare.models.comparison import REFERENCED
 from compare.models.model_form import Point, estimate, features
 from compare.models.registry import MODELS, Options, run_model
 from compare.models.study import Study
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.runs import Reference, bodies_path, shipped_store
+from compare.reference.store import bodies_path, shipped_store
 from compare.scenes.catalogue import with_role
-from lowfi.compliance.bodies import forget
+from lowfi.compliance.ends import forget
 from lowfi.compliance.imported import PARTS, Condensed
 from lowfi.statics.elastic import solve_elastic
 from lowfi.statics.result import StaticResult
@@ -119,9 +120,13 @@ def shares(study: Study) -> list[Share]:
 
 
 def ladder(study: Study) -> list[Rung]:
-    """Every rung of every scene that has a stored reference."""
+    """Every rung of every scene that has a stored reference; the study keeps the results."""
     found = study.references((*REFERENCED, *UNSEEN))
-    return [rung for name, ref in found.items() for rung in climb(study.scene(name), ref, study.stores)]
+    rungs = [rung for name, ref in found.items() for rung in climb(study.scene(name), ref, study.stores)]
+    for rung in rungs:
+        if rung.model != "condensed":  # that one depends on a file too
+            study.results[study.scene(rung.scene), rung.model, 0] = rung.result
+    return rungs
 
 
 def points(study: Study, rungs: Sequence[Rung]) -> list[Point]:

@@ -46,16 +46,11 @@ TURNING, STANDING, SYSTEM = 3.0, 10.0 / 3.0, 10.0 / 9.0
 
 
 @dataclass(frozen=True)
-class Members:
-    """Members of a scene. kept (M, 6) as ``KEPT`` (nan where there is no equilibrium); statuses of those that did not
-    converge, by number; nominal: loads (N, 4) [N] without random errors; mean, deviation, smallest, largest (N, 4) [N],
-    loaded (N, 4): share of members in which a contact carries, counts (N, 4, `BINS` + 2): histogram of the loads of width
-    ``width`` [N], the first of loads of zero, the last of those beyond its end; seconds of wall clock."""
+class Bands:
+    """Contacts over the members. nominal: loads (N, 4) [N] without random errors; mean, deviation, smallest, largest (N, 4)
+    [N], loaded (N, 4): share of members in which a contact carries, counts (N, 4, `BINS` + 2): histogram of the loads of
+    width ``width`` [N], the first of loads of zero, the last of those beyond its end."""
 
-    scene: Scene
-    model: str
-    kept: Array
-    failed: dict[int, str]
     nominal: Array
     mean: Array
     deviation: Array
@@ -64,7 +59,6 @@ class Members:
     loaded: Array
     counts: NDArray[np.int64]
     width: float
-    seconds: float
 
     def quantile(self, level: float) -> Array:
         """Quantile of each contact's load (N, 4) [N], to ``width``."""
@@ -74,8 +68,21 @@ class Members:
 
 
 @dataclass(frozen=True)
-class _Block:
-    """Loads (k, N, 4) of a block, numbers (k, 6), statuses."""
+class Members:
+    """Members of a scene. kept (M, 6) as ``KEPT`` (nan where there is no equilibrium); statuses of those that did not
+    converge, by number; seconds of wall clock."""
+
+    scene: Scene
+    model: str
+    kept: Array
+    failed: dict[int, str]
+    bands: Bands
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Block:
+    """Loads (k, N, 4) of a block, numbers (k, ...), statuses."""
 
     loads: Array
     kept: Array
@@ -119,7 +126,7 @@ def _solved(scene: Scene, model: str, engine: str, first: int, count: int) -> tu
     )
 
 
-def solve_block(scene: Scene, model: str, engine: str, nominal: Array, first: int, count: int) -> _Block:
+def solve_block(scene: Scene, model: str, engine: str, nominal: Array, first: int, count: int) -> Block:
     """Members ``first`` and on of a scene; nominal: loads (N, 4) [N] without random errors."""
     with threadpool_limits(1, "blas"):
         loads, statuses, residuals, works = _solved(scene, model, engine, first, count)
@@ -138,7 +145,7 @@ def solve_block(scene: Scene, model: str, engine: str, nominal: Array, first: in
     lost = (~loaded & (nominal > 0.0)).sum(axis=(1, 2)).astype(float)
     kept = np.column_stack([loads.max(axis=(1, 2)), mean, stiffness, lost, life, residuals])
     kept[~good] = np.nan
-    return _Block(loads, kept, statuses)
+    return Block(loads, kept, statuses)
 
 
 def run_members(
@@ -162,12 +169,30 @@ def run_members(
     if not bare.converged or not bare.load.max() > 0.0:
         reason = bare.status if not bare.converged else "no contact carries load without random errors"
         raise InputError(scene.name, "scene", reason, "loaded contacts without random errors", "load or preload the screw")
-    sums = _Sums(bare.load, END * float(bare.load.max()) / BINS)
-    kept, failed = np.empty((count, len(KEPT))), {}
-    done = 0
-    for first, block in _blocks(scene, model, kernels, bare.load, count, engine):
+    bands, kept, failed = gathered(solve_block, (scene, model, kernels, bare.load), bare.load, count, engine, step, row)
+    return Members(scene, model, kept, failed, bands, perf_counter() - start)
+
+
+def gathered(
+    solve: Callable[..., Block],
+    arguments: tuple[Any, ...],
+    nominal: Array,
+    count: int,
+    engine: Engine,
+    step: Callable[[str], None],
+    row: Callable[[int, str, Array], None],
+) -> tuple[Bands, Array, dict[int, str]]:
+    """Bands, numbers (M, ...) and failures of members that ``solve`` finds block by block: (arguments, first, count).
+
+    nominal: loads (N, 4) [N] without random errors.
+    """
+    sums = _Sums(nominal, END * float(nominal.max()) / BINS)
+    rows: list[Array] = []
+    failed: dict[int, str] = {}
+    start, done = perf_counter(), 0
+    for first, block in _blocks(solve, arguments, count, engine):
         sums.add(block.loads)
-        kept[first : first + len(block.kept)] = block.kept
+        rows.append(block.kept)
         for k, status in enumerate(block.statuses):
             row(first + k, status, block.kept[k])
             if status != "converged":
@@ -175,29 +200,32 @@ def run_members(
         done += len(block.kept)
         spent = perf_counter() - start
         step(f"[{done}/{count}] {len(failed)} failed: {spent:.0f} s, about {spent * (count - done) / done:.0f} s left")
-    return sums.members(scene, model, kept, failed, perf_counter() - start)
+    return sums.bands(), np.concatenate(rows), failed
+
+
+def check_count(count: int) -> None:
+    """Raises InputError for a number of members that is out of range."""
+    if not 2 <= count <= MOST:
+        raise InputError("command line", "--members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
 
 
 def _check(scene: Scene, model: str, count: int) -> None:
     if model not in MODELS or model == "condensed":
         allowed = ", ".join(name for name in MODELS if name != "condensed")
         raise InputError("command line", "--model", model, allowed, "see: rollbench list")
-    if not 2 <= count <= MOST:
-        raise InputError("command line", "--members", str(count), f"2 to {MOST}", "a thousand give a band of some per cent")
+    check_count(count)
     if not scene.errors.random:
         advice = "give a sigma to balls, pitch, roundness or profile"
         raise InputError(scene.name, "errors", "nothing random", "at least one sigma above zero", advice)
 
 
 def _blocks(
-    scene: Scene, model: str, kernels: str, nominal: Array, count: int, engine: Engine
-) -> Iterator[tuple[int, _Block]]:
+    solve: Callable[..., Block], arguments: tuple[Any, ...], count: int, engine: Engine
+) -> Iterator[tuple[int, Block]]:
     """Blocks in order, whatever the order they come in."""
     size = max(1, min(BLOCK, count // 16))  # by the count alone: how members are cut into blocks shows in round-off
-    jobs: list[parallel.Job] = [
-        (solve_block, (scene, model, kernels, nominal, first, min(size, count - first))) for first in range(0, count, size)
-    ]
-    waiting: dict[int, _Block] = {}
+    jobs: list[parallel.Job] = [(solve, (*arguments, first, min(size, count - first))) for first in range(0, count, size)]
+    waiting: dict[int, Block] = {}
     following = 0
     for number, block in parallel.as_done(jobs, engine.backend, engine.scheduler, engine.workers):
         waiting[number] = block
@@ -228,7 +256,7 @@ class _Sums:
             bins = np.where(load > 0.0, 1 + np.minimum(load / self.width, BINS), 0).astype(np.int64)
             self.counts[place, bins.ravel()] += 1
 
-    def members(self, scene: Scene, model: str, kept: Array, failed: dict[int, str], seconds: float) -> Members:
+    def bands(self) -> Bands:
         """What the sums say."""
         n = int(self.counts[0].sum())
         mean = self.first / max(n, 1)
@@ -236,21 +264,7 @@ class _Sums:
         counts = self.counts.reshape(*self.nominal.shape, -1)
         shares = 1.0 - counts[..., 0] / max(n, 1)
         low = np.where(np.isfinite(self.low), self.low, 0.0)
-        return Members(
-            scene,
-            model,
-            kept,
-            failed,
-            self.nominal,
-            self.nominal + mean,
-            deviation,
-            low,
-            self.high,
-            shares,
-            counts,
-            self.width,
-            seconds,
-        )
+        return Bands(self.nominal, self.nominal + mean, deviation, low, self.high, shares, counts, self.width)
 
 
 def statistics(values: Array) -> dict[str, Any] | None:

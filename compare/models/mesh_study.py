@@ -13,8 +13,9 @@ from compare.measure import error_percent
 from compare.models.modelling import base_run
 from compare.reference import grid_order
 from compare.reference.convergence import observe
+from compare.reference.estimate import reference_of
 from compare.reference.levels import LEVELS
-from compare.reference.runs import Run, load, reference_of, shipped_store
+from compare.reference.store import Run, load, shipped_store
 from compare.reference.variants import VARIANTS
 from meshes.parts import SIDES, Scene
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from compare.models.applicability import outside
 from compare.models.registry import MODELS
-from compare.reference.runs import shipped_store
+from compare.reference.store import shipped_store
 from compare.writing import replace_file
 from lowfi.statics.problem import nominal_hertz
 from lowfi.statics.result import StaticResult

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from compare.measure import LoadError, error_percent, load_error
 from compare.models.registry import DEFAULT, Options, run_model
-from compare.reference.runs import Run, load
+from compare.reference.store import Run, load
 from compare.reference.variants import TWIST, VARIANTS, Kind, twisted
 from meshes.parts import Scene
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from compare.models.ensemble import EnsembleResult, run_ensemble
 from compare.models.registry import Options, run_model
-from compare.reference.runs import Reference, reference
+from compare.reference.estimate import Reference, reference
 from compare.scenes import catalogue
 from lowfi.statics.result import StaticResult
-from meshes.parts import Scene
+from meshes.parts import SIDES, Scene
 
 T = TypeVar("T")
 
@@ -73,7 +73,10 @@ class Study:
         parts = self.scene(scene) if isinstance(scene, str) else scene
         key = (parts, model, member)
         if key not in self.results:
-            self.results[key] = run_model(parts, model, Options(member=member, discretisation=False))
+            flanks = [parts.errors.side(side) for side in SIDES]
+            uneven = any(flank.profile or flank.profile_sigma for flank in flanks)
+            engine = "auto" if uneven else "interpreted"  # a few solves do not repay compiling
+            self.results[key] = run_model(parts, model, Options(member=member, discretisation=False, engine=engine))
         return self.results[key]
 
     def once(self, make: Callable[..., T], *args: Any) -> T:

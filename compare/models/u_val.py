@@ -27,7 +27,8 @@ from compare.models.comparison import Loads, from_result, from_run
 from compare.models.modelling import SPOKEN_FOR, VARIED, base_run
 from compare.models.study import Study
 from compare.reference.convergence import observe
-from compare.reference.runs import Reference, Run, load, reference_of
+from compare.reference.estimate import Reference, reference_of
+from compare.reference.store import Run, load
 from compare.reference.variants import VARIANTS
 from meshes.parts import Material, Scene
 

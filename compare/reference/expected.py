@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from compare.errors import InputError
-from compare.reference.runs import Task, needed_sides
+from compare.reference.tasks import Task, needed_sides
 from compare.system import available_GB
 
 #: Seconds of the contact patches, by level: they do not depend on the number of contacts.

@@ -34,7 +34,7 @@ class HasLoad(Protocol):
 
 
 class OnLevels(HasLoad, Protocol):
-    """A reference (`compare.reference.runs.Reference`): loads of its finest level, those of every run, relative sizes."""
+    """A reference (`compare.reference.estimate.Reference`): loads of the finest level and of every run, relative sizes."""
 
     @property
     def scene(self) -> str:

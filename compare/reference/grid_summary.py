@@ -8,7 +8,7 @@ import numpy as np
 
 from compare.measure import error_percent
 from compare.reference.convergence import Pooled
-from compare.reference.runs import Reference
+from compare.reference.estimate import Reference
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,11 @@ from pathlib import Path
 from time import perf_counter
 
 from compare.errors import InputError
+from compare.reference.computing import compute_with_bodies, with_bodies
 from compare.reference.expected import Progress, duration, expected, need_memory
 from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from compare.reference.runs import Run, Task, bodies_path, compute_with_bodies, groups, load, path_in, save, with_bodies
+from compare.reference.store import Run, bodies_path, load, path_in, save
+from compare.reference.tasks import Task, groups
 from compare.reference.variants import VARIANTS
 from compare.system import cores
 from compare.watch import reader_gone

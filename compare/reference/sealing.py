@@ -8,9 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from compare.writing import replace_file
-from meshes.condensed import seal
-
 #: Largest file of a run [bytes], and deepest nesting of its brackets: the largest shipped one has a tenth, and 4.
 LARGEST, DEEPEST = 8_000_000, 8
 
@@ -51,21 +48,3 @@ def _parsed(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise ValueError("no table of a run")
     return data
-
-
-def seal_store(store: Path) -> list[Path]:
-    """Add checksums to all runs and condensed bodies of a store that were written without; returns the files changed.
-
-    For runs of versions that wrote none, whose content is known to be good. Raises ValueError, OSError for a file that
-    cannot be read.
-    """
-    changed = []
-    for path in sorted(store.glob("*-level*.json")):
-        data = _parsed(path)
-        if "checksum" not in data:
-            replace_file(path, sealed(data))
-            changed.append(path)
-    for path in sorted(store.glob("bodies-*.npz")):
-        seal(path)
-        changed.append(path)
-    return changed

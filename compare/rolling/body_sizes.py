@@ -13,6 +13,8 @@ from hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
 from hifi.rolling.bodies import Sizes
 from hifi.rolling.rigid_limit import FIRST, solve_rigid_rolling
 
+#: Case (a) of the linear pair.
+SCENE = "lin-pair-a"
 #: Cells of the contacts: differences between bodies are taken on one grid, which need not be fine.
 SHAPE = (12, 16)
 #: Quantities shown.
@@ -43,16 +45,19 @@ def variants() -> dict[str, Sizes | None]:
     }
 
 
+def variant(choice: str) -> Variant:
+    """One variant of case (a) of the linear pair."""
+    sizes = variants()[choice]
+    case = case_of(shipped_case(SCENE, LinearPairScene), Choices(SHAPE))
+    both = (case.apart, case.touching)
+    elastic, near = (
+        measures(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in both)) for e in (1.0, NEARLY_RIGID)
+    )
+    limit = measures(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in both))
+    return Variant(choice, {k: limit[k] + elastic[k] - near[k] for k in NAMES})
+
+
 @lru_cache(maxsize=1)
 def body_sizes() -> tuple[Variant, ...]:
-    """All variants of case (a) of the linear pair."""
-    case = case_of(shipped_case("lin-pair-a", LinearPairScene), Choices(SHAPE))
-    both = (case.apart, case.touching)
-    out = []
-    for name, sizes in variants().items():
-        elastic, near = (
-            measures(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in both)) for e in (1.0, NEARLY_RIGID)
-        )
-        limit = measures(case, *(solve_rigid_rolling(s, FIRST * 2, bodies=sizes) for s in both))
-        out.append(Variant(name, {k: limit[k] + elastic[k] - near[k] for k in NAMES}))
-    return tuple(out)
+    """All variants."""
+    return tuple(variant(choice) for choice in variants())

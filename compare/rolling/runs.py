@@ -1,6 +1,7 @@
 """Runs of the 3D model of rolling: three grids of a scene, each with nearly rigid bodies beside it, and their store.
 
-Bodies are half spaces, or finite: a ball and grooved bars (`hifi.rolling.bodies`).
+Bodies are half spaces, or finite (`hifi.rolling.bodies`): patches of the static reference, on straight tracks a ball and
+grooved bars.
 
 A run is a plain record. The answer of a grid is that of its elastic bodies less that of nearly rigid ones on the same
 grid, on top of the rigid limit by quadrature (`hifi.rolling.rigid_limit`).
@@ -30,7 +31,8 @@ from hifi.rolling.rigid_limit import RigidResult, solve_rigid_rolling
 #: Cells along and across the grooves of the levels; bump SCHEMA when the mechanics or the record change.
 LEVELS = {1: (16, 24), 2: (20, 30), 3: (24, 36)}
 SCHEMA = 1
-#: Bodies by name, and those of a scene unless others are asked for.
+#: Bodies by name, and those of a scene unless others are asked for; bump MESHED when the mechanics of finite ones change.
+MESHED = 2
 HALF_SPACE, FINITE = "half-space", "finite"
 BODIES = {HALF_SPACE: None, FINITE: Sizes()}
 #: Points of the two quadratures of the rigid limit, whose difference is its uncertainty.
@@ -79,7 +81,7 @@ def key_of(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> str:
     told = [SCHEMA, asdict(scene), level, LEVELS.get(level), SOURCE_SIZE.get(scene.kind), QUADRATURES, NEARLY_RIGID]
     sizes = BODIES[bodies]
     if sizes is not None:
-        told.append(asdict(sizes))
+        told += [asdict(sizes), MESHED]
     return hashlib.sha256(json.dumps(told, default=_plain).encode()).hexdigest()[:16]
 
 

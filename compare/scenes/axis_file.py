@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from compare.scenes.axis_schema import AxisKeys, HousingKeys, SetKeys, StiffKeys
-from compare.scenes.checks import TOLERANCE, Fault, choice_faults, geometry_faults, mm
+from compare.scenes.body_checks import geometry_faults
+from compare.scenes.fault import TOLERANCE, Fault, mm
+from compare.scenes.key_checks import choice_faults
+from compare.scenes.records import friction_of, material_of, scene_of, support_of, vector
 from compare.scenes.refusal import refuse
-from compare.scenes.scene_file import friction_of, material_of, scene_of, support_of, vector
 from compare.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
 from meshes.axis import Assembly, Housing, Joint, RollerRow, RollingSet, Segment, Stiffness, diagonal, full
 from meshes.parts import FREEDOMS, Ingredients, Load, Motion, Scene, Screw
@@ -203,6 +205,8 @@ def _set(keys: AxisKeys, i: int, raw: Mapping[str, Any], origin: str) -> Rolling
         row = replace(row, slices=r.slices, crown=float("inf") if r.crown is None else r.crown)
         return RollingSet(*shared, row, one.position or 0.0, one.housing, one.offset, one.preload, thrust)  # type: ignore[arg-type]
     own = _scene_keys(keys, one)
+    if "seed" not in one.errors.model_fields_set:  # sets without a seed of their own do not draw the same errors
+        own = own.model_copy(update={"errors": one.errors.model_copy(update={"seed": i})})
     refuse(origin, raw, [_blamed(f, i, raw) for f in choice_faults(own)])
     scene = scene_of(own, one.name)
     refuse(origin, raw, [_blamed(f, i, raw) for f in geometry_faults(scene)])

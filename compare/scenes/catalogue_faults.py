@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from compare.scenes.checks import Fault, mm
+from compare.scenes.fault import Fault, mm
 from compare.scenes.schema import SceneKeys
 
 #: Part of a ball diameter by which a diameter may differ from twice the radius beside it.

@@ -6,7 +6,7 @@ import re
 from math import ceil, floor, pi, sin
 
 from compare.errors import InputError
-from compare.scenes.catalogue_input import touching_angle
+from compare.scenes.circuits import touching_angle
 
 #: Ball diameters that are kept in stock [mm].
 STOCK = (0.8, 1.0, 1.2, 1.588, 2.0, 2.381, 2.778, 3.175, 3.5, 3.969, 4.763, 5.556, 6.35, 7.144, 7.938, 9.525, 12.7)

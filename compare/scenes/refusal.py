@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, NoReturn
 from pydantic import BaseModel, ValidationError
 
 from compare.errors import SceneError
-from compare.scenes.checks import Fault
+from compare.scenes.fault import Fault
 from compare.scenes.keys import tidy_schema
 from compare.scenes.units import show
 from compare.scenes.words import hint

@@ -6,48 +6,27 @@ import difflib
 import hashlib
 import re
 import tomllib
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from pydantic import ValidationError
 
 from compare.errors import SceneError, escaped
-from compare.scenes.catalogue_input import azimuths
-from compare.scenes.checks import Fault, choice_faults, contact_faults, geometry_faults
-from compare.scenes.keys import AXIS, FRICTION_ONLY, WHOLE, MaterialKeys
+from compare.scenes.body_checks import contact_faults, geometry_faults
+from compare.scenes.fault import Fault
+from compare.scenes.key_checks import choice_faults
+from compare.scenes.keys import AXIS, FRICTION_ONLY, WHOLE
 from compare.scenes.mending import validated
 from compare.scenes.preload import preloaded
+from compare.scenes.records import scene_of
 from compare.scenes.refusal import refusal, refuse, refuse_keys, spoken
-from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys, SideKeys, SupportKeys, TermKeys, TrackKeys
+from compare.scenes.schema import SceneKeys
 from compare.scenes.units import show
 from meshes.axis import Assembly
-from meshes.parts import (
-    FREEDOMS,
-    BallErrors,
-    Balls,
-    Circulation,
-    Errors,
-    FourierTerm,
-    Friction,
-    GateLimits,
-    Ingredients,
-    Load,
-    Material,
-    Motion,
-    Nut,
-    Scene,
-    Screw,
-    SideErrors,
-    Solid,
-    Support,
-    Time,
-    Track,
-)
+from meshes.parts import Scene
 
 if TYPE_CHECKING:
-    from compare.scenes.axis_schema import AxisKeys, HousingKeys
+    from compare.scenes.axis_schema import AxisKeys
     from compare.scenes.kinds.common import KindScene
 
 #: Largest scene file [bytes] and longest line [characters]: 100 000 listed azimuths on one line have 2 MB.
@@ -227,107 +206,3 @@ def read_toml(text: str, origin: str) -> dict[str, Any]:
     line = text.splitlines()[int(found[1]) - 1].strip() if found else "text that is not TOML"
     advice = f'{reason[:1].lower()}{reason[1:]}; texts need double quotes, e.g. length = "800 mm"'
     raise SceneError(origin, place, line or "an empty line", "TOML: [table] and key = value lines", advice)
-
-
-def scene_of(keys: SceneKeys, name: str) -> Scene:
-    """The record of faultless keys."""
-    track, e = keys.track, keys.errors
-    default = keys.material
-    sides = {s: _side(getattr(e, s)) for s in ("SL", "SR", "NL", "NR")}
-    listed = tuple(sorted((int(k), v) for k, v in e.balls.listed.items()))
-    screw, nut, diameter = keys.screw, keys.nut, 2.0 * keys.balls.radius
-    return Scene(
-        name=name,
-        title=escaped(keys.title),
-        track=Track(**track.model_dump()),
-        screw=Screw(
-            length=screw.length,
-            outer_diameter=screw.outer_diameter,
-            groove_radius=screw.groove_radius or (screw.conformity or 0.0) * diameter,
-            material=material_of(screw.material, default),
-            bore=screw.bore,
-        ),
-        nut=Nut(
-            position=nut.position,
-            length=nut.length,
-            outer_diameter=nut.outer_diameter,
-            groove_radius=nut.groove_radius or (nut.conformity or 0.0) * diameter,
-            material=material_of(nut.material, default),
-            azimuth=nut.azimuth,
-        ),
-        balls=Balls(keys.balls.radius, material_of(keys.balls.material, default), _azimuths(keys.balls, track)),
-        errors=Errors(
-            balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution), seed=e.seed, **sides
-        ),
-        supports=tuple(support_of(s) for s in keys.supports),
-        loads=tuple(Load(p.at, vector(p.force), vector(p.moment)) for p in keys.loads),
-        ingredients=Ingredients(**keys.ingredients.model_dump()),
-        solid=Solid(**keys.solid.model_dump()),
-        source=escaped(keys.source),
-        assumed=tuple(map(escaped, keys.assumed)),
-        members=keys.members,
-        friction=None if keys.friction is None else friction_of(keys.friction),
-        motion=None if keys.motion is None else Motion(**keys.motion.model_dump()),
-        role=keys.role,
-        circulation=None if keys.circulation is None else Circulation(**keys.circulation.model_dump()),
-        time=None if keys.time is None else Time(**keys.time.model_dump()),
-        gate=GateLimits(**keys.gate.model_dump()),
-    )
-
-
-def friction_of(keys: FrictionKeys) -> Friction:
-    """Coefficients of a scene."""
-    screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
-    return Friction(screw, nut, tuple(map(escaped, keys.assumed)), keys.coupling, keys.balls)
-
-
-def material_of(own: MaterialKeys | None, default: MaterialKeys) -> Material:
-    """A part's material, what it does not say taken from the scene's."""
-    own = own or default
-    modulus = default.youngs_modulus if own.youngs_modulus is None else own.youngs_modulus
-    ratio = default.poissons_ratio if own.poissons_ratio is None else own.poissons_ratio
-    if modulus is None or ratio is None:  # choice_faults has refused this
-        raise AssertionError("material without a value")
-    return Material(modulus, ratio)
-
-
-def _azimuths(balls: BallKeys, track: TrackKeys) -> tuple[float, ...]:
-    """Azimuths of one start [rad]: as listed, or spread evenly over the arcs, or over the turns of its circuits about the
-    nut's centre."""
-    if balls.azimuths is not None:
-        return tuple(balls.azimuths)
-    if balls.arcs is None:
-        return azimuths(balls, track)
-    n = (balls.count or 0) // track.starts
-    ends = np.array(balls.arcs)
-    fill = np.concatenate([[0.0], np.cumsum(ends[:, 1] - ends[:, 0])])
-    at = (np.arange(n) + 0.5) / n * fill[-1]
-    arc = np.searchsorted(fill, at, side="right") - 1
-    return tuple(float(x) for x in track.phase + ends[arc, 0] + at - fill[arc])
-
-
-def _side(side: SideKeys) -> SideErrors:
-    return SideErrors(
-        profile=tuple(side.profile),
-        profile_sigma=tuple(side.profile_sigma),
-        pitch=_terms(side.pitch),
-        pitch_along=side.pitch_along,
-        roundness=_terms(side.roundness),
-    )
-
-
-def _terms(terms: Sequence[TermKeys]) -> tuple[FourierTerm, ...]:
-    return tuple(FourierTerm(t.harmonic, t.sin, t.cos, t.sigma) for t in terms)
-
-
-def support_of(support: SupportKeys | HousingKeys) -> Support:
-    """What is held at a station, and where."""
-    held: dict[str, float] = dict.fromkeys(support.fix, 0.0)
-    held |= support.displace.model_dump(exclude_none=True)
-    return Support(support.at, tuple((name, held[name]) for name in FREEDOMS if name in held))
-
-
-def vector(values: Sequence[float]) -> tuple[float, float, float]:
-    """Three values as a record."""
-    x, y, z = values
-    return x, y, z

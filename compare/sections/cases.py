@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -127,7 +128,7 @@ def figures(study: Study) -> tuple[Figure, ...]:
         integer_x=True,
     )
     second = Panel(
-        "case 2, SL = NR: ball 17 oversized by 1 µm",
+        f"case 2, SL = NR: {oversized(study.scene('lin-case2'))}",
         x,
         y,
         (loads("case 2", case2, 0, emphasis=True), loads("case 1", case1, 0)),
@@ -136,15 +137,16 @@ def figures(study: Study) -> tuple[Figure, ...]:
     panels = []
     for reading in READINGS:
         plain, offset = study.solve(reading.plain), study.solve(reading.offset)
+        moved = f"offset {1e6 * offset_of(study.scene(reading.offset)):g} µm"
         panels.append(
             Panel(
                 f"case 3, {reading.label} at the right end" + (" (as the text says)" if reading.of_text else ""),
                 x,
                 y,
                 (
-                    loads("SL, offset 300 µm", offset, 0, emphasis=True),
+                    loads(f"SL, {moved}", offset, 0, emphasis=True),
                     loads("SL, no offset", plain, 0),
-                    loads("SR, offset 300 µm", offset, 1, emphasis=True),
+                    loads(f"SR, {moved}", offset, 1, emphasis=True),
                     loads("SR, no offset", plain, 1),
                 ),
                 integer_x=True,
@@ -193,12 +195,22 @@ def figures(study: Study) -> tuple[Figure, ...]:
     )
 
 
+def oversized(scene: Scene) -> str:
+    """The balls of a scene whose radii are off, in words."""
+    return "; ".join(f"ball {ball} oversized by {1e6 * radius:g} µm" for ball, radius in scene.errors.balls.listed)
+
+
+def offset_of(scene: Scene) -> float:
+    """Largest displacement [m] that a support of a scene prescribes."""
+    return max(abs(value) for support in scene.supports for freedom, value in support.fixed if freedom.startswith("u"))
+
+
 def picture(scene: Scene, result: StaticResult, caption: str) -> LoadedScrew:
     """3D picture of a loaded screw."""
     held = result.load > 0.0
     arrows = result.contact_point[held], (result.force_direction * result.load[..., None])[held]
     title = "loaded-screw", "Case 3 with offset: contact forces on the balls"
-    return loaded_screw(scene, title, result.load, arrows, caption)
+    return replace(loaded_screw(scene, title, result.load, arrows, caption), turns=True)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:

@@ -12,7 +12,7 @@ from compare.crosscheck.rows import agreement, columns, contact_rows, mesh_colum
 from compare.crosscheck.study import STUDIES, scene_key
 from compare.measure import error_percent, load_error
 from compare.models.study import Study
-from compare.reference.runs import Reference
+from compare.reference.estimate import Reference
 from reports.records import Cell, Column, Section, Table, Text
 
 ABOUT = (

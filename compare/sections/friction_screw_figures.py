@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from compare.evidence.assumptions_3_4 import AXIAL, OVERSIZE, pair_map
-from compare.evidence.screw import ANGLES, THETA, curve, cut, loose_run, run, variation
+from compare.evidence.screw import ANGLES, THETA, curve, cut, loose_run, screw_run, variation
 from compare.evidence.source_cases import inferred
 from compare.printed.printed_data import entry
 from compare.sections.curves import numbers
@@ -17,6 +17,10 @@ from lowfi.friction.screw.motion import Coupling
 from lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
 from reports.records import Figure, Panel, Series
 
+#: Axial force [N] of Table 3.7.
+LOAD = 50.0
+#: Load angle [deg] up to which the source compares torques.
+END = 18.0
 #: Steps whose contacts are drawn.
 DOTS = 66
 
@@ -46,25 +50,31 @@ def contact_panels(r: RunResult) -> tuple[Panel, Panel]:
     pairs = Series("touching pairs", numbers(time), numbers(r.contact.sum(axis=1)), "line")
     found = Series("groups", numbers(time), numbers(groups(r.contact)), "line")
     return (
-        Panel("contacts in the nut, θ of 3°", "time / s", "place along the nut's track / deg", (dots,)),
-        Panel("touching pairs and groups, θ of 3°", "time / s", "number", (pairs, found), zero=True),
+        Panel(f"contacts in the nut, {amplitude(r)}", "time / s", "place along the nut's track / deg", (dots,)),
+        Panel(f"touching pairs and groups, {amplitude(r)}", "time / s", "number", (pairs, found), zero=True),
     )
+
+
+def amplitude(r: RunResult) -> str:
+    """Amplitude of the deviation of a run, in words."""
+    return f"θ of {np.degrees(r.run.amplitude):g}°"
 
 
 def run_figure() -> Figure:
     """Figures 3.23 to 3.25."""
-    three, two, open_grooves = run(3.0), run(2.0), loose_run()
+    three, two, open_grooves = screw_run(3.0), screw_run(2.0), loose_run()
     panels = (
         theta_panel(three.run),
-        torque_panel(f"torque, θ of 3°, {1e6 * three.run.oversize:g} µm", three),
-        torque_panel(f"torque, θ of 2°, {1e6 * two.run.oversize:g} µm", two),
+        torque_panel(f"torque, {amplitude(three)}, {1e6 * three.run.oversize:g} µm", three),
+        torque_panel(f"torque, {amplitude(two)}, {1e6 * two.run.oversize:g} µm", two),
         *contact_panels(three),
-        torque_panel("torque, θ of 3°, 0 µm, coupled", open_grooves),
+        torque_panel(f"torque, {amplitude(open_grooves)}, {1e6 * open_grooves.run.oversize:g} µm, coupled", open_grooves),
     )
     high, low = summarise(three), summarise(two)
     caption = (
         "With four loaded contacts the grooves' torque is nearly constant; ball-to-ball torque builds up to "
-        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut (θ of 3°) or {low.largest:.0%} at {low.at:.0f}° (2°), "
+        f"{high.largest:.0%} of it at {high.at:.0f}° of the nut ({amplitude(three)}) or {low.largest:.0%} at {low.at:.0f}° "
+        f"({amplitude(two)}), "
         f"ends, and comes back weaker. Contacts form {high.groups} groups, one in each cycle of θ. Without oversize "
         f"the grooves' torque is lower and varies by {variation(open_grooves):.0%} after the first step, whose loads "
         "are computed without friction. Amplitude, phase and oversize are assumed; the source prints none of them."
@@ -79,12 +89,36 @@ def map_panels(case: str, coupling: Coupling) -> list[Panel]:
     panels = []
     for key, values, label in (("force", m.force, "force / N"), ("increase", 100.0 * m.increase, "increase / %")):
         values = np.where(m.converged, values, np.nan)
-        curves = [Series(f"{f:g} N", x, numbers(values[:, j]), "line", emphasis=f == 50.0) for j, f in enumerate(AXIAL)]
+        curves = [Series(f"{f:g} N", x, numbers(values[:, j]), "line", emphasis=f == LOAD) for j, f in enumerate(AXIAL)]
         printed = entry("lin-3.7", f"{key}_{case}").value or np.nan
         curves.append(Series("printed", [x[0], x[-1]], [printed, printed], "line"))
         title = f"{'ball-to-ball force' if key == 'force' else 'friction increase'}, θ = {THETA[case]:g}°, {words}"
         panels.append(Panel(title, "oversize of the ball's radius / µm", label, curves, zero=True))
     return panels
+
+
+def plain_ratio(case: str, coupling: Coupling) -> float:
+    """Force of a pair without oversize at ``LOAD`` over the printed one."""
+    m = pair_map(case, coupling)
+    at = int(np.argmin(np.abs(np.array(OVERSIZE))))
+    return float(m.force[at, AXIAL.index(LOAD)]) / (entry("lin-3.7", f"force_{case}").value or np.nan)
+
+
+def meetings(key: str) -> str:
+    """Oversizes at which the curve of ``LOAD``, not coupled, crosses the printed value of each case, in words."""
+    words = []
+    for case in ("a", "b"):
+        m, printed = pair_map(case, "none"), entry("lin-3.7", f"{key}_{case}").value or np.nan
+        values = (m.force if key == "force" else 100.0 * m.increase)[:, AXIAL.index(LOAD)]
+        words.append(f"{' and '.join(f'{x:.1f}' for x in crossings(values, printed)) or 'no oversize'} µm in case ({case})")
+    return ", ".join(words)
+
+
+def crossings(values: Array, level: float) -> list[float]:
+    """Oversizes [µm] at which values over ``OVERSIZE`` cross a level, by straight lines between them."""
+    off, x = values - level, 1e6 * np.array(OVERSIZE)
+    k = np.flatnonzero(off[:-1] * off[1:] < 0.0)
+    return [float(v) for v in x[k] - off[k] * (x[k + 1] - x[k]) / (off[k + 1] - off[k])]
 
 
 def map_figure() -> Figure:
@@ -94,13 +128,18 @@ def map_figure() -> Figure:
     caption = (
         "Once all four contacts are loaded (a bend, the later the larger the axial force) the force grows with "
         "the oversize whatever the axial force is, while the friction increase falls, because grooves' losses grow "
-        "faster. Below the bend forces are small; friction that moves the balls about doubles them at 50 N and θ = 2°. "
-        f"Curves of {inferred().force[0]:g} N meet the printed forces near {1e6 * inferred().oversize:g} µm only. The "
-        "printed increase is met there too, but in case "
-        "(a) also near 1 µm: force and increase together make the inferred oversize. At 0 µm with friction "
-        "moving the balls, the plain reading, the force is half the printed one."
+        f"faster. Below the bend forces are small: without oversize, at {LOAD:g} N and θ = {THETA['a']:g}°, friction that "
+        f"moves the balls about makes {plain_ratio('a', 'ball') / plain_ratio('a', 'none'):.1f} times of the force, which "
+        f"then is {plain_ratio('a', 'ball'):.2f} of the printed one. Curves of {LOAD:g} N meet the printed forces at "
+        f"{meetings('force')}, the printed increases at {meetings('increase')}; oversize and load of the other figures are "
+        f"inferred from both together: {1e6 * inferred().oversize:g} µm, {inferred().force[0]:g} N."
     )
     return Figure("friction-pair-maps", "Two balls of a screw over oversize and load", panels, caption, 2)
+
+
+def onset_of(found: TorqueCurve) -> float:
+    """First load angle [deg] at which a ball takes more than two contacts."""
+    return float(np.degrees(ANGLES[np.flatnonzero(found.four)[0]]))
 
 
 def bearing_figure() -> Figure:
@@ -122,11 +161,11 @@ def bearing_figure() -> Figure:
         panel("torque over that at 0°", "ratio", lambda c: c.torque / c.torque[0]),
         panel("balls beyond two contacts", "balls", lambda c: c.four.astype(float)),
     )
-    first = float(np.degrees(ANGLES[np.flatnonzero(curves[0][1].four)[0]]))
+    free, held, last = curves[0][1], curves[1][1], float(np.degrees(ANGLES[-1]))
     caption = (
         "The four-point bearing's torque climbs with the load's angle, steeply once balls take more than two contacts "
-        f"(from {first:.0f}° on, with an inner ring free to tilt); the double row's stays within "
-        f"{cut(curves[2][1], 18.0):.2f} of its smallest up to 18°. An inner ring held against tilting shows no "
-        "transition up to 30°."
+        f"(from {onset_of(free):.0f}° on, with an inner ring free to tilt); the double row's stays within "
+        f"{cut(curves[2][1], END):.2f} times of its smallest up to {END:g}°. With the inner ring held against tilting "
+        + (f"balls do so from {onset_of(held):.0f}° on." if held.four.any() else f"none does up to {last:.0f}°.")
     )
     return Figure("friction-load-angle", "Torque against load angle (4.3.1)", panels, caption, 3)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from compare.evidence.liu import bodies, case
 from compare.evidence.registry import evidence
+from compare.measure import error_percent
 from compare.models.study import Study
 from compare.sections.finding_table import printed_table
 from lowfi.random_errors.chain import Array, solve_chain
@@ -43,9 +45,9 @@ def _median(quantity: Quantity, half_range: int, unit: float) -> Series:
 
 def _band(quantity: Quantity, half_range: int, unit: float) -> list[Series]:
     loads, found = list(case.LOADS[half_range]), []
-    for level, words in ((0.005, "0.5 %"), (0.995, "99.5 %")):
+    for level in (case.UNLIKELY, 1.0 - case.UNLIKELY):
         values = [float(np.quantile(case.sample(half_range, quantity, f), level)) / unit for f in loads]
-        found.append(Series(f"±{half_range} µm, {words}", loads, values, "line"))
+        found.append(Series(f"±{half_range} µm, {100.0 * level:g} %", loads, values, "line"))
     return found
 
 
@@ -77,11 +79,39 @@ def figure(found: dict[str, float]) -> Figure:
             zero=True,
         ),
     )
-    caption = (
-        f"{case.MEMBERS} drawn screws a range. Left: the printed counts at 1000 N lie below every likely draw, those at "
-        "100 and 500 N within. Right: with all balls loaded printed stiffness is 2 to 4 % above ours, as without errors."
-    )
+    caption = f"{case.MEMBERS} drawn screws a range. Left: {counts_in_words(found)}. Right: {stiffness_in_words(found)}."
     return Figure("liu-random-errors", "Random errors: loaded balls and stiffness", panels, caption)
+
+
+def counts_in_words(found: dict[str, float]) -> str:
+    """How many printed counts of loaded balls lie within what most draws span, and which do not."""
+    total, out = 0, []
+    for key, value in found.items():
+        parts = re.fullmatch(r"(un)?loaded_(\d)_(\d+)(_again)?", key)
+        if parts is None:
+            continue
+        half_range, load = int(parts[2]), float(parts[3])
+        count = case.BALLS - value if parts[1] else value
+        low, high = np.quantile(case.sample(half_range, "loaded", load), [case.UNLIKELY, 1.0 - case.UNLIKELY])
+        total += 1
+        if not low <= count <= high:
+            out.append(f"±{half_range} µm at {load:g} N {'below' if count < low else 'above'}")
+    span = f"what {100.0 * (1.0 - 2.0 * case.UNLIKELY):g} % of the draws span"
+    beyond = f"; beyond it: {', '.join(dict.fromkeys(out))}" if out else ""
+    return f"{total - len(out)} of {total} printed counts lie within {span}{beyond}"
+
+
+def stiffness_in_words(found: dict[str, float]) -> str:
+    """How far printed stiffness lies from the median of the draws where all balls of most draws carry load."""
+    off = []
+    for key, value in found.items():
+        parts = re.fullmatch(r"K_(\d)_(\d+)", key)
+        half_range, load = (int(parts[1]), float(parts[2])) if parts else (0, 0.0)
+        if load in case.LOADS.get(half_range, ()) and np.median(case.sample(half_range, "loaded", load)) == case.BALLS:
+            off.append(error_percent(1e8 * value, float(np.median(case.sample(half_range, "stiffness", load)))))
+    if not off:
+        return "no printed stiffness stands at a load that all balls of most draws carry"
+    return f"with all balls loaded printed stiffness is {min(off):+.1f} to {max(off):+.1f} % off the median of the draws"
 
 
 def bodies_table(study: Study) -> Table:

@@ -11,8 +11,8 @@ from compare.models.comparison import REFERENCED
 from compare.models.ladder import UNSEEN
 from compare.models.registry import DEFAULT, MODELS
 from compare.models.study import Study
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.runs import Reference
 from compare.sections.reference_time import FLOOR, TimePoint, all_points, when_measured
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Summary, Table, Text
@@ -292,6 +292,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     narrow = time_figure(points, "error-time-narrow", (3.75, 3.4), all_names=False)
     covered = coverage({name: study.scene(name) for name in points}, found)
     said, limits = answer(points, bars), (*LIMITS, study.once(when_measured, step))
-    summary = Summary(QUESTION, said, wide, narrow, covered, limits)
-    items = (Text((said,)), standing_table(standings(points)), Text((*covered, *limits), bullets=True))
+    table = standing_table(standings(points))
+    summary = Summary(QUESTION, said, wide, narrow, covered, limits, table)
+    items = (Text((said,)), table, Text((*covered, *limits), bullets=True))
     return Section("overview", title, items, summary=summary)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from compare.models.registry import DEFAULT
 from compare.models.study import Study
 from compare.reference.levels import PRODUCTION
-from compare.reference.runs import settings_of
+from compare.reference.tasks import settings_of
 from compare.sections.loaded_screw import loaded_screw
 from compare.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
 from meshes.errors import specimen
@@ -63,7 +63,7 @@ class Stresses:
     patches: dict[int, SolidField]
 
 
-def solve(study: Study, step: Step) -> Solved:
+def solve_pictured(study: Study, step: Step) -> Solved:
     """Solve the scene on the coarsest level, two-sided, and choose its most loaded ball."""
     from hifi.fields import contact_forces
     from hifi.part_meshes import mesh_parts
@@ -346,7 +346,7 @@ def stress_caption(solved: Solved, found: Stresses, pressure: ContactPressure) -
 
 def section(study: Study, step: Step) -> Section:
     """Section of the report."""
-    solved = solve(study, step)
+    solved = solve_pictured(study, step)
     found = stresses(solved, step)
     n = solved.ball + 1
     words, _ = stress_caption(solved, found, next(iter(pressures(solved).values())))

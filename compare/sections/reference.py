@@ -23,9 +23,10 @@ from compare.models.modelling import VARIED, Modelling, combined, modelling_perc
 from compare.models.registry import MODELS
 from compare.models.study import Study
 from compare.printed.printed_data import entry
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
 from compare.reference.levels import LEVELS, PRODUCTION, SOURCE_LEVEL
-from compare.reference.runs import Reference, Run, load
+from compare.reference.store import Run, load
 from compare.sections.reference_time import time_items
 from meshes.parts import SIDES
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text

@@ -14,9 +14,10 @@ from compare.models.mesh_study import study_table
 from compare.models.modelling import REFINED, VARIED, varied
 from compare.models.study import Study
 from compare.reference.convergence import LABELS
+from compare.reference.estimate import Reference
 from compare.reference.grid_summary import mean_load, summarise
-from compare.reference.levels import LEVELS, SOURCE_LEVEL
-from compare.reference.runs import Reference, Run, load
+from compare.reference.levels import LEVELS, SOURCE_LEVEL, SOURCE_MESH
+from compare.reference.store import Run, load
 from compare.reference.variants import NOT_VARIED, VARIANTS
 from compare.sections.reference import case_studies, modelling
 from compare.sections.study_figure import study_figure
@@ -382,7 +383,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     items: list[Any] = []
     text = [
         "Every level refines all its cells together, those of the contacts by a third. The source's mesh has first-order "
-        "tetrahedra, 0.08 mm around every contact and 5 mm elsewhere, condensed by the same method."
+        f"tetrahedra, {1e3 * SOURCE_MESH['tet']:g} mm around every contact and {1e3 * SOURCE_MESH['cell']:g} mm elsewhere, "
+        "condensed by the same method."
     ]
     assumed = list(dict.fromkeys(a for ref in found.values() for a in ref.best.assumed))
     if assumed:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 
@@ -16,13 +16,15 @@ from compare.costs.run_times import load as load_times
 from compare.costs.run_times import save as save_times
 from compare.measure import error_percent, load_error
 from compare.models.comparison import REFERENCED, suited
-from compare.models.ladder import UNSEEN, finest_bodies
+from compare.models.ladder import UNSEEN, Rung, finest_bodies, ladder
 from compare.models.registry import MODELS, Model, Options, run_model
 from compare.models.study import Study
 from compare.printed.printed_data import entry
+from compare.reference.estimate import Reference
 from compare.reference.levels import SOURCE_LEVEL
-from compare.reference.runs import Array, Reference, load, shipped_store
+from compare.reference.store import Array, load, shipped_store
 from compare.system import machine
+from lowfi.statics.result import StaticResult
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Series, Table
 
@@ -123,9 +125,9 @@ def _model_point(
     name: str, model: Model, found: Reference, study: Study, bodies: Path | None, known: RunTime | None
 ) -> TimePoint:
     scene = study.scene(name)
-    options = Options(discretisation=False, engine="compiled", condensed=bodies)
-    result = run_model(scene, model.name, options)
+    result = _solved(name, model, study, bodies)
     if known is None:
+        options = Options(discretisation=False, engine="compiled", condensed=bodies)
         cold = measure(name, model.name, condensed=bodies, repeats=1)
         known = RunTime(cold.process, warm_seconds(model, scene, options), cold.memory)
     return TimePoint(
@@ -138,6 +140,16 @@ def _model_point(
         known.memory,
         result.status,
     )
+
+
+def _solved(name: str, model: Model, study: Study, bodies: Path | None) -> StaticResult:
+    """Result of a model on a scene; with condensed bodies from a file, that of the ladder where it has been climbed."""
+    if bodies is None:
+        return study.solve(name, model.name)
+    for rung in study.made.get((ladder,), ()):
+        if (rung.scene, rung.model) == (name, model.name):
+            return cast(Rung, rung).result
+    return run_model(study.scene(name), model.name, Options(discretisation=False, condensed=bodies))
 
 
 def time_table(points: Mapping[str, Sequence[TimePoint]], measured: str = "") -> Table:
@@ -302,6 +314,7 @@ def time_figures(points: Mapping[str, Sequence[TimePoint]]) -> list[Figure]:
 def all_points(study: Study, step: Step) -> dict[str, list[TimePoint]]:
     """Points of all scenes with a reference; of the case studies alone in a quick study."""
     found = study.references(REFERENCED if study.quick else (*REFERENCED, *UNSEEN))
+    study.once(ladder)  # times every new geometry, so it goes first; its results serve here
     return {name: time_points(name, ref, study, step) for name, ref in found.items()}
 
 

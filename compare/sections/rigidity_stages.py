@@ -10,7 +10,7 @@ from compare.measure import error_percent
 from compare.models.loading import solve_scaled
 from compare.models.registry import DEFAULT, Options
 from compare.models.study import Study
-from compare.reference.runs import Reference
+from compare.reference.estimate import Reference
 from lowfi.rating.rigidity import axial_displacement, axial_force, rigidities
 from meshes.parts import Scene
 from reports.records import Cell, Column, Table
@@ -33,7 +33,7 @@ def reference_row(study: Study, name: str) -> dict[str, Cell] | None:
         return None
     result = study.solve(name, DEFAULT)
     force, moved = axial_force(result), axial_displacement(scene, result)
-    bare = solve_scaled(scene, 0.0, DEFAULT, Options(discretisation=False))
+    bare = solve_scaled(scene, 0.0, DEFAULT, Options(discretisation=False, engine="interpreted"))
     if abs(axial_displacement(scene, bare)) > STARTS * abs(moved):
         return None
     try:

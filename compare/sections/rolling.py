@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from compare.evidence.rolling_proof import Proof, proofs
 from compare.measure import error_percent
 from compare.models.study import Study
-from compare.reference.runs import shipped_store
-from compare.rolling.body_sizes import NAMES, Variant, body_sizes
-from compare.rolling.from_rest import Series, from_rest
+from compare.reference.store import shipped_store
+from compare.rolling.body_sizes import NAMES
+from compare.rolling.from_rest import GAP, Series, from_rest
+from compare.rolling.kept_sizes import Sizes
+from compare.rolling.kept_sizes import sizes as body_sizes
 from compare.rolling.patches import PatchField, fields
 from compare.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, stored_rows, within
 from compare.rolling.runs import FINITE, LEVELS, SOURCE_LEVEL, RollingRun, load
@@ -95,7 +97,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     step("linear bearing from rest")
     series = from_rest()
     step("slip and traction; finite bodies of other sizes")
-    sizes, patches = () if study.quick else body_sizes(), fields()
+    sizes = Sizes((), "Left out of a quick report.") if study.quick else body_sizes(stores, fresh=study.timed)
+    patches = fields()
     missing = [name for name, own in found.items() if not own]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_words(found, proof)),
@@ -127,7 +130,7 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     return Section("rolling", "Rolling in 3D: balls that touch", items, _headline(found))
 
 
-def _finite(stores: Sequence[Path], sizes: Sequence[Variant]) -> list[Text | Table | Figure | PressureMap]:
+def _finite(stores: Sequence[Path], sizes: Sizes) -> list[Text | Table | Figure | PressureMap]:
     """What finite bodies change, and how far that depends on the choices behind them."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, own in found.items() if not own]
@@ -155,8 +158,8 @@ def _finite(stores: Sequence[Path], sizes: Sequence[Variant]) -> list[Text | Tab
             "rolling-body-sizes",
             "Linear bearing, case (a): sizes and meshes of finite bodies",
             SIZES,
-            [{"choice": v.choice, **v.values} for v in sizes],
-            "All on one grid of the contacts." + ("" if sizes else " Left out of a quick report."),
+            [{"choice": v.choice, **v.values} for v in sizes.variants],
+            f"All on one grid of the contacts. {sizes.words}",
         ),
     ]
 
@@ -334,12 +337,12 @@ def _figure(series: Sequence[Series]) -> Figure:
     speeds = [Curve(f"ball {k + 1}", time, [1e3 * v[k] for v in last.speed], "line") for k in range(2)]
     return Figure(
         "rolling-from-rest",
-        "Linear bearing, case (a): two balls begin to roll 1 um apart",
+        f"Linear bearing, case (a): two balls begin to roll {1e6 * GAP:g} um apart",
         [
             Panel("ball-to-ball force", "time [ms]", "force [N]", forces, zero=True),
             Panel(f"speed of the balls, {last.steps} steps", "time [ms]", "speed [mm/s]", speeds),
         ],
-        "The source ran ten steps.",
+        f"The source ran {series[0].steps} steps.",
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from compare.measure import error_percent
 from compare.models.study import Study
-from hifi.block import JOBS, SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS, HertzRun, source_study
+from hifi.block import ALONG, BALL, GROOVE, JOBS, SOURCE_COARSE, SOURCE_FINE, SOURCE_RADIUS, HertzRun, source_study
 from hifi.block import study as solve_block
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
@@ -209,17 +209,19 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
 
 def drawn(found: Sequence[Level]) -> Section:
     """Section of the runs ``found``."""
+    job, made = JOBS["A"], f"{NAMES[PRODUCTION[0]]}, b/h = {PRODUCTION[1]:g}"
     return Section(
         "verification",
         "The 3D reference against Hertz",
         (
             Text(
                 (
-                    "A ball of radius 2.778 mm (E = 210 GPa, nu = 0.28, both bodies elastic) is pressed with 225 N "
-                    "on a flat (job A) and into a groove of radius 3.254 mm, convex along it with 20.56 mm (job B). "
+                    f"A ball of radius {1e3 * BALL:g} mm (E = {1e-9 * job.young:g} GPa, nu = {job.poisson:g}, both bodies "
+                    f"elastic) is pressed with {job.load:g} N on a flat (job A) and into a groove of radius "
+                    f"{1e3 * GROOVE:g} mm, convex along it with {1e3 * ALONG:g} mm (job B). "
                     "One elastic body is modelled and its compliance doubled; a quarter by symmetry. The cut faces of "
                     "the block move as in the half space (Boussinesq), so that the approach can be compared: held, "
-                    "they would shift it by 2 % even for a block of 5 mm.",
+                    "they would shift it.",
                     "h is the edge of the cells along the short semi-axis b. Semi-axes are those of the ellipsoid with "
                     "the load and second moments of the nodal forces; the pole pressure is the nodal force over its "
                     "area at the pole, not the largest nodal value; the fitted one is that of the ellipsoid. On "
@@ -231,7 +233,7 @@ def drawn(found: Sequence[Level]) -> Section:
             Text(verdict(found), bullets=True),
             Table(
                 "verification-targets",
-                "Production mesh (27-node hexahedra, b/h = 4) against the closed form",
+                f"Production mesh ({made}) against the closed form",
                 (
                     Column("job", "job", "", "s"),
                     Column("quantity", "quantity", "", "s"),

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hifi.hertz import hertz
-from hifi.rolling.bodies import Sizes, contact_kernel
+from hifi.rolling.bodies import Place, Sizes, contact_kernel
 from hifi.rolling.friction import Contact, Friction, solve_friction
 from hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact, surface
 from hifi.rolling.neighbours import Meeting, Together
@@ -164,9 +164,10 @@ def kernel_of(scene: Rolling, touch: Touch, bodies: Sizes | None) -> Regular | N
         raise ValueError("a finite groove needs the direction of its bottom")
     largest = max(t.load for b in scene.balls for t in b.touches)
     angle = float(np.arccos(touch.normal @ touch.bottom))
-    kernel = contact_kernel(scene.radius, touch.radii, angle, largest, scene.young, scene.poisson, bodies)
+    at = Place(scene.radius, touch.radii, angle, scene.track.curve)
+    kernel = contact_kernel(at, largest, scene.young, scene.poisson, bodies)
     axes = axes_of(touch, scene.track, scene.radius, scene.orbit)
-    return kernel if axes[1] @ touch.bottom > 0.0 else kernel.mirrored
+    return kernel if axes[1] @ touch.bottom > 0.0 else kernel.turned
 
 
 def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:

@@ -33,6 +33,14 @@ class Track:
         """Path of the ball's centre per unit of speed [m]."""
         return float(np.linalg.norm(self.forward))
 
+    @property
+    def curve(self) -> tuple[float, float] | None:
+        """Radius of the path's cylinder [m] and rise per angle [m/rad] of a ring or a helix; None of a straight track."""
+        if not self.axis.any():
+            return None
+        rise = float(self.axis @ self.forward)
+        return float(np.sqrt(self.length**2 - rise**2)), rise
+
     def field(self, at: Array) -> Array:
         """H ``(..., 3)`` at points ``(..., 3)`` [m] from the ball's centre."""
         return np.asarray(self.forward + np.cross(self.axis, at))

@@ -47,11 +47,18 @@ class Regular:
         return replace(self, M=self.M + other.M)
 
     @cached_property
-    def mirrored(self) -> Regular:
-        """The same with y the other way round."""
-        odd = (-1.0) ** exponents(self.degree)[:, 1]
-        signs = np.concatenate([odd, -odd, odd])
+    def turned(self) -> Regular:
+        """The same seen from axes turned by 180 degrees about the normal."""
+        odd = (-1.0) ** exponents(self.degree).sum(axis=1)
+        signs = np.concatenate([-odd, -odd, odd])
         return replace(self, M=self.M * np.outer(signs, signs))
+
+    @cached_property
+    def even(self) -> Regular:
+        """The mean with its mirror image in x: of bodies that do not know the sense in which they roll."""
+        odd = (-1.0) ** exponents(self.degree)[:, 0]
+        signs = np.concatenate([-odd, odd, odd])
+        return replace(self, M=0.5 * (self.M + self.M * np.outer(signs, signs)))
 
     def _part(self, rows: slice, columns: slice) -> Array:
         k = len(self.M) // 3

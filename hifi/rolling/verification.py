@@ -6,17 +6,23 @@ pressure by fine quadrature, and any Hertzian contact under given creepages.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hifi.block import read_ellipse
+from hifi.grid_wave import approaches
 from hifi.hertz import hertz
+from hifi.pressures import mean_weights
+from hifi.rolling.bodies import Place, Sizes, contact_kernel
 from hifi.rolling.elements import Solids
 from hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
 from hifi.rolling.normal import press
 from hifi.rolling.patch import Patch, grid, hertz_patch
 from hifi.rolling.rigid_limit import quadrature
+from hifi.rolling.static_patches import Curve, cuts_of
+from hifi.submodel import fine_compliance
 
 Array = NDArray[np.float64]
 
@@ -64,6 +70,48 @@ def steady(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> Answe
     moment = float(patch.at[:, 0] @ y - patch.at[:, 1] @ x)
     loss, upwind = -float(q @ found.slips[0]), float(q @ (contact.elastic @ q))
     return Answer(np.array([x.sum(), y.sum()]), moment, patch, found, loss, upwind)
+
+
+# --- the static reference
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """A contact at rest: approach [m], semi-axes along and across the groove [m], fitted peak pressure [Pa]."""
+
+    approach: float
+    semi: tuple[float, float]
+    peak: float
+
+
+def at_rest(at: Place, load: float, young: float, poisson: float, shape: tuple[int, int], sizes: Sizes) -> Pressed:
+    """A contact of finite bodies as rolling has it under ``load`` [N], without motion."""
+    patch = hertz_patch(load, at.radii, young, poisson, shape, contact_kernel(at, load, young, poisson, sizes))
+    semi, _, peak = read_ellipse(patch.at, np.full(len(patch.at), float(patch.size.prod())), patch.normal)
+    return Pressed(patch.approach, semi, peak)
+
+
+def static_reference(at: Place, load: float, young: float, poisson: float, cells: tuple[int, int]) -> Pressed:
+    """The same by the static reference: hats of pressure on its patches of groove and ball, on the exact gap.
+
+    cells: of the contact zone along and across the groove. Raises ValueError for a straight track.
+    """
+    if at.curve is None:
+        raise ValueError("the static reference has no straight tracks")
+    zone = at.zone(load, young, poisson, replace(Sizes(), cells=cells, growth=2.0, margin=1.2))
+    groove, ball = cuts_of(Curve(*at.curve), at.ball, at.arc, at.angle, zone, outer=at.bend > 0.0)
+    arms = groove.patch.points[groove.patch.contact] - groove.centre
+    length = np.linalg.norm(arms, axis=1)
+    normals = arms / length[:, None]
+    C = fine_compliance(groove.piece, groove.patch, normals, young, poisson)
+    C = C + fine_compliance(ball.piece, ball.patch, -normals, young, poisson)
+    W = mean_weights(groove.patch.weights)
+    gap, close = W @ (length - at.ball), W @ (normals @ groove.axes[2])
+    (approach,), closed = approaches(C, gap, close, np.array([load]))
+    i = np.flatnonzero(closed[0])
+    forces = np.linalg.solve(C[np.ix_(i, i)], approach * close[i] - gap[i])
+    semi, _, peak = read_ellipse((arms @ groove.axes.T)[i, :2], groove.patch.areas[i], forces)
+    return Pressed(float(approach), semi, peak)
 
 
 # --- Carter

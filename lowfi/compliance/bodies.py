@@ -33,6 +33,7 @@ from lowfi.compliance.tube import (
     clamped,
     contact_compliance,
     motion_rows,
+    on_line,
     points_of,
     spring_compliance,
     tube_compliance,
@@ -256,6 +257,7 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend)
     G = contact_compliance(found, points_of(x, axes))
     tube = found.tube
     plain = tube_section(2.0 * tube.outer, 2.0 * tube.bore, tube.material)
+    x = on_line(tube, x)
     rows, stations = motion_rows(x, axes), np.repeat(x[:, 2], 2)
     if tube.held == "section":
         G = G - spring_compliance(tube, x, axes) - clamped(rows, stations, tube.ends, "low", plain)

@@ -181,7 +181,7 @@ class Body:
 
 
 def end_motions(body: Body, n: int) -> Array:
-    """Mean rigid motions of the low end section, rows on the freedoms of grid line z = 0, ``(k, 3 columns)``.
+    """Mean rigid motions of an end section, rows on the freedoms of its grid line, ``(k, 3 columns)``.
 
     n = 0: axial motion and twist; n = 1: shift across and tilt (u_z = - tilt r cos t); none above.
     """
@@ -199,7 +199,7 @@ def end_motions(body: Body, n: int) -> Array:
         out[0, :, 2], out[1, :, 1] = weights
     elif n == 1:
         out[0, :, 0], out[0, :, 1], out[1, :, 2] = 0.5 * weights[0], -0.5 * weights[0], -weights[1]
-    return out.reshape(len(out), -1)
+    return out.reshape(len(out), 3 * r.size)
 
 
 def line_compliance(
@@ -214,7 +214,8 @@ def line_compliance(
     node by node.
 
     held ``(3 nodes,)``: fixed freedoms; rows (first, last + 1): which lines in z are loaded and watched; springs: shift,
-    tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. Raises LinAlgError where the body is not held.
+    tilt, axial and twist stiffness [N/m, N m] of the low end's mean motions. With springs, harmonics 0 and 1 have two more
+    rows and columns: the mean motions of the high end (`end_motions`). Raises LinAlgError where the body is not held.
     """
     nodes = np.arange(*rows) * body.grid.shape[1] + line
     watched = np.full(3 * body.grid.r.size, -1, dtype=np.int64)
@@ -236,22 +237,27 @@ def _sweep(body: Body, blocks: list[Block], n: int, watched: Index, springs: Seq
     powers = factor_c(n) * np.array([1.0, n, n * n])
     seen = np.zeros(0, dtype=np.int64)
     total = int(watched.max()) + 1
-    answer = np.zeros((total, total))
+    ends = end_motions(body, n) if springs else np.zeros((0, 0))
+    answer = np.zeros((total + len(ends),) * 2)
     Y_before, L_before = np.zeros((0, 0)), np.zeros((0, 0))
     for k, block in enumerate(blocks):
         own = block.own
         diagonal = np.tensordot(powers, block.diagonal, 1)
-        if k == 0 and springs and n < 2:
-            ends = end_motions(body, n)[:, own]
-            diagonal += ends.T @ (np.array(springs[2:] if n == 0 else springs[:2])[:, None] * ends)
+        if k == 0 and len(ends):
+            low = ends[:, own]
+            diagonal += low.T @ (np.array(springs[2:] if n == 0 else springs[:2])[:, None] * low)
         new = np.flatnonzero(watched[own] >= 0)
-        Y = np.zeros((own.size, seen.size + new.size))
+        high = total + np.arange(len(ends) if k == len(blocks) - 1 else 0)
+        Y = np.zeros((own.size, seen.size + new.size + high.size))
         if L_before.size and own.size:
             lower = solve_triangular(L_before, np.tensordot(powers, block.lower, 1).T, lower=True, check_finite=False)
             diagonal -= lower.T @ lower
             Y[:, : seen.size] = -lower.T @ Y_before
         Y[new, seen.size + np.arange(new.size)] = 1.0
-        seen = np.concatenate([seen, watched[own[new]]])
+        if high.size:
+            line = own - (3 * body.grid.r.size - ends.shape[1])
+            Y[line >= 0, -high.size :] = ends[:, line[line >= 0]].T
+        seen = np.concatenate([seen, watched[own[new]], high])
         if own.size == 0:
             Y_before, L_before = np.zeros((0, seen.size)), np.zeros((0, 0))
             continue

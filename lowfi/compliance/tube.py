@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 #: the angle between two contacts, the others as the sine.
 PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
 EVEN = 4
+#: Signs of the products that make the sine of a difference: sin s cos t - cos s sin t.
+SKEW = np.array([[1.0], [-1.0]])
 #: Points and weights of the quadrature over a patch, and the shapes of an element there.
 NODE, WEIGHT = np.polynomial.legendre.leggauss(8)
 SHAPES = quadratic(NODE)[0]
@@ -42,11 +44,15 @@ class Tube:
 @dataclass(frozen=True)
 class TubeCompliance:
     """Motion [m/N] of the loaded grid line by loads on it at stations z ``(k,)`` [m]: for each harmonic the parts ``PARTS``
-    of a symmetric matrix, side by side ``(k, 6 k)``."""
+    of a symmetric matrix, side by side ``(k, 6 k)``. Of a shaft held by its section, for harmonics 0 and 1, by loads on the
+    mean motions of its high end (`lowfi.compliance.fourier.end_motions`): ends ``(2, 3, k)``, the line (r, t, z), and
+    own ``(2, 2)``, these motions themselves."""
 
     tube: Tube
     z: Array
     parts: tuple[Array, ...]
+    ends: tuple[Array, ...] = ()
+    own: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -125,8 +131,11 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     held = held_nodes(tube, grid.shape)
     springs = end_springs(tube) if tube.held == "section" else ()
     found = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
-    parts = tuple(np.hstack([S[i::3, j::3] for i, j in PARTS]) for S in found)
-    return TubeCompliance(tube, z[rows[0] : rows[1]], parts)
+    size = 3 * (rows[1] - rows[0])
+    parts = tuple(np.hstack([S[i:size:3, j:size:3] for i, j in PARTS]) for S in found)
+    ends = tuple(S[size:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in found[:2]) if springs else ()
+    own = tuple(S[size:, size:] for S in found[:2]) if springs else ()
+    return TubeCompliance(tube, z[rows[0] : rows[1]], parts, ends, own)
 
 
 def end_springs(tube: Tube) -> tuple[float, float, float, float]:
@@ -160,18 +169,27 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
     tube, count = found.tube, points.z.size
     weights = patch_weights(found.z, points.z, tube.width)
     total = np.zeros((count, len(PARTS), count))
+    by_load, moved = np.empty((count, len(PARTS) * found.z.size)), np.empty_like(total)  # written anew for each harmonic
     for n, parts in enumerate(found.parts):
-        share = np.exp(-((n * tube.width / tube.radius) ** 2)) if n > 1 or not resultant else 1.0
-        moved = ((weights @ parts).reshape(-1, found.z.size) @ weights.T).reshape(total.shape)
-        c, s = np.sqrt(share) * np.cos(n * points.azimuth), np.sqrt(share) * np.sin(n * points.azimuth)
-        total[:, :EVEN] += (np.outer(c, c) + np.outer(s, s))[:, None] * moved[:, :EVEN]
-        total[:, EVEN:] += (np.outer(s, c) - np.outer(c, s))[:, None] * moved[:, EVEN:]
+        share = np.exp(-0.5 * (n * tube.width / tube.radius) ** 2) if n > 1 or not resultant else 1.0
+        np.matmul(weights, parts, out=by_load)
+        np.matmul(by_load.reshape(-1, found.z.size), weights.T, out=moved.reshape(-1, count))
+        turned = share * np.array([np.cos(n * points.azimuth), np.sin(n * points.azimuth)])
+        moved[:, :EVEN] *= (turned.T @ turned)[:, None]  # cosine and sine of n times the angle between two contacts
+        moved[:, EVEN:] *= (turned[::-1].T @ (SKEW * turned))[:, None]
+        total += moved
     whole = np.empty((count, 3, 3, count))
     for k, (i, j) in enumerate(PARTS):
         whole[:, i, j], whole[:, j, i] = total[:, k], total[:, k].T
-    by_load = np.matmul(points.axes, whole.reshape(count, 3, -1)).reshape(count, 2, 3, count).transpose(3, 2, 0, 1)
-    G = np.matmul(points.axes, by_load.reshape(count, 3, -1)).reshape(2 * count, 2 * count)
+    one_side = np.matmul(points.axes, whole.reshape(count, 3, -1)).reshape(count, 2, 3, count).transpose(3, 2, 0, 1)
+    G = np.matmul(points.axes, one_side.reshape(count, 3, -1)).reshape(2 * count, 2 * count)
     return np.asarray(0.5 * (G + G.T))
+
+
+def on_line(tube: Tube, x: Array) -> Array:
+    """Points ``(c, 3)`` [m] where the tube takes the loads of contacts at x: on its surface where these lie beyond it."""
+    far = np.hypot(x[:, 0], x[:, 1])
+    return np.asarray(x * np.stack([np.clip(far, tube.bore, tube.outer) / far] * 2 + [np.ones(len(x))], axis=1))
 
 
 def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:

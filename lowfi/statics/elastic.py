@@ -294,13 +294,15 @@ def solved_state(elastic: Elastic) -> SolvedState:
     used = [s for s in range(2) if problem.use[s]]
     pushes = flank_forces(elastic)[:, used].transpose(1, 0, 2).reshape(-1, 2)
     by_flanks = flank_loads(problem, pushes, used)
-    if elastic.flanks.outward is not None:
-        by_flanks += elastic.flanks.outward.T @ pushes.ravel()
+    if elastic.flanks.squeeze is not None:
+        by_flanks += elastic.flanks.squeeze.node_loads(pushes.ravel())
     motion = node_motions(elastic.shaft, by_flanks, elastic.state.a)
     centre, contact, shifts = contacts_of(elastic)
     nodal = np.zeros((problem.nodes.size, 6))
     if problem.basis is None:
         nodal = (elastic.shaft.times(motion.ravel()) - problem.load.ravel() - by_flanks).reshape(-1, 6)
+    if elastic.flanks.squeeze is not None:
+        motion = elastic.flanks.squeeze.with_inside(motion, pushes, problem.fixed)
     held = np.where(problem.fixed, nodal, 0.0)
     scale = max(elastic.scale, float(np.abs(held[:, :3]).max(initial=0.0)))
     return SolvedState(problem, motion, centre, contact[..., 0], contact[..., 1:3], held, shifts, scale)

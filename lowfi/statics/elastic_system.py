@@ -27,7 +27,7 @@ from lowfi.statics.conformity import oblique_term
 from lowfi.statics.problem import Problem, build, nominal_hertz
 from lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyOptions, BodyState
 from lowfi.statics.shaft import Shaft, flank_response, shaft_of
-from lowfi.statics.squeeze import loaded_beyond, squeezed
+from lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, reference_scale
 from meshes.errors import Specimen
 from meshes.helix import BallLayout
@@ -61,8 +61,8 @@ class Flanks:
     R ``(N, d, k)`` by the free motions, v0 ``(N, d)`` [m] by loads and prescribed displacements, work ``(k,)`` of the
     loads; e ``(N, 4)`` [m/N] and h ``(N, 4)`` [m/N^(4/3)] beside Hertz; clipped: largest negative compliance cut away over
     a contact's own. own: what the flanks' motions are found from again: compliance of screw and of nut on the built sides,
-    v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks; outward ``(2 c, 6 n)``: what the built ones of these move
-    beyond rigid sections, side after side (`lowfi.statics.squeeze`), where they do.
+    v0 ``(N, 2, 2)`` and R ``(N, 2, 2, k)`` of the screw's flanks; squeeze: what is in them of the shaft's section forces,
+    where it carries anything above the contacts.
     """
 
     first: Array
@@ -74,7 +74,7 @@ class Flanks:
     h: Array
     clipped: float
     own: tuple[Array, Array, Array, Array]
-    outward: Array | None = None
+    squeeze: Squeeze | None = None
 
 
 @dataclass
@@ -155,7 +155,7 @@ def flanks_of(
     pair = one_pair(problem)
     e, h, assumed, G = np.zeros((N, 4)), np.zeros((N, 4)), [], []
     v0, R = np.zeros((N, 2, 2)), np.zeros((N, 2, 2, shaft.work.size))
-    outward: Array | None = None
+    squeeze: Squeeze | None = None
     for screw in (True, False):
         sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.use[s]]
         body = body_compliance(scene, layout, screw, backend, typical_axes(problem, force))
@@ -170,9 +170,10 @@ def flanks_of(
         own = body.G[np.ix_(order, order)]
         if screw:
             beam, moved, rigid = flank_response(shaft, sides)
-            if backend.screw == "kernel" and loaded_beyond(problem):
-                more, shift, outward = squeezed(shaft, sides)
-                beam, moved = beam + more, moved + shift
+            stretch = stretch_of(problem, scene, layout, backend, sides, slice(0, N))
+            squeeze = squeezed(shaft, sides, [stretch] if stretch is not None else [])
+            if squeeze is not None:
+                beam, moved = beam + squeeze.added, moved + squeeze.moved
             order = by_ball(N, range(len(sides)))
             own = own + beam[np.ix_(order, order)]
             v0[:, [s % 2 for s in sides]] = moved[order].reshape(N, len(sides), 2)
@@ -200,7 +201,7 @@ def flanks_of(
         h,
         clipped / contact_compliance(problem, force),
         (G[0], G[1], v0, R),
-        outward,
+        squeeze,
     )
     return flanks, tuple(assumed)
 

@@ -20,7 +20,7 @@ from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_
 from meshes.partition import MERGE, beam_nodes, contact_stations
 from meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Scene
 from meshes.section import BeamSection, screw_section
-from meshes.surface import principal_curvatures, printed_radii
+from meshes.surface import ALL, principal_curvatures, printed_radii
 
 Array = NDArray[np.float64]
 
@@ -87,22 +87,31 @@ def nominal_hertz(scene: Scene) -> HertzConstants:
 
     Kept for all solutions of a scene: not to be written to.
     """
-    found = constants_of(scene, nominal_curvatures(scene))
-    for values in (found.C, found.C_a, found.C_b, found.eccentricity):
-        values.flags.writeable = False
-    return found
+    return _hertz_of(_parts_alone(scene))
 
 
 def nominal_curvatures(scene: Scene) -> Array:
     """Relative principal curvatures of the error-free parts at the nominal contact angle, ``(4, 2)`` [1/m], that across the
     groove first. Kept for all scenes of the same parts: not to be written to."""
-    return _curvatures_of(replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0)))
+    return _curvatures_of(_parts_alone(scene))
+
+
+def _parts_alone(scene: Scene) -> Scene:
+    return replace(geometry_only(scene), nut=replace(scene.nut, position=0.0, azimuth=0.0))
 
 
 def forget_nominal() -> None:
     """Clear what is kept of nominal contacts, so that the next solve is timed with its set-up."""
-    _curvatures_of.cache_clear()
-    nominal_hertz.cache_clear()
+    for kept in (_curvatures_of, _hertz_of, nominal_hertz):
+        kept.cache_clear()
+
+
+@lru_cache(maxsize=64)
+def _hertz_of(bare: Scene) -> HertzConstants:
+    found = constants_of(bare, _curvatures_of(bare))
+    for values in (found.C, found.C_a, found.C_b, found.eccentricity):
+        values.flags.writeable = False
+    return found
 
 
 @lru_cache(maxsize=64)
@@ -142,8 +151,7 @@ def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
 
 def relative_curvatures(scene: Scene, drawn: Specimen, gamma: Array) -> Array:
     """Relative principal curvatures ``(N, 4, 2)`` [1/m] at contact angles ``(N, 4)`` [rad], across the groove first."""
-    groove = [principal_curvatures(scene, drawn, side, gamma[:, side]) for side in range(4)]
-    return np.asarray(1.0 / drawn.ball_radius[:, None, None] + np.stack(groove, axis=1))
+    return np.asarray(1.0 / drawn.ball_radius[:, None, None] + principal_curvatures(scene, drawn, ALL, gamma))
 
 
 def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:

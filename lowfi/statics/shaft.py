@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -81,8 +82,10 @@ def shaft_of(problem: Problem) -> Shaft:
     n = problem.nodes.size
     band = np.zeros((6 * n, 12))
     lengths = np.diff(problem.nodes)
-    for e, s in enumerate(problem.sections or (problem.section,) * lengths.size):
-        add_element(band, e, float(lengths[e]), np.array([s.EA, s.EI, s.GJ, s.kGA]))
+    sections = problem.sections or (problem.section,) * lengths.size
+    constants = np.array([(s.EA, s.EI, s.GJ, s.kGA) for s in sections]).reshape(-1, 4).T
+    add: Callable[..., None] = add_element  # as plain Python it takes all elements at once
+    add(band, np.arange(lengths.size), lengths, constants)
     motions = unheld(problem)
     pin = pin_node(problem)
     held = problem.fixed.copy()

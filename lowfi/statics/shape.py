@@ -45,12 +45,6 @@ def shape_matrix(xi: float, length: float, phi: float, order: int = 0) -> Array:
     return n
 
 
-def motion_matrix(z: float, nodes: Array, section: BeamSection) -> tuple[int, Array]:
-    """`motion_matrices` of one station."""
-    first, m = motion_matrices(np.array([z]), nodes, section)
-    return int(first[0]), m[0]
-
-
 def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArray[np.int64], Array]:
     """First nodes ``(k,)`` and matrices ``(k, 6, 12)`` giving the motions at stations z ``(k,)`` [m] from the two nodes
     around each.

@@ -1,92 +1,166 @@
-"""What a screw under tension or bending does to its grooves by Poisson's ratio, and they to it.
+"""What section forces of the shaft do to its contacts beyond a beam's rigid sections, and the contacts to the shaft.
 
-A beam's sections are rigid to its contacts; real ones shrink under tension and bend their outline under a moment (the
-anticlastic surface). By Saint-Venant a section that stretches by e and bends by k_x, k_y moves its surface of radius r
-outward by
+A stretch of shaft between its cut ends is a body on which contact forces f and the wrench F of all that lies above it act;
+the rest is equilibrium. Held at its low end it has the complementary energy
 
-    u_r = -nu r e + nu r^2 / 2 (k_y cos t - k_x sin t).
+    f . G f / 2 + f . D^T F + F . H F / 2
 
-By reciprocity a contact that presses inward lengthens the screw, or kinks it. Between the contacts of one set the smooth
-body of revolution (`lowfi.compliance.tube`) holds this, its upper end free; a beam that goes on from there, to a support or
-a load, sets its own forces to all sections below, and those are what is added here: the difference between the supported
-beam and the cantilever that the smooth body stands on.
+beyond that of the beam: G is what `lowfi.compliance.bodies` gives, D and H are `lowfi.compliance.ends`, Saint-Venant's
+contraction under tension and bending and the warping under shear among them. The beam has the wrench F = S q from the
+motions q of its nodes. As F is the derivative of the energy by the jump d = D f + H F that the stretch adds at its cut, the
+beam with these jumps answers loads p by q = K^-1 (p + S^T d), F = S q - k d (k: stiffness of the cut element), and with
+p = L^T f
+
+    F = (I + B H)^-1 (A - B D) f,   A = S K^-1 L^T,   B = k - S K^-1 S^T,
+
+B being the stiffness of the supported shaft against a jump: none where it is held once. Contacts move by L q + G f + D^T F.
+The energy of a body does not know at which end it is held, so that neither does the answer, however many stretches there
+are. Each contact's jump lies at its station: sections between it and the cut move by it too, and a load on one of them is
+felt by the contacts below. Supports between the contacts of one set are taken as if they were below them.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lowfi.compliance.bodies import Backend
+from lowfi.compliance.ends import end_response
+from lowfi.statics.kernel.beam import element_constants, force_of
 from lowfi.statics.problem import Problem
-from lowfi.statics.shaft import Shaft, free_state, rows_of, shaft_of
-from lowfi.statics.shape import shape_matrix, shear_ratio
-from meshes.helix import nominal_contact_points
-from meshes.solid import dimensions
+from lowfi.statics.shaft import Shaft, free_state, rows_of
+from lowfi.statics.shape import rigid_transport
+from meshes.helix import BallLayout
+from meshes.partition import MERGE, contact_stations
+from meshes.parts import Scene
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
-def loaded_beyond(problem: Problem) -> bool:
-    """Whether the beam carries anything beyond the last contact: only then do its forces differ from the cantilever's."""
-    if problem.basis is not None:
-        return False
-    beyond = problem.nodes > float(problem.layout.z.max()) + 1e-9
-    return bool(problem.fixed[beyond].any() or problem.load[beyond].any())
+@dataclass(frozen=True)
+class Stretch:
+    """Shaft under one set. flanks ``(m,)``: places of its contacts' motions among those of all; stations ``(m,)`` [m]; feel
+    ``(m, 6)``, own ``(6, 6)``: D^T and H by the wrench at the cut, the node above its contacts."""
+
+    flanks: Ints
+    stations: Array
+    feel: Array
+    own: Array
+    cut: int
 
 
-def squeeze_rows(problem: Problem, used: list[int]) -> Array:
-    """Outward motion of the contacts of the used sides of the screw, side after side, by the motions of all nodes:
-    ``(2 c, 6 n)``, zero along the second axis of each."""
-    scene, nodes = problem.scene, problem.nodes
-    nu, count = scene.screw.material.poissons_ratio, problem.layout.z.size
-    out = np.zeros((len(used) * count, 2, 6 * nodes.size))
-    for i in range(count):
-        tension, kx, ky = _strains(problem, float(problem.layout.z[i]))
-        c, s = problem.layout.radial[i, :2]
-        for k, side in enumerate(used):
-            r = scene.track.pitch_radius + float(nominal_contact_points(scene)[side][0])
-            out[k * count + i, 0] = -nu * r * tension + 0.5 * nu * r**2 * (c * ky - s * kx)
-    return out.reshape(2 * len(out), -1)
+@dataclass(frozen=True)
+class Squeeze:
+    """Stretches on a shaft of n nodes, W = 6 motions of each cut that carries a wrench, c flanks.
+
+    added ``(2 c, 2 c)`` [m/N]: to the compliance of the flanks and the stretches' own; moved ``(2 c,)`` [m]: by the scene's
+    loads and prescribed displacements; wrenches ``(W, 6 n)``: S; feel ``(2 c, W)`` and nodes ``(6 n, W)``: motions of the
+    flanks and of the nodes by S q; jumps ``(W, 2 c)`` and given ``(W,)``: d by the flanks' forces and by loads; inside
+    ``(6 n, 2 c)``: what the flanks' forces add to the nodes' motion that the beam's nodal loads do not bring about.
+    """
+
+    added: Array
+    moved: Array
+    wrenches: Array
+    feel: Array
+    nodes: Array
+    jumps: Array
+    given: Array
+    inside: Array
+
+    def node_loads(self, pushes: Array) -> Array:
+        """Nodal loads ``(6 n,)`` that stand for the jumps, by the flanks' forces ``(2 c,)`` [N]."""
+        return np.asarray(self.wrenches.T @ (self.jumps @ pushes + self.given))
+
+    def with_inside(self, motion: Array, pushes: Array, fixed: NDArray[np.bool_]) -> Array:
+        """Motions ``(n, 6)`` of the nodes with what the flanks' forces add inside, where not held."""
+        return np.where(fixed, motion, motion + (self.inside @ pushes.ravel()).reshape(-1, 6))
+
+    def by_loads(self, loads: Array, motions: Array) -> tuple[Array, Array]:
+        """Motions of the flanks ``(2 c, k)``, and of the nodes ``(6 n, k)`` beside these, by nodal loads ``(6 n, k)`` under
+        which the beam alone moves by ``motions``."""
+        wrench = self.wrenches @ motions
+        return np.asarray(self.feel @ wrench + self.inside.T @ loads), np.asarray(self.nodes @ wrench)
 
 
-def _strains(problem: Problem, z: float) -> Array:
-    """Rows ``(3, 6 n)``: stretch and both curvatures of the beam at a station, by the motions of all nodes; at a node the
-    mean of both sides."""
-    nodes = problem.nodes
-    out = np.zeros((3, 6 * nodes.size))
-    near = [e for e in range(nodes.size - 1) if nodes[e] - 1e-9 <= z <= nodes[e + 1] + 1e-9]
-    for e in near:
-        section = problem.section if problem.sections is None else problem.sections[e]
-        length = float(nodes[e + 1] - nodes[e])
-        xi = min(max((z - float(nodes[e])) / length, 0.0), 1.0)
-        slopes = shape_matrix(xi, length, float(shear_ratio(length, section)), 1) / length
-        out[:, 6 * e : 6 * e + 12] += slopes[[2, 3, 4]] / len(near)
-    return out
+def stretch_of(
+    problem: Problem, scene: Scene, layout: BallLayout, backend: Backend, used: Sequence[int], balls: slice
+) -> Stretch | None:
+    """Stretch under the balls ``balls`` of a problem, which are those of ``scene``; used: the sides that are built. None
+    where the shaft is rigid there."""
+    response = None if problem.basis is not None else end_response(scene, layout, backend)
+    if response is None or not used:
+        return None
+    cut = int(problem.node[balls][:, list(used)].max()) + (problem.B.shape[3] == 12)
+    N, first = problem.node.shape[0], np.arange(layout.z.size) + range(problem.node.shape[0])[balls].start
+    places = np.array([2 * (k * N + first)[:, None] + np.arange(2) for k in range(len(used))], dtype=np.int64)
+    up = rigid_transport(float(problem.nodes[cut]) - response.high)
+    feel = response.contacts.reshape(2, -1, 6)[list(used)].reshape(-1, 6) @ up.T
+    stations = np.repeat(contact_stations(scene, layout)[:, list(used)].T.ravel(), 2)
+    return Stretch(places.ravel(), stations, feel, up @ response.own @ up.T, cut)
 
 
-def squeezed(shaft: Shaft, used: list[int]) -> tuple[Array, Array, Array]:
-    """What is added to the compliance ``(2 c, 2 c)`` of the flanks and to their motion ``(2 c,)`` by loads and prescribed
-    displacements (see `lowfi.statics.shaft.flank_response`), and the rows that it comes from (`squeeze_rows`)."""
+def loaded_beyond(problem: Problem, cut: int) -> bool:
+    """Whether the beam carries anything beyond a node: support, load or contact."""
+    beyond = slice(cut + 1, None)
+    return bool(problem.fixed[beyond].any() or problem.load[beyond].any() or (problem.node > cut).any())
+
+
+def cut_stiffness(problem: Problem, cut: int) -> tuple[Array, Array, float]:
+    """k ``(6, 6)`` and S ``(6, 12)`` of the element above a node: the wrench on what is below, by a jump there and by the
+    motions of both its nodes; its EA [N]."""
+    section = problem.section if problem.sections is None else problem.sections[cut]
+    length = float(problem.nodes[cut + 1] - problem.nodes[cut])
+    constants = element_constants(length, np.array([section.EA, section.EI, section.GJ, section.kGA]))
+    k = np.zeros((6, 6))
+    for unit, row in zip(np.eye(6), k, strict=True):
+        force_of(unit, constants, row)
+    T = rigid_transport(length)
+    return T.T @ k @ T, T.T @ k @ np.hstack([-T, np.eye(6)]), section.EA
+
+
+def inside_of(problem: Problem, stretches: Sequence[Stretch], flanks: int) -> Array:
+    """Motions ``(6 n, 2 c)`` by jumps at the contacts: of the nodes from these to the cuts, and beyond a cut that carries
+    no wrench."""
+    out = np.zeros((problem.nodes.size, 6, flanks))
+    for x in stretches:
+        z = problem.nodes[: x.cut + 1] if loaded_beyond(problem, x.cut) else problem.nodes
+        above = z[:, None] >= x.stations - MERGE
+        out[: z.size, :, x.flanks] += (rigid_transport(z - problem.nodes[x.cut]) @ x.feel.T) * above[:, None]
+    return out.reshape(6 * problem.nodes.size, flanks)
+
+
+def squeezed(shaft: Shaft, used: Sequence[int], stretches: Sequence[Stretch], strain: float = 0.0) -> Squeeze | None:
+    """What stretches add to a shaft and its flanks of the sides ``used``; None without stretches.
+
+    strain: thermal, of the free shaft, which is among the problem's loads.
+    """
+    if not stretches:
+        return None
     problem = shaft.problem
-    dof, rows = rows_of(problem, used)
-    rigid = np.zeros((2 * len(rows), 6 * problem.nodes.size))
-    for c, (own, row) in enumerate(zip(dof, rows, strict=True)):
-        rigid[2 * c : 2 * c + 2, own] = row
-    outward = squeeze_rows(problem, used)
-    G = np.zeros((len(rigid), len(rigid)))
-    for beam, sign in ((shaft, 1.0), (shaft_of(_cantilever(problem)), -1.0)):
-        across = outward @ beam.solve(rigid.T)
-        G += sign * (across + across.T + outward @ beam.solve(outward.T))
-    return 0.5 * (G + G.T), outward @ free_state(shaft), outward
-
-
-def _cantilever(problem: Problem) -> Problem:
-    """The beam held at the node where the smooth body's low end is, and nowhere else, without loads."""
-    low = dimensions(problem.scene).ends(problem.scene)[0]
-    below = np.flatnonzero(problem.nodes <= min(low, float(problem.layout.z.min())) + 1e-9)
-    base = int(below[-1]) if below.size else 0
-    fixed = np.zeros_like(problem.fixed)
-    fixed[base] = True
-    return replace(problem, fixed=fixed, prescribed=np.zeros_like(problem.prescribed), load=np.zeros_like(problem.load))
+    dof, rows = rows_of(problem, list(used))
+    count, inside = 2 * len(rows), inside_of(problem, stretches, 2 * len(rows))
+    loaded = [x for x in stretches if loaded_beyond(problem, x.cut)]
+    W = 6 * len(loaded)
+    S, k, warm = np.zeros((W, 6 * problem.nodes.size)), np.zeros((W, W)), np.zeros(W)
+    D, H = np.zeros((W, count)), np.zeros((W, W))
+    for i, x in enumerate(loaded):
+        own = slice(6 * i, 6 * i + 6)
+        stiff, S[own, 6 * x.cut : 6 * x.cut + 12], EA = cut_stiffness(problem, x.cut)
+        for j, other in enumerate(loaded):  # jumps of one element share its stiffness
+            if other.cut == x.cut:
+                k[own, 6 * j : 6 * j + 6] = stiff
+        D[own, x.flanks], H[own, own], warm[6 * i + 2] = x.feel.T, x.own, EA * strain
+    X = shaft.solve(S.T)
+    A = np.einsum("cak,ckw->wca", rows, X[dof]).reshape(W, count)
+    B = k - S @ X
+    M = np.linalg.inv(np.eye(W) + 0.5 * (B + B.T) @ H)
+    feel, by_forces = (D.T + A.T @ H) @ M, A - B @ D
+    added = A.T @ D + feel @ by_forces
+    given = S @ free_state(shaft) - warm
+    moved = feel @ given + inside.T @ problem.load.ravel()
+    return Squeeze(0.5 * (added + added.T), moved, S, feel, X @ H @ M, D + H @ M @ by_forces, H @ M @ given, inside)

@@ -17,7 +17,7 @@ from tests.helpers import small_screw
 
 
 def test_random_extreme_scenes_are_right_or_refused_with_proof():
-    found = scenes.run(7, 40, "lin")
+    found = scenes.judge_scenes(7, 40, "lin")
     bad = [o for o in found if o.verdict in scenes.BAD]
     assert not bad, bad
     assert sum(o.verdict == scenes.RIGHT for o in found) >= 8
@@ -42,13 +42,13 @@ def test_scenes_that_were_wrong_once_are_right(number):
 
 def test_an_interrupted_campaign_goes_on(tmp_path):
     part = Part(tmp_path / "kept.part", 7, "lin")
-    first = scenes.run(7, 2, "lin", keep=part.add)
+    first = scenes.judge_scenes(7, 2, "lin", keep=part.add)
     with part.path.open("ab") as file:
         file.write(b"00000000 {torn")
     again = Part(part.path, 7, "lin")
     assert again.outcomes == {o.number: o for o in first}
     new = []
-    assert scenes.run(7, 3, "lin", known=again.outcomes, keep=new.append)[:2] == first
+    assert scenes.judge_scenes(7, 3, "lin", known=again.outcomes, keep=new.append)[:2] == first
     assert [o.number for o in new] == [2]
     assert Part(part.path, 8, "lin").outcomes == {}
 

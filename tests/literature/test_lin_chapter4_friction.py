@@ -9,7 +9,7 @@ import pytest
 from compare.evidence.source_cases import double_row, four_point
 from compare.printed.printed_data import Printed, load_table
 from compare.scenes.catalogue import scene
-from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, Row, TorqueCurve, solve_bearing, torque_curve
+from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, TorqueCurve, solve_bearing, torque_curve
 from lowfi.friction.screw.errors import Onset, contact_onset, groove_of
 from lowfi.statics.static import solve_static
 from tests.evidence_study import GROUP
@@ -78,7 +78,7 @@ def test_double_row_varies_less() -> None:
         assert dr.converged.all()
         assert np.all(dr.four == 0)
         assert dr.ratio < most
-    face = torque_curve(double_row(rows=(Row(-6e-3, DIAGONAL), Row(6e-3, OTHER)), tilt=True), ANGLES)
+    face = torque_curve(double_row(rows=(BallRow(-6e-3, DIAGONAL), BallRow(6e-3, OTHER)), tilt=True), ANGLES)
     assert face.ratio < 1.28
     assert min(assumptions()) > 3.0 * face.ratio
 

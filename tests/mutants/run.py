@@ -1,7 +1,7 @@
 """Try one-line mutants: ``python tests/mutants/run.py [NAME ...]``; each must make one of its tests fail.
 
-Every mutant is written into a copy of the sources; the tree itself is never touched. Exit code 1 where one survives that is
-not marked as equivalent.
+Every mutant is written into a copy of the sources; the tree itself is never touched. The tests must pass without a mutant
+first. Exit code 1 where a mutant survives that is not marked as equivalent, 2 where the tests do not run.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,22 +32,31 @@ def copied(folder: Path) -> Path:
     return folder
 
 
+def passes(tests: Sequence[str], folder: Path) -> bool:
+    """Whether tests pass in the copy. Raises RuntimeError where they do not run."""
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", "pytest", "-n", "0", "-x", "-q", *tests],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode not in (0, 1):
+        said = done.stdout[-2000:] + done.stderr[-2000:]
+        raise RuntimeError(f"pytest ended with {done.returncode}: {' '.join(tests)}\n{said}")
+    return done.returncode == 0
+
+
 def survives(mutant: dict[str, Any], folder: Path) -> bool:
     """Whether all tests of a mutant pass in the copy that holds it."""
     path = folder / mutant["file"]
     text = path.read_text(encoding="utf-8")
     path.write_text(text.replace(mutant["old"], mutant["new"]), encoding="utf-8")
     try:
-        done = subprocess.run(
-            [sys.executable, "-P", "-m", "pytest", "-n", "0", "-x", "-q", *mutant["tests"]],
-            cwd=folder,
-            env={**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"},
-            capture_output=True,
-            check=False,
-        )
+        return passes(mutant["tests"], folder)
     finally:
         path.write_text(text, encoding="utf-8")
-    return done.returncode == 0
 
 
 def main(names: list[str]) -> int:
@@ -60,6 +70,14 @@ def main(names: list[str]) -> int:
     alive = []
     with tempfile.TemporaryDirectory() as temporary:
         folder = copied(Path(temporary))
+        tests = sorted({test for mutant in picked if not mutant.get("equivalent") for test in mutant["tests"]})
+        try:
+            if tests and not passes(tests, folder):
+                print("the tests fail without a mutant", file=sys.stderr)
+                return 2
+        except RuntimeError as error:
+            print(error, file=sys.stderr)
+            return 2
         for number, mutant in enumerate(picked, start=1):
             if mutant.get("equivalent"):
                 print(f"[{number}/{len(picked)}] {mutant['name']}: equivalent: {mutant['equivalent']}", flush=True)

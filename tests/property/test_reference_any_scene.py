@@ -10,8 +10,9 @@ from compare.errors import Refusal
 from compare.measure import load_error
 from compare.models.registry import Options, run_model
 from compare.models.study import with_groove
+from compare.reference.computing import compute
 from compare.reference.levels import BALL
-from compare.reference.runs import Task, compute, needed_sides, settings_of
+from compare.reference.tasks import Task, needed_sides, settings_of
 from compare.scenes import catalogue
 from hifi import submodel
 from hifi.fit import Settings, ball_place, expected_reach, expected_semi_axes, patch_lines, socket_size

@@ -119,11 +119,11 @@ def solve(
     time_limit
         Seconds after which to give up, with exit code 1; none unless given.
     """
-    from compare.commands.solve import Choices, run_solve
+    from compare.commands.solve import run_solve
+    from compare.commands.solve_choices import Choices
 
     if members is not None:
         from compare.commands import members as ensembles
-        from compare.models.registry import DEFAULT
         from compare.reference.jobs import Engine
 
         if balls or stiffness_at or matrix is not None or curve is not None:
@@ -131,15 +131,7 @@ def solve(
             raise InputError("command line", named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
         return ensembles.run(
-            scene,
-            model or DEFAULT,
-            members,
-            csv_out=csv,
-            seed=seed,
-            engine=how,
-            json_out=as_json,
-            show=show,
-            print_json=print_json,
+            scene, model, members, csv_out=csv, seed=seed, engine=how, json_out=as_json, show=show, print_json=print_json
         )
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
@@ -155,12 +147,14 @@ def friction(
     mu: Annotated[list[float] | None, Parameter(negative="")] = None,
     member: int = 0,
     condensed: Path | None = None,
+    balls: Annotated[bool, Parameter(negative="")] = False,
+    time_limit: float | None = None,
     as_json: Json = False,
 ) -> int:
     """Friction of a screw or bearing at its static loads: ball motion, losses, friction torque, efficiency, drag.
 
     Also solves the kinds of scenes that only friction solves: balls of a rotary or linear bearing, two balls or a whole
-    ball screw in time, bearings in pairs; these take no further options.
+    ball screw in time, bearings in pairs; these take --time-limit and --json only.
 
     Parameters
     ----------
@@ -174,11 +168,17 @@ def friction(
         Which specimen of a scene with random errors.
     condensed
         File that rollbench condense made of these parts: bodies of a condensed 3D model, for the model "condensed".
+    balls
+        Also print motion, loads and losses of every ball.
+    time_limit
+        Seconds after which to give up, with exit code 1; none unless given.
     """
-    from compare.commands.friction import Choices, run
+    from compare.commands.friction import run_friction
+    from compare.commands.friction_whole import Choices
 
     choices = Choices(model, tuple(mu or ()), member, condensed)
-    return run(scene, choices, as_json, show, print_json)
+    out = (as_json, show, print_json)
+    return run_friction(scene, choices, *out, balls=balls, width=text_width(), time_limit=time_limit)
 
 
 @app.command

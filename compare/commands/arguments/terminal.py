@@ -73,13 +73,17 @@ def print_json(value: Any) -> None:
 
 
 def show(*parts: Any) -> None:
-    """Print texts and tables of rich, 160 columns wide where standard output is no terminal. Raises OutputLost."""
+    """Print texts and tables of rich; where standard output is no terminal, 160 columns wide and without rules. Raises
+    OutputLost."""
     from rich.console import Console
+    from rich.table import Table
 
-    width = None if sys.stdout.isatty() else 160
-    console = Console(width=width, soft_wrap=True, highlight=False, markup=False)
+    terminal = sys.stdout.isatty()
+    console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
     with writing():
         for part in parts:
+            if isinstance(part, Table) and not terminal:
+                part.box, part.pad_edge = None, False
             console.print(part)
 
 

@@ -63,7 +63,7 @@ def report(
     workers
         Runs of the 3D reference at the same time, each of up to 4 GB; 2 here, or what the cluster has, unless given.
     against
-        With a scene: an earlier page on it, to list what moved.
+        An earlier report, or with a scene an earlier page on it, to list what moved.
     """
     if scene is not None:
         from compare.commands.verify import run_page
@@ -73,24 +73,22 @@ def report(
             if value:
                 raise InputError("command line", name, str(value), "without a scene", "leave it out")
         return run_page(scene, out, store, against)
-    if against is not None:
-        raise InputError("command line", "--against", str(against), "with a scene", "name the scene of the page")
     from compare.commands.report import make_report
 
     where = engine(backend, scheduler, workers or (2 if scheduler is None else None), tls)
-    return make_report(
-        only or (), out, quick=quick, stored=stored, store=store, engine=where, fresh=fresh, everything=everything
-    )
+    kinds = {"quick": quick, "stored": stored, "fresh": fresh, "everything": everything}
+    return make_report(only or (), out, store=store, engine=where, against=against, **kinds)
 
 
 @app.command
 def verify(report: Path, /, *, store: Path = Path("rollbench-reference")) -> int:
-    """Compute the hashes of a scene's page again: page, scene, results, sources, reference runs; exit 1 where one differs.
+    """Compute the hashes of a scene's page or of a whole report again: its files, scenes, sources, printed data, reference
+    runs; exit 1 where one differs.
 
     Parameters
     ----------
     report
-        The page, or its folder, as rollbench report SCENE wrote it.
+        The page or folder that rollbench report wrote, with or without a scene.
     store
         Folder of the reference's runs, besides those shipped.
     """

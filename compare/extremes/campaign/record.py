@@ -17,7 +17,7 @@ from compare.extremes.campaign.part import Part
 Record = dict[str, Any]
 
 
-def run(
+def run_campaign(
     seed: int,
     count: int,
     model: str,
@@ -32,7 +32,7 @@ def run(
     interrupted one has left, and where this one leaves its outcomes.
     """
     known, keep = (None, None) if part is None else (part.outcomes, part.add)
-    outcomes = scenes.run(seed, count, model, progress, known, keep)
+    outcomes = scenes.judge_scenes(seed, count, model, progress, known, keep)
     broken = [*files.scenes(seed, mutated), *files.stored(seed, mutated // 2), *files.kills(seed, kills)]
     seconds = sorted(o.seconds for o in outcomes)
     extra = f" --files {mutated}" * bool(mutated) + f" --kills {kills}" * bool(kills)

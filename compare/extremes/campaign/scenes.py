@@ -83,7 +83,7 @@ def _refusal(scene: Scene, result: StaticResult) -> tuple[str, str]:
     return SILENT, result.status
 
 
-def run(
+def judge_scenes(
     seed: int,
     count: int,
     model: str,

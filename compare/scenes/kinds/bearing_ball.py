@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
-from compare.scenes.checks import Fault
+from compare.scenes.fault import Fault
 from compare.scenes.keys import BallSizeKeys, CoulombKeys, PathKeys, SpeedKeys, Table
 from compare.scenes.kinds.common import (
     Body,

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from compare.scenes.checks import Fault
+from compare.scenes.fault import Fault
 from compare.scenes.keys import BallSizeKeys, CoulombKeys, GrooveKeys, PathKeys, Size, SpeedKeys, Table
 from compare.scenes.kinds.common import (
     Body,
@@ -26,7 +26,7 @@ from compare.scenes.kinds.common import (
 )
 from compare.scenes.kinds.screw_balls import hertz_faults
 from compare.scenes.quantity import Quantity, key
-from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BearingCase, Row
+from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
 from lowfi.friction.linear.bearing import Array
 from lowfi.friction.screw.groove import ScrewGroove
 
@@ -135,11 +135,11 @@ def _bearing(keys: BearingPairKeys, b: RingKeys, table: str) -> BearingCase:
         keys.motion.speed,
         hertz=keys.ingredients.mode,
     )
-    rows: tuple[Row, ...] = (Row(0.0, ALL),)
+    rows: tuple[BallRow, ...] = (BallRow(0.0, ALL),)
     if isinstance(b, DoubleRowKeys):
         half = 0.5 * b.rows.distance
         first, second = (OTHER, DIAGONAL) if b.rows.arrangement == "back to back" else (DIAGONAL, OTHER)
-        rows = (Row(-half, first), Row(half, second))
+        rows = (BallRow(-half, first), BallRow(half, second))
     return BearingCase(groove, b.balls.count, rows, keys.load.force, 0.0 - body.oversize, keys.load.tilt)
 
 

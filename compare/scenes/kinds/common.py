@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 from compare.errors import escaped
-from compare.scenes.checks import Fault, groove_choice_faults, mm
+from compare.scenes.fault import Fault, mm
+from compare.scenes.key_checks import groove_choice_faults
 from compare.scenes.keys import (
     MATERIAL,
     BallSizeKeys,

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from compare.scenes.checks import Fault
+from compare.scenes.fault import Fault
 from compare.scenes.keys import BallSizeKeys, ContactAngle, GrooveKeys, Table
 from compare.scenes.kinds.common import (
     Gap,

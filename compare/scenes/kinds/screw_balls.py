@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from compare.scenes.checks import Fault, mm
+from compare.scenes.fault import Fault, mm
 from compare.scenes.keys import Azimuth, BallSizeKeys, Duration, HelixKeys, MotionKeys, Table, Turns
 from compare.scenes.kinds.common import (
     AxialLoad,

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import Discriminator, Tag, TypeAdapter
 
 from compare.scenes.axis_schema import AxisKeys
-from compare.scenes.checks import Fault
+from compare.scenes.fault import Fault
 from compare.scenes.keys import AXIS, FRICTION_ONLY, without_null
 from compare.scenes.kinds import bearing_ball, bearing_pair, linear, screw_balls
 from compare.scenes.kinds.bearing_ball import BearingBallKeys

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.groove import ON_SCREW, SIGN_X, SIGN_Z, ScrewGroove, frame
-from lowfi.friction.screw.load import Cell, ScrewLoad, settle
+from lowfi.friction.screw.load import Cell, ScrewLoad, settle_load
 from lowfi.friction.screw.motion import ball_motion
 
 #: Freedoms of the inner ring in the order of the unknowns, and the smallest part that is not round-off.
@@ -23,7 +23,7 @@ ALL, DIAGONAL, OTHER = (True, True, True, True), (True, False, False, True), (Fa
 
 
 @dataclass(frozen=True)
-class Row:
+class BallRow:
     """One row of balls: axial place [m] and the contacts (SL, SR, NL, NR; S: inner ring) that its grooves have."""
 
     place: float
@@ -42,7 +42,7 @@ class BearingCase:
 
     groove: ScrewGroove
     count: int
-    rows: tuple[Row, ...]
+    rows: tuple[BallRow, ...]
     force: float
     clearance: float = 0.0
     tilt: bool = False
@@ -129,7 +129,7 @@ def free_motion(case: BearingCase, angle: float) -> str:
 
 def solve_bearing(case: BearingCase, angle: float, near: BearingState | None = None) -> BearingState:
     """Loads, motions and friction torque with the force at ``angle`` [rad] from the axis; near: a similar state."""
-    load = settle(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.screw))
+    load = settle_load(bearing_cell(case, angle), None if near is None else (near.load.ball, near.load.screw))
     loss, good, power = np.zeros_like(load.force), load.converged, 0.0
     for k in np.flatnonzero(load.force.sum(axis=1) > 0.0):
         ball = ball_motion(case.groove, load.force[k], load.angle[k])

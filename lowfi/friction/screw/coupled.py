@@ -13,7 +13,7 @@ import numpy as np
 from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
 from lowfi.friction.screw.joint import solve_joint
-from lowfi.friction.screw.load import Cell, ScrewLoad, settle
+from lowfi.friction.screw.load import Cell, ScrewLoad, settle_load
 from lowfi.friction.screw.motion import AGREED, ROUNDS, Coupling, Mixer, feedback, hold_screw
 
 #: Rounds after which loads and friction are solved as one system.
@@ -66,7 +66,7 @@ def coupled_chain(
     Not always unique: a ball that bears no load in ``bare``, or next to none, may float or be wedged between the
     grooves by its own friction. What is found then depends on where the search begins.
     """
-    bare = settle(cell, None if near is None else (near.bare.ball, near.bare.screw))
+    bare = settle_load(cell, None if near is None else (near.bare.ball, near.bare.screw))
     held = hold_screw(cell, bare) if coupling == "ball" else cell
     m = held.rows.shape[2]
     if guess is None:
@@ -74,7 +74,7 @@ def coupled_chain(
     push, drag, start = guess.push, guess.drag[:m], (guess.q, guess.ball_force)
     place, mixer, count = (bare.ball, bare.screw[:m]), Mixer(), 0
     while True:
-        load = settle(replace(held, push=push, drag=drag), place)
+        load = settle_load(replace(held, push=push, drag=drag), place)
         moved = solve_chain(Chain(cell.groove, load.force, cell.groove.normals(load.angle), slack), start)
         new_push, new_drag = feedback(held, moved.wrench, moved.ball_push[:, [0, 2]], coupling)
         x, g = np.append(push, drag), np.append(new_push, new_drag)

@@ -77,7 +77,7 @@ def _first_guess(cell: Cell) -> tuple[Array, Array]:
     return 0.5 * (cell.section @ u), u
 
 
-def settle(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> ScrewLoad:
+def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = True) -> ScrewLoad:
     """Loads of the cell, from positions of balls (N, 2) and screw (m,) [m] if given; forces do not depend on the start.
 
     Minimises sum (2/5) C^(-3/2) <approach>^(5/2) - force . u - push . p by Newton with line search, in the compiled
@@ -88,7 +88,7 @@ def settle(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool = Tr
     found = settle_cell(load_arrays(cell), load, p, u, fast)
     # from a distant start a nearly unloaded ball may creep along a flat energy
     if not found.converged and start is not None:
-        return settle(cell, None, fast)
+        return settle_load(cell, None, fast)
     n = np.abs(found.normal)
     angle = np.arctan2(n[..., 1], n[..., 0])
     return ScrewLoad(found.force, angle, found.ball, found.inner, found.left, found.steps, found.converged)

@@ -91,7 +91,7 @@ def forces(place: Seats, shift: Array) -> tuple[Array, Array, Array]:
     return depth**1.5, away / length[..., None], length
 
 
-def settle(place: Seats, given: Array, start: Array) -> tuple[Array, Array, Array, Array]:
+def settle_seats(place: Seats, given: Array, start: Array) -> tuple[Array, Array, Array, Array]:
     """Shifts (N, 3) [m] at which contacts balance given forces (N, 3) [N] on balls (x3, z3) and screw (z), by Newton.
 
     Each ball is the minimum of a convex energy. start (N, 3): shifts to begin from. Returns shifts, forces (N, 4),
@@ -233,7 +233,7 @@ def _seated(
 ) -> tuple[StaticContacts, Array, NDArray[np.bool_]]:
     """Contacts with the balls ``which`` where forces (k, 3) hold them, their shifts (k, 3), and which did not settle."""
     part = Seats(place.away[which], place.reach[which], place.C[which], place.axis)
-    x, force, normal, left = settle(part, given, start)
+    x, force, normal, left = settle_seats(part, given, start)
     failed = left > 1e-8 * np.maximum(force.sum(axis=1), bare.force[which].sum(axis=1))
     new_force, angle = now.force.copy(), now.angle.copy()
     new_force[which] = force

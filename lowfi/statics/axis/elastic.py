@@ -1,7 +1,8 @@
 """Several rolling sets with elastic bodies: the compliance of shaft, housings and of each set's own bodies at all flanks.
 
 The shaft is a beam with its supports; beyond it the screw, nut and balls of a set answer contact forces as in the refined
-model of one set (`lowfi.compliance`), as long as the force is of that set: from set to set only beam and housings reach.
+model of one set (`lowfi.compliance`), as long as the force is of that set: from set to set only beam and housings reach,
+and the beam's section forces, which squeeze the contacts (`lowfi.statics.squeeze`).
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from lowfi.statics.elastic_system import (
 from lowfi.statics.problem import Problem, nominal_hertz
 from lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
 from lowfi.statics.shaft import Shaft, flank_response, shaft_of
+from lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE
 from meshes.section import screw_section
 
@@ -80,6 +82,7 @@ class ElasticAxis:
     arms: Array
     engine: ModuleType
     assumed: tuple[str, ...]
+    squeeze: Squeeze | None
 
 
 def housings_of(structure: Structure, arm: float) -> Housings:
@@ -191,6 +194,10 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     shaft, housings = shaft_of(whole), housings_of(s, system.arm)
     order = by_ball(N, (0, 1))
     beam, moved, rigid = flank_response(shaft, [0, 1])
+    stretches = [stretch_of(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.balls) for b in system.balls]
+    squeeze = squeezed(shaft, [0, 1], [x for x in stretches if x is not None], system.assembly.thermal_strain)
+    if squeeze is not None:
+        beam, moved = beam + squeeze.added, moved + squeeze.moved
     forces = [typical_force(system, b) for b in system.balls]
     parts = [own_bodies(b, backend, x) for b, x in zip(system.balls, forces, strict=True)]
     flat = outer_rows(system, rollers)
@@ -247,4 +254,5 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
         arms,
         engine,
         (*assumed, *said),
+        squeeze,
     )

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 #: Statements that hold for every run of the refined model on several sets.
 ASSUMPTIONS = (
     "the shaft is a Timoshenko beam between its sets; beyond the beam the screw, nut and balls of a set are elastic for "
-    "that set's own contacts, and do not feel those of another set",
+    "that set's own contacts, and feel those of another set by the section forces of the shaft",
     "housings are rigid; nuts and outer rings are held in them as a scene of one set holds them",
     *ELASTIC_ASSUMPTIONS,
 )
@@ -125,6 +125,8 @@ def state_of(elastic: ElasticAxis) -> tuple[AxisState, Array]:
     pushes = forces[:, :2].transpose(1, 0, 2).reshape(-1, 2)
     q = np.zeros((structure.stations.size, 6))
     by_flanks = flank_loads(elastic.whole, pushes, [0, 1])
+    if elastic.squeeze is not None:
+        by_flanks += elastic.squeeze.node_loads(pushes.ravel())
     q[:n] = node_motions(shaft, by_flanks, elastic.state.a[:k])
     on_outer = elastic.rows.T @ forces[:, 2:].ravel()
     h = elastic.housings
@@ -137,6 +139,8 @@ def state_of(elastic: ElasticAxis) -> tuple[AxisState, Array]:
     held = np.where(structure.fixed, taken - loads, 0.0)
     slices = np.zeros((system.slices.drop.size, 2))
     elastic.engine.roller_forces(system.slices, q, slices, np.zeros_like(q))
+    if elastic.squeeze is not None:
+        q[:n] = elastic.squeeze.with_inside(q[:n], pushes, structure.fixed[:n])
     state = AxisState(q, np.zeros((n - 1, 6)), elastic.state.inner[:, :2], elastic.state.contact, slices)
     return state, held
 
@@ -192,6 +196,10 @@ def elastic_stiffness(elastic: ElasticAxis, S: list[Array]) -> Array | None:
         answer = elastic.shaft.solve(unit)
         moved = answer.reshape(n, 6, 6)[elastic.whole.node]
         v[:, :2] = np.einsum("nsak,nskj->nsaj", elastic.whole.B, moved)
+        if elastic.squeeze is not None:
+            more, besides = elastic.squeeze.by_loads(unit, answer)
+            v[:, :2] += more.reshape(2, N, 2, 6).transpose(1, 0, 2, 3)
+            answer = answer + besides
         rigid = np.eye(6)
         z = float(structure.nodes[row] - structure.nodes[elastic.shaft.pin])
         rigid[0, 4], rigid[1, 3] = z, -z

@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from lowfi.statics.axis.system import USE, BallSet, System
+from lowfi.statics.axis.system import USE, BallSet, Placed, System
 from lowfi.statics.problem import distances, nominal_hertz
 from lowfi.statics.records import AxisState
 from lowfi.statics.selection import all_clear, motions_in_section
 from lowfi.statics.shape import motion_matrices
 from meshes.axis import Assembly, RollingSet
-from meshes.errors import specimen
-from meshes.helix import ball_layout
+from meshes.errors import Specimen
 from meshes.partition import contact_stations
 from meshes.parts import SIDES, Scene
 from meshes.section import BeamSection
@@ -29,13 +28,13 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def likely_sides(assembly: Assembly, member: int = 0) -> list[Mask]:
+def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:
     """Sides (4,) of each set of balls that thrust, load and offsets leave it: a guess, to be tested by ``clear``."""
     sets = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     if len(sets) < len(assembly.sets) or any(s.carrier is not None for s, _ in sets):
         return all_sides(assembly)
     along = axial_place(assembly, sets)
-    return [_of_set(s, scene, along - s.offset, member) for s, scene in sets]
+    return [_of_set(s, scene, along - s.offset, drawn) for (s, scene), (_, drawn) in zip(sets, places, strict=True)]
 
 
 def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) -> float:
@@ -57,10 +56,9 @@ def axial_place(assembly: Assembly, sets: Sequence[tuple[RollingSet, Scene]]) ->
     return float(brentq(rest, offset.min() - reach, offset.max() + reach, xtol=1e-9))
 
 
-def _of_set(one: RollingSet, scene: Scene, shift: float, member: int) -> Mask:
+def _of_set(one: RollingSet, scene: Scene, shift: float, drawn: Specimen) -> Mask:
     """A shaft that moves by ``shift`` > 0 along z in its nut closes SL-NR and opens SR-NL, by the contact angle's sine."""
     use = USE[one.thrust]
-    drawn = specimen(scene, ball_layout(scene), member)
     if one.thrust != "both" or drawn.profile.shape[1]:
         return use
     closed = distances(scene, drawn)[1] + shift * np.sin(scene.track.contact_angle) * np.array([1.0, -1.0])

@@ -17,7 +17,7 @@ from lowfi.statics.axis.result import AxisResult
 from lowfi.statics.axis.sides import all_sides, clear, complete, likely_sides
 from lowfi.statics.axis.stiffness import set_stiffness, whole_stiffness
 from lowfi.statics.axis.summary import AXIS_ASSUMPTIONS, Ending, assemble_axis, failed_axis
-from lowfi.statics.axis.system import System, build
+from lowfi.statics.axis.system import System, build, placed
 from lowfi.statics.axis.typical import typical
 from lowfi.statics.problem import actual_hertz
 from lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
@@ -93,9 +93,10 @@ def solve_assembly(assembly: Assembly, *, engine: Engine = "auto", member: int =
     if unmet:
         return failed_axis(assembly, "lin", f"not converged: {unmet}", perf_counter() - start)
     kernels = engine_for(assembly, engine)
-    uses = likely_sides(mounted, member)
+    places = placed(mounted, member)
+    uses = likely_sides(mounted, places)
     while True:
-        system = build(mounted, member, uses)
+        system = build(mounted, member, uses, places)
         loose = loose_motions(system)
         if loose.driven:
             return failed_axis(assembly, "lin", f"not held: {loose.text}", perf_counter() - start)

@@ -14,13 +14,15 @@ from lowfi.statics.axis.structure import Structure, structure_of
 from lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
 from lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers
 from meshes.axis import Assembly, RollerRow, RollingSet
-from meshes.errors import specimen
-from meshes.helix import ball_layout
+from meshes.errors import Specimen, specimen
+from meshes.helix import BallLayout, ball_layout
 from meshes.partition import contact_stations
 from meshes.parts import Scene
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+#: Balls of a set: where they are, and their specimen of random errors.
+Placed = tuple[BallLayout, Specimen]
 
 #: Sides that a set uses by the thrust on the shaft that it carries: SL-NR closes under thrust along +z.
 USE = {
@@ -69,26 +71,39 @@ class System:
     slices: AxisRollers = field(repr=False)
 
 
-def build(assembly: Assembly, member: int = 0, uses: Sequence[NDArray[np.bool_]] | None = None) -> System:
-    """Arrays of an assembly; uses: the sides (4,) of each ball set that are built (None: all that its thrust allows).
+def placed(assembly: Assembly, member: int = 0) -> list[Placed]:
+    """Places of the balls of each ball set, and its specimen of random errors."""
+    scenes = [s.parts for s in assembly.sets if isinstance(s.parts, Scene)]
+    layouts = [ball_layout(scene) for scene in scenes]
+    return [(x, specimen(scene, x, member)) for scene, x in zip(scenes, layouts, strict=True)]
+
+
+def build(
+    assembly: Assembly,
+    member: int = 0,
+    uses: Sequence[NDArray[np.bool_]] | None = None,
+    places: Sequence[Placed] | None = None,
+) -> System:
+    """Arrays of an assembly; uses: the sides (4,) of each ball set that are built (None: all that its thrust allows);
+    places: what ``placed`` finds, where that is known.
 
     Raises ValueError for dimensions that leave no shaft or a freedom that is held twice.
     """
     parts = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, Scene)]
     rows = [(s, s.parts) for s in assembly.sets if isinstance(s.parts, RollerRow)]
     built = [USE[s.thrust] for s, _ in parts] if uses is None else list(uses)
-    layouts = [ball_layout(scene) for _, scene in parts]
+    own = placed(assembly, member) if places is None else places
     stations = [
         contact_stations(scene, x)[:, u[:2]]
-        for (s, scene), x, u in zip(parts, layouts, built, strict=True)
+        for (s, scene), (x, _), u in zip(parts, own, built, strict=True)
         if s.carrier is None
     ]
     rings = np.array([s.position for s, _ in rows])
     structure = structure_of(assembly, np.concatenate([rings, *(x.ravel() for x in stations)]))
     balls: list[BallSet] = []
     first = 0
-    for (one, scene), use in zip(parts, built, strict=True):
-        balls.append(_ball_set(one, scene, structure, use, member, first))
+    for (one, scene), use, place in zip(parts, built, own, strict=True):
+        balls.append(_ball_set(one, scene, structure, use, place, first))
         first = balls[-1].balls.stop
     rollers: list[RollerSet] = []
     first = 0
@@ -101,10 +116,9 @@ def build(assembly: Assembly, member: int = 0, uses: Sequence[NDArray[np.bool_]]
 
 
 def _ball_set(
-    one: RollingSet, scene: Scene, structure: Structure, use: NDArray[np.bool_], member: int, first: int
+    one: RollingSet, scene: Scene, structure: Structure, use: NDArray[np.bool_], place: Placed, first: int
 ) -> BallSet:
-    layout = ball_layout(scene)
-    drawn = specimen(scene, layout, member)
+    layout, drawn = place
     parts = (scene, drawn, layout, None)
     geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
     n, nodes, N = structure.nodes.size, structure.nodes, layout.z.size

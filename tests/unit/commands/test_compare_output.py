@@ -12,7 +12,7 @@ from rich.console import Console
 
 from compare.commands.compare_output import beside, is_itself, table, verdict, write_files
 from compare.models.comparison import Loads
-from compare.reference.runs import Reference
+from compare.reference.estimate import Reference
 from compare.scenes import catalogue
 from meshes.parts import Scene
 

@@ -10,9 +10,10 @@ import pytest
 from compare import cli
 from compare.commands import friction as friction_answer
 from compare.commands.answer import as_table
-from compare.commands.friction import Choices, run, solve, solve_scene
+from compare.commands.friction import run_friction, solve_friction
+from compare.commands.friction_whole import Choices, solve_scene
 from compare.errors import InputError, SceneError
-from compare.reference.runs import key_of
+from compare.reference.store import key_of
 from compare.scenes import catalogue, scene_file
 from lowfi.friction.whole import feedback as ball_feedback
 from meshes.parts import Friction, Motion, Time
@@ -79,7 +80,7 @@ def answer(scene, model="lin", **choices):
 def test_two_start_left_hand_screw_of_a_file(tmp_path):
     path, printed = tmp_path / "my.toml", []
     path.write_text(MINE)
-    assert run(str(path), Choices(), True, print, printed.append) == 0
+    assert run_friction(str(path), Choices(), True, print, printed.append) == 0
     (data,) = printed
     json.dumps(data, allow_nan=False)
     t, e = data["torque"], data["energy"]
@@ -174,6 +175,18 @@ def test_shipped_case_and_a_bearing_answer(capsys):
     assert data["torque"]["driving_torque_on_screw_Nmm"] == pytest.approx(data["torque"]["friction_torque_Nmm"])
 
 
+@pytest.mark.parametrize("width", [60, 100])
+def test_the_torque_comes_first_and_the_table_of_balls_where_asked_for(width):
+    found = answer(mine())
+    short, long = as_table(found, width), as_table(found, width, balls=True)
+    assert short[2].startswith("friction torque ")
+    assert max(len(line) for part in short if isinstance(part, str) for line in part.splitlines()) <= width
+    titles = [[part.title for part in parts if not isinstance(part, str)] for parts in (short, long)]
+    assert titles == [["losses by contact and cause"], ["losses by contact and cause", "per ball"]]
+    assert any("--balls" in str(part) for part in short)
+    assert not any("--balls" in str(part) for part in long)
+
+
 def test_terminal_shows_torques_losses_and_what_is_left_out():
     shown = [part for part in as_table(answer(mine())) if isinstance(part, str)]
     text = "\n".join(shown)
@@ -220,7 +233,7 @@ def test_compiling_is_said_where_it_happens(monkeypatch, tmp_path, capsys):
     for count, code_on_disk, said in ((20, False, True), (20, True, False), (8, False, False)):
         monkeypatch.setattr(friction_answer, "cached", lambda here=code_on_disk: here)
         path.write_text(MINE.replace("count = 20", f"count = {count}"))
-        assert run(str(path), Choices("lin"), True, print, [].append) == 0
+        assert run_friction(str(path), Choices("lin"), True, print, [].append) == 0
         assert ("compiling" in capsys.readouterr().err) == said
 
 
@@ -276,17 +289,17 @@ def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
     own.write_text(MINE)
     kind.write_text(catalogue.scene_text("lin-pair-a"))
     none.write_text('title = "no kind"\n')
-    assert solve(str(own), Choices("lin")).data["kind"] == "ball screw"
-    assert solve(str(kind), Choices()).data["kind"] == "linear pair"
+    assert solve_friction(str(own), Choices("lin")).data["kind"] == "ball screw"
+    assert solve_friction(str(kind), Choices()).data["kind"] == "linear pair"
     with pytest.raises(SceneError, match="track: got nothing"):
-        solve(str(none), Choices())
+        solve_friction(str(none), Choices())
     with pytest.raises(InputError, match="did you mean lin-rotary-1"):
-        solve("lin-rotary1", Choices())
+        solve_friction("lin-rotary1", Choices())
     for choices in (Choices("lin"), Choices(mu=(0.1,)), Choices(member=1)):
         with pytest.raises(InputError, match="whole screw or bearing"):
-            run("lin-rotary-1", choices, True, print, print)
+            run_friction("lin-rotary-1", choices, True, print, print)
     printed = []
-    assert run("lin-rotary-1", Choices(), True, print, printed.append) == 0
+    assert run_friction("lin-rotary-1", Choices(), True, print, printed.append) == 0
     assert printed[0]["kind"] == "bearing ball"
 
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.commands.friction import Choices, solve_scene
 from compare.commands.friction_run import Run, judged, run_data, run_lines
+from compare.commands.friction_whole import Choices, solve_scene
 from compare.errors import InputError
 from lowfi.friction.screw.steps import StepError
 from lowfi.friction.whole.run import simulate

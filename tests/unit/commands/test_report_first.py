@@ -8,9 +8,10 @@ import pytest
 
 from compare.cli import main
 from compare.commands import report, report_first
-from compare.commands.report import PARTS
 from compare.commands.report_first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
-from compare.reference.runs import Run, Task, load, shipped_store
+from compare.commands.report_parts import PARTS
+from compare.reference.store import Run, load, shipped_store
+from compare.reference.tasks import Task
 from compare.scenes import catalogue
 
 

@@ -6,11 +6,12 @@ from pathlib import Path
 import pytest
 
 from compare.commands import report
-from compare.commands.report import PARTS, Source, save_model_form, wanted_parts
+from compare.commands.report import save_model_form, wanted_parts
+from compare.commands.report_parts import PARTS
 from compare.errors import InputError
 from compare.models import ladder, model_form
 from compare.models.study import Study
-from compare.reference.jobs import Engine
+from compare.reference.store import shipped_store
 
 
 def test_every_part_has_a_module_with_a_section():
@@ -36,13 +37,13 @@ def test_the_first_screen_comes_first_and_misprints_in_the_appendix():
 
 
 def test_points_of_the_estimate_are_a_step_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    study = Study()
+    study = Study((tmp_path, shipped_store()))
     found = study.reference("lin-case1")
     assert found is not None
     rungs = ladder.climb(study.scene("lin-case1"), found, None)[:2]
     monkeypatch.setattr(ladder, "ladder", lambda _: rungs)
-    save_model_form(study, Source((tmp_path,), Engine()))
+    save_model_form(study)
     kept = (tmp_path / model_form.FILE).read_text(encoding="utf-8")
     assert kept.count('"scene": "lin-case1"') == 2
-    save_model_form(Study(), Source(None, Engine(), compute=False))
+    save_model_form(Study())
     assert sorted(p.name for p in tmp_path.iterdir()) == [model_form.FILE]

@@ -106,6 +106,6 @@ def test_options_of_the_whole_report_are_refused_with_a_scene(options: list[str]
         app(["report", SCENE, *options], result_action="return_value")
 
 
-def test_against_needs_a_scene(tmp_path) -> None:
-    with pytest.raises(InputError, match="with a scene"):
+def test_without_a_scene_a_report_is_set_against_a_report(tmp_path) -> None:
+    with pytest.raises(InputError, match="the folder of a report"):
         app(["report", "--against", str(tmp_path)], result_action="return_value")

@@ -162,10 +162,14 @@ def test_options_that_do_not_go_together_are_one_line(
     assert words in err
 
 
-def test_a_pipe_gets_plain_text_without_rules() -> None:
+@pytest.mark.parametrize(
+    "words",
+    [("solve", "two-balls", "--model", "lin", "--balls"), ("friction", "two-balls", "--model", "lin", "--mu", "0.1")],
+)
+def test_a_pipe_gets_plain_text_without_rules(words: tuple[str, ...]) -> None:
     """No box-drawing, no colours, no line wider than 100."""
     out = subprocess.run(
-        [sys.executable, "-P", "-m", "compare", "solve", "two-balls", "--model", "lin", "--balls"],
+        [sys.executable, "-P", "-m", "compare", *words],
         capture_output=True,
         text=True,
         check=True,

@@ -13,17 +13,17 @@ from compare.extremes.static import (
     FORMULATIONS,
     OURS,
     SOURCE,
-    Row,
+    Attempt,
     _fault,
+    attempt,
     cases,
     dense_unknowns,
     failures,
-    run,
     shaft_scaled,
     table,
 )
+from compare.scenes.body_checks import geometry_faults
 from compare.scenes.catalogue import scene as shipped
-from compare.scenes.checks import geometry_faults
 from lowfi.statics.problem import nominal_hertz
 from lowfi.statics.static import solve_static
 from meshes.section import screw_section
@@ -97,7 +97,7 @@ def test_shaft_is_scaled_without_its_contacts(factor):
 @pytest.mark.parametrize("formulation", [OURS, *BACKENDS])
 @pytest.mark.parametrize("name", QUICK)
 def test_ours_solves_or_names_the_mechanism(name, formulation):
-    row = run(CASES[name], formulation)
+    row = attempt(CASES[name], formulation)
     assert failures([row]) == []
     if row.status.startswith("not attempted"):
         assert formulation != OURS
@@ -113,7 +113,7 @@ def test_ours_solves_or_names_the_mechanism(name, formulation):
 
 def test_source_needs_a_start_with_contact_and_then_agrees():
     case = CASES["axial 1000 N"]
-    nominal, guess = run(case, NOMINAL), run(case, GUESS)
+    nominal, guess = attempt(case, NOMINAL), attempt(case, GUESS)
     assert nominal.status.startswith("singular Jacobian at iteration 1")
     assert nominal.difference_percent is None
     assert guess.converged
@@ -122,7 +122,7 @@ def test_source_needs_a_start_with_contact_and_then_agrees():
 
 
 def test_source_root_beyond_the_arc_is_told_apart():
-    row = run(CASES["r_G/r_B 1.00001, axial"], GUESS)
+    row = attempt(CASES["r_G/r_B 1.00001, axial"], GUESS)
     assert row.converged
     assert row.difference_percent is not None
     assert row.difference_percent > 1.0
@@ -131,7 +131,7 @@ def test_source_root_beyond_the_arc_is_told_apart():
 
 def test_dense_source_is_not_attempted_beyond_the_limit():
     case = CASES["300 balls"]
-    row = run(case, NOMINAL)
+    row = attempt(case, NOMINAL)
     assert row.unknowns > DENSE_LIMIT
     assert row.status == f"not attempted: dense Jacobian of {row.unknowns} unknowns"
     assert dense_unknowns(case.scene) > row.unknowns  # a node at every contact has more
@@ -149,7 +149,7 @@ def test_false_claims_of_convergence_are_refused():
 
 
 def test_failures_are_rows_of_ours_without_the_expected_end():
-    held = run(CASES["no support"], OURS)
+    held = attempt(CASES["no support"], OURS)
     assert held.status == held.expected != CONVERGED
     assert failures([held]) == []
     wrong = [replace(held, expected=CONVERGED), replace(held, status=CONVERGED, converged=True)]
@@ -164,7 +164,7 @@ def test_table_keeps_the_order_and_reports_progress():
     assert [r.formulation for r in rows] == 3 * list(FORMULATIONS)
     assert [r.case for r in rows[:: len(FORMULATIONS)]] == names
     assert seen == [(i + 1, 3, name) for i, name in enumerate(names)]
-    assert all(isinstance(r, Row) for r in rows)
+    assert all(isinstance(r, Attempt) for r in rows)
 
 
 def test_table_refuses_unknown_names():

@@ -14,8 +14,13 @@ def run(*words, timeout=120):
     return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
 
 
-def test_a_limit_of_time_ends_a_solution_in_one_line():
-    done = run("solve", str(SCENES / "extreme-2513.toml"), "--model", "lin", "--time-limit", "0.05", "--json")
+@pytest.mark.parametrize(
+    "words",
+    [("solve", str(SCENES / "extreme-2513.toml"), "--model", "lin"), ("friction", "lin-screw-run")],
+    ids=lambda w: w[0],
+)
+def test_a_limit_of_time_ends_a_solution_in_one_line(words):
+    done = run(*words, "--time-limit", "0.05", "--json")
     assert done.returncode == 1
     assert done.stdout == ""
     assert done.stderr.splitlines()[-1].endswith("stopped: the limit of time, 0.05 s, is reached")
@@ -29,9 +34,10 @@ def test_a_limit_that_is_not_reached_changes_nothing(capsys):
     assert '"status": "converged"' in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("command", ["solve", "friction"])
 @pytest.mark.parametrize("limit", ["0", "-3", "nan", "1e12"])
-def test_a_limit_that_is_no_time_is_refused(limit, capsys):
+def test_a_limit_that_is_no_time_is_refused(command, limit, capsys):
     with pytest.raises(SystemExit) as ended:
-        main(["solve", "lin-case1", f"--time-limit={limit}"])
+        main([command, "lin-case1", f"--time-limit={limit}"])
     assert ended.value.code == 2
     assert "--time-limit" in capsys.readouterr().err

@@ -18,7 +18,7 @@ from compare.errors import InputError
 from compare.measure import load_error
 from compare.models.study import Study
 from compare.reference.convergence import observe
-from compare.reference.runs import Reference
+from compare.reference.estimate import Reference
 from compare.sections import crosscheck
 
 DAT = """
@@ -284,7 +284,7 @@ def test_a_study_runs_every_deck(tmp_path: Path, monkeypatch):
         moved = {f"BALL{i}_WEAK": {7: (0.0, 0.0, 0.001)} for i in (1, 2)}
         return ccx.Outcome(contacts, moved, 5, 0.01, 1.0, "2026-01-01", "2.20")
 
-    monkeypatch.setattr(crosscheck_study, "run", solved)
+    monkeypatch.setattr(crosscheck_study, "run_calculix", solved)
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.8)])
     data = run_study(checked_scene("two-balls"), tmp_path, lambda _: None)
     np.testing.assert_allclose(data.runs[0].load, [[5.0, 1.0, 1.0, 5.0]] * 2, rtol=1e-6)
@@ -308,7 +308,7 @@ def test_decks_whose_results_are_stored_are_not_solved_again(tmp_path: Path, mon
         solved.append(digest(text))
         raise ValueError("not to be solved")
 
-    monkeypatch.setattr(crosscheck_study, "run", run)
+    monkeypatch.setattr(crosscheck_study, "run_calculix", run)
     monkeypatch.setitem(STUDIES, "two-balls", [DeckOptions(0.7, 0.9)])
     with pytest.raises(InputError, match="not to be solved"):
         run_study(checked_scene("two-balls"), tmp_path, lambda _: None, (replace(RUNS[0], deck="another"),))

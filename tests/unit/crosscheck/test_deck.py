@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from compare import cli
 from compare.commands.deck import DeckChoices, run_deck
-from compare.crosscheck.calculix import find_ccx, run
+from compare.crosscheck.calculix import find_ccx, run_calculix
 from compare.crosscheck.deck import DeckOptions, build_deck, without_turning
 from compare.crosscheck.deck_cut import cut_scene, parse_balls
 from compare.crosscheck.nut import check_nut, load_nut, save_nut
@@ -137,14 +137,14 @@ def test_units_and_names():
 @pytest.mark.parametrize("unit", ["mm", "m"])
 def test_calculix_finds_what_a_stack_of_cubes_must(unit, tmp_path: Path):
     length = {"mm": 1e-3, "m": 1.0}[unit]
-    found = run(write(stack(), unit), tmp_path)
+    found = run_calculix(write(stack(), unit), tmp_path)
     assert [c.slave for c in found.contacts] == ["HIGH_FACE"]
     assert found.contacts[0].force == pytest.approx((0.0, 0.0, 10.0), abs=1e-4)
     ((_, _, sunk),) = found.moved["PUSH_MOVE"].values()
     # two cubes in a row, a contact of 1e16 Pa/m on 1 mm2, beside a spring of 1 N/m
     assert sunk * length == pytest.approx(-10.0 * (2e-3 / (1e9 * 1e-6) + 1.0 / (1e16 * 1e-6)), rel=1e-3)
     assert re.fullmatch(r"\d+\.\d+", found.version)
-    again = run(write(replace(stack(), heading=("another comment",)), unit), tmp_path)
+    again = run_calculix(write(replace(stack(), heading=("another comment",)), unit), tmp_path)
     assert again == found  # read, not run again
 
 
@@ -164,7 +164,7 @@ def test_two_programs_find_one_compliance_of_the_nut(tmp_path: Path):
 def test_a_deck_that_fails_is_told(tmp_path: Path):
     deck = replace(stack(), sections=(), contacts=(), fixed=("NOWHERE",))
     with pytest.raises(ValueError, match="CalculiX failed"):
-        run(write(deck), tmp_path)
+        run_calculix(write(deck), tmp_path)
 
 
 def test_calculix_missing_is_told(monkeypatch):

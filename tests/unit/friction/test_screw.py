@@ -17,7 +17,7 @@ from lowfi.friction.linear.pair import pair_state
 from lowfi.friction.linear.pair import solve_pair as solve_linear_pair
 from lowfi.friction.screw.chain import Chain, solve_chain
 from lowfi.friction.screw.groove import ON_SCREW, ScrewGroove, frame
-from lowfi.friction.screw.load import load_arrays, screw_rows, settle
+from lowfi.friction.screw.load import load_arrays, screw_rows, settle_load
 from lowfi.friction.screw.motion import ball_motion, ball_motion_by_root, source_law
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.helpers import SCREW_STATES as STATES
@@ -142,7 +142,7 @@ def test_loads_are_the_least_energy() -> None:
     def energy(x):
         return energy_at(scale * x[:4].reshape(2, 2), scale * x[4:]) / (50.0 * scale)
 
-    found = settle(cell)
+    found = settle_load(cell)
     assert found.converged
     best = minimize(energy, np.zeros(6), method="BFGS", options={"gtol": 1e-9})
     x = np.append(found.ball.ravel(), found.screw) / scale
@@ -162,17 +162,17 @@ def test_loads_are_the_least_energy() -> None:
 @pytest.mark.parametrize("force", [1e-3, 1.0, 1e3])
 def test_loads_from_random_starts(oversize: float, force: float) -> None:
     cell = cell_of(replace(plain(TWO), oversize=oversize, force=(force,)))
-    reference = settle(cell)
+    reference = settle_load(cell)
     assert reference.converged
     for _ in range(5):
-        again = settle(cell, (RNG.normal(size=(2, 2)) * 1e-5, RNG.normal(size=1) * 1e-5))
+        again = settle_load(cell, (RNG.normal(size=(2, 2)) * 1e-5, RNG.normal(size=1) * 1e-5))
         assert again.converged
         assert again.force == pytest.approx(reference.force, rel=1e-6, abs=1e-8 * force)
 
 
 def test_two_contacts_of_a_stiff_screw_follow_from_statics() -> None:
     stiff = replace(SCREW, young=1e18)
-    found = settle(ball_cell(stiff, np.zeros(4), 0.0, "z", np.array([25.0])))
+    found = settle_load(ball_cell(stiff, np.zeros(4), 0.0, "z", np.array([25.0])))
     along = 25.0 / (np.sin(SCREW.contact_angle) * np.cos(SCREW.lead_angle))
     assert found.force[0] == pytest.approx([along, 0.0, 0.0, along], rel=1e-4)
     assert found.angle[0, [0, 3]] == pytest.approx([SCREW.contact_angle] * 2, rel=1e-4)

@@ -8,7 +8,7 @@ import pytest
 from compare.evidence.source_cases import inferred, plain, table_3_6
 from lowfi.friction.screw.coupled import PATIENCE, CoupledChain, Guess, coupled_chain
 from lowfi.friction.screw.joint import solve_joint
-from lowfi.friction.screw.load import settle
+from lowfi.friction.screw.load import settle_load
 from lowfi.friction.screw.motion import feedback, hold_screw
 from lowfi.friction.screw.pair import BOTH, Pair, solve_pair
 from tests.friction_oracles import ball_cell, coupled_ball
@@ -56,7 +56,7 @@ def test_one_system_gives_what_rounds_give(make, coupling: str) -> None:
     rounds = solve_pair(pair).touching
     assert rounds.rounds < PATIENCE
     cell = pair.cell()
-    bare = settle(cell)
+    bare = settle_load(cell)
     held = hold_screw(cell, bare) if coupling == "ball" else cell
     found = solve_joint(held, np.array([0.0, np.inf]), (bare.ball, bare.screw[: held.force.size]))
     assert found.done

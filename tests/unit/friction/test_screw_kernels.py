@@ -11,7 +11,7 @@ from lowfi.friction.screw.chain import Chain, Search, solve_chain
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.joint import solve_joint, system_of
 from lowfi.friction.screw.kernel import band, contacts, joint
-from lowfi.friction.screw.load import settle
+from lowfi.friction.screw.load import settle_load
 from lowfi.friction.screw.motion import hold_screw
 from lowfi.friction.screw.records import JointMatrix, Place
 from lowfi.jit import SCREW, kernels
@@ -27,7 +27,7 @@ def test_both_engines_settle_alike(free: str, oversize: float) -> None:
     pair = replace(inferred(TWO), oversize=oversize, free=free, force=(3.0, 50.0)[2 - len(free) :])
     push = np.zeros((2, 2)) if oversize < 0.0 else np.array([[1.0, -2.0], [0.5, 3.0]])
     cell = replace(pair.cell(), push=push)
-    fast, slow = settle(cell), settle(cell, fast=False)
+    fast, slow = settle_load(cell), settle_load(cell, fast=False)
     assert fast.converged
     assert slow.converged
     assert fast.steps == slow.steps
@@ -39,7 +39,7 @@ def test_both_engines_settle_alike(free: str, oversize: float) -> None:
 def test_both_engines_move_alike(make) -> None:
     """Motion, ball-to-ball force and losses, from the same loads."""
     cell = make(TWO).cell()
-    load = settle(cell)
+    load = settle_load(cell)
     chain = Chain(cell.groove, load.force, cell.groove.normals(load.angle), SLACK)
     fast, slow = solve_chain(chain), solve_chain(chain, fast=False)
     assert fast.converged
@@ -54,7 +54,7 @@ def test_both_engines_move_alike(make) -> None:
 
 def test_both_engines_solve_the_joint_system_alike() -> None:
     cell = plain(TWO).cell()
-    load = settle(cell)
+    load = settle_load(cell)
     held = hold_screw(cell, load)
     fast, slow = (solve_joint(held, SLACK, (load.ball, np.zeros(0)), fast=f) for f in (True, False))
     assert fast.done
@@ -96,7 +96,7 @@ def test_jacobian_of_the_joint_system_against_differences() -> None:
     """Every entry: places, motions, force between the balls, screw; and the residual of both engines."""
     pair = replace(inferred(TWO), oversize=2.5e-6, free="rz", force=(3.0, 50.0))
     cell = pair.cell()
-    load = settle(cell)
+    load = settle_load(cell)
     s = Search(Chain(pair.groove, load.force, pair.groove.normals(load.angle), SLACK), False)
     system = system_of(cell, s)
     length = system.length

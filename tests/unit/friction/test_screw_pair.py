@@ -12,7 +12,7 @@ from lowfi.friction.contact.ellipse import dissipation
 from lowfi.friction.screw.chain import Chain, Search, solve_chain
 from lowfi.friction.screw.groove import SIGN_X, SIGN_Z
 from lowfi.friction.screw.kernel.balance import HALF
-from lowfi.friction.screw.load import Cell, settle
+from lowfi.friction.screw.load import Cell, settle_load
 from lowfi.friction.screw.motion import screw_contacts
 from lowfi.friction.screw.pair import BOTH, Pair, oversize_map, solve_pair
 from tests.helpers import SCREW_STATES as STATES
@@ -85,7 +85,7 @@ def test_reversed_motion_parts_the_pair() -> None:
 
 def test_pair_does_not_depend_on_the_start() -> None:
     cell = inferred(TWO).cell()
-    load = settle(cell)
+    load = settle_load(cell)
     chain = Chain(SCREW, load.force, SCREW.normals(load.angle), np.array([0.0, np.inf]))
     one = solve_chain(chain)
     for _ in range(5):

@@ -12,7 +12,7 @@ from lowfi.as_source.chain import solve_by_root
 from lowfi.as_source.loads import Places, contact_forces, first_place, loads_by_root
 from lowfi.as_source.run import simulate_by_root
 from lowfi.as_source.screw import rolling, screw_balls, screw_pair_by_root, state_of
-from lowfi.friction.screw.load import settle
+from lowfi.friction.screw.load import settle_load
 from lowfi.friction.screw.motion import source_law
 from lowfi.friction.screw.pair import solve_pair
 from lowfi.friction.screw.run import Run, run_cell, simulate
@@ -30,7 +30,7 @@ def few_balls(count=6, steps=40) -> Run:
 @pytest.mark.parametrize("pair", [inferred(TWO), plain(TWO), replace(plain(TWO), free="zr", force=(30.0, 20.0))])
 def test_loads_are_ours(pair):
     cell = pair.cell()
-    ours, found = settle(cell), loads_by_root(cell)
+    ours, found = settle_load(cell), loads_by_root(cell)
     assert found.converged
     np.testing.assert_allclose(found.force, ours.force, atol=1e-8 * ours.force.max())
     loaded = ours.force > 1e-3 * ours.force.max()
@@ -40,7 +40,7 @@ def test_loads_are_ours(pair):
 def test_loads_of_many_balls_are_ours():
     run = lin_3_4_4()
     cell = run_cell(run, *run.place(run.ring * np.arange(37) / 37, 0.0))
-    np.testing.assert_allclose(loads_by_root(cell).force, settle(cell).force, rtol=1e-9)
+    np.testing.assert_allclose(loads_by_root(cell).force, settle_load(cell).force, rtol=1e-9)
 
 
 def test_loads_that_are_not_found_are_not_converged():

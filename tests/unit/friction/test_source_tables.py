@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compare.costs import friction_bench
-from compare.costs.friction_bench import Row, against_source
+from compare.costs.friction_bench import FrictionJob, against_source
 from compare.evidence.source_cases import inferred, plain
 from compare.extremes.friction_balls import screw_ball
 from compare.extremes.friction_chains import chain_group, linear_chain, linear_pair, patchy_chain, screw_pairs
@@ -45,7 +45,7 @@ def test_ratio_only_for_the_same_answer():
 
 
 @pytest.fixture(scope="module")
-def rows() -> dict[str, Row]:
+def rows() -> dict[str, FrictionJob]:
     made = [r for group in (friction_bench.linear_jobs, friction_bench.pair_jobs) for r in group(1)]
     return {r.name: r for r in made}
 

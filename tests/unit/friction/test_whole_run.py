@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from compare.evidence.source_cases import lin_3_4_4
 from lowfi.friction.screw.chain import Chain, solve_chain
-from lowfi.friction.screw.load import settle
+from lowfi.friction.screw.load import settle_load
 from lowfi.friction.screw.run import run_cell
 from lowfi.friction.whole.balls import balls_of
 from lowfi.friction.whole.chain import chain_motion, grooves_of
@@ -227,7 +227,7 @@ def test_given_loads_move_balls_as_in_the_source_s_module(clearance):
     """The situation of Lin 3.4.4 at one instant: 37 balls, both grooves alike, neighbours that may touch."""
     case = lin_3_4_4()
     g, azimuth = case.groove, case.ring * (np.arange(37) + 0.5) / 37 - np.pi * case.turns
-    loads = settle(run_cell(case, azimuth, np.ones(37, dtype=bool)))
+    loads = settle_load(run_cell(case, azimuth, np.ones(37, dtype=bool)))
     slack = np.full(37, clearance)
     slack[-1] = np.inf
     expected = solve_chain(Chain(g, loads.force, g.normals(loads.angle), slack))

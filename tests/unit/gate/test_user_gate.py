@@ -15,8 +15,8 @@ from compare.gate import user
 from compare.gate.loads_file import read_loads
 from compare.gate.publish import HEADS, Outcome, junit, markdown, publish, table
 from compare.gate.user import Asked, asked, check_scenes, limits_of
+from compare.reference.estimate import reference
 from compare.reference.jobs import Engine
-from compare.reference.runs import reference
 from compare.scenes import catalogue, scene_file
 from compare.scenes.catalogue import scene_text
 from meshes.parts import SIDES

@@ -7,7 +7,7 @@ import pytest
 
 from compare.gate.gate import GateRow
 from compare.gate.verdict import CODES, LARGEST, ONE_LEVEL, RMS, Limits, judge, word, worst_of
-from compare.reference.runs import Reference
+from compare.reference.estimate import Reference
 
 LOAD = np.array([[100.0, 0.0, 0.0, 100.0], [100.0, 0.0, 0.0, 100.0]])
 

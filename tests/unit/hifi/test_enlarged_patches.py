@@ -6,8 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from compare.reference import runs as reference
-from compare.reference.runs import BEYOND, ENLARGE, Task, compute_with_bodies, enlarged, settings_of
+from compare.reference.computing import BEYOND, ENLARGE, compute_with_bodies, enlarged
+from compare.reference.store import Run
+from compare.reference.tasks import Task, settings_of
 from compare.scenes import catalogue
 from hifi.expected import expected_contacts
 from hifi.fit import patch_lines, socket_size
@@ -78,7 +79,7 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
 
     def one(_task, _number, scene, _setup, _sides, _step):
         run = found(1.0)
-        return reference.Run(
+        return Run(
             scene.name,
             1,
             "",
@@ -105,7 +106,7 @@ def test_set_ups_are_built_again_only_where_a_contact_is_at_the_rim(monkeypatch,
         )
 
     monkeypatch.setattr("hifi.setup.prepare", prepare)
-    monkeypatch.setattr(reference, "_one", one)
+    monkeypatch.setattr("compare.reference.computing._one", one)
     monkeypatch.setattr("hifi.condensed.condensed_bodies", lambda *_: "bodies")
     said = []
     (run,), bodies = compute_with_bodies(Task((CASE,), 1), said.append)

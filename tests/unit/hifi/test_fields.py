@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
+from hifi import submodel
 from hifi.fields import (
     ball_fields,
     ball_patch,
@@ -38,6 +39,14 @@ from tests.helpers import relative, small_screw
 pytestmark = [pytest.mark.xdist_group("recovered fields"), pytest.mark.slow]
 
 SIDES = (0, 3)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_submodel():
+    """One mesh of each submodel: a mean over several changes no field."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(submodel, "REALISATIONS", 1)
+        yield
 
 
 @pytest.fixture(scope="module")

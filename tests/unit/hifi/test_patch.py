@@ -1,9 +1,8 @@
-"""Fine patches of hexahedra and of first-order tetrahedra: tie to the socket, condensation, convergence, contact nodes."""
+"""Fine patches of hexahedra and of first-order tetrahedra: tie to the socket, condensation, assembled bodies."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,93 +10,17 @@ import scipy.sparse as sp
 
 from hifi import assembly
 from hifi.bodies import Socket, assemble, freedoms, of_order
-from hifi.fit import ball_place
 from hifi.forms import elasticity
-from hifi.patch import Lines, PatchMesh, build_patch, build_tet_patch, condense_patch, field, graded, growing, tie_matrix
+from hifi.patch import PatchMesh, build_tet_patch, condense_patch, field, tie_matrix
 from hifi.pressures import mean_weights
 from hifi.rigid import rigid_modes
-from meshes.fem import mesh_of, nodes_on, points_of
-from meshes.groove_map import GrooveMap
-from meshes.sockets import SocketMesh, SocketSize, local_points
+from meshes.fem import mesh_of, points_of
 from meshes.tet_patch import SUB_TRIANGLES, build_tets, source_box
-from tests.fe_meshes import boundary, boundary_faces, cube, jacobians, stiffness, strain_stress, volume
-from tests.helpers import relative, small_screw
+from tests.fe_meshes import boundary, boundary_faces, cube, stiffness, strain_stress
+from tests.helpers import relative
+from tests.patch_meshes import NU, E, condensed, flat, holed_cube, patch, places, socket, tets
 
 pytestmark = pytest.mark.xdist_group("condensed patches")
-
-E, NU = 210e9, 0.28
-MAP = GrooveMap.of(small_screw(6))
-SIZE = SocketSize(0.30, 1.2e-3, 1.24e-3 / MAP.R)
-WIDTH = (SIZE.gamma * float(MAP.radius.mean()), SIZE.phi * MAP.R)
-SEMI = (0.40e-3, 0.105e-3)
-ZONE = (0.62, 0.17)
-
-
-def lines(b_over_h):
-    """Elements of a second-order patch with so many nodes across the short semi-axis."""
-    step = 2.0 * SEMI[1] / b_over_h / WIDTH[1]
-    across = graded(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], 1.7)
-    return Lines(across, growing(0.0, 1.0, 0.6 * step, 1.8), graded(ZONE[1], step, 1.7))
-
-
-@cache
-def holed_cube():
-    """Unit cube of second-order tetrahedra without a block under its upper face: mesh, nodes of the block's five faces, and
-    these as a socket with gamma along x, azimuth along y."""
-    points, cells = cube("P2", 4)
-    local = (points - [0.5, 0.5, 1.0]) / [0.25, 0.25, -0.5]
-    xi = np.column_stack([local[:, 0], local[:, 2], local[:, 1]])
-    inside = (np.abs(xi - [0.0, 0.5, 0.0]) < np.array([1.0, 0.5, 1.0]) + 1e-9).all(axis=1)
-    cells = cells[~inside[cells].all(axis=1)]
-    faces = boundary_faces(cells, "P2")
-    faces = faces[inside[faces].all(axis=1)]
-    nodes, triangles = np.unique(faces, return_inverse=True)
-    triangles = triangles.reshape(-1, 6)
-    assert len(triangles) == 5 * 8
-    mesh, number = mesh_of(points, cells, "P2")
-    return mesh, number[nodes], SocketMesh(xi[nodes], triangles, np.zeros(len(triangles), dtype=np.int64), {})
-
-
-def socket(*, turned=False):
-    """Socket of the holed cube; turned: its mirror image, with the diagonals of two faces the other way."""
-    own = holed_cube()[2]
-    return replace(own, xi=own.xi * [-1.0, 1.0, 1.0]) if turned else own
-
-
-def flat(xi):
-    """Place of the block in the unit cube."""
-    return np.column_stack([0.5 + 0.25 * xi[:, 0], 0.5 + 0.25 * xi[:, 2], 1.0 - 0.5 * xi[:, 1]])
-
-
-def places(side):
-    """Maps into groove and ball at a side, and the ball's centre in each."""
-    groove = partial(local_points, MAP, SIZE, side)
-    return {"groove": (groove, np.array([MAP.R, 0.0, 0.0])), "ball": (ball_place(MAP, SIZE, side, ZONE)[1], np.zeros(3))}
-
-
-@cache
-def tets(fine, own="straight"):
-    return build_tets(source_box(WIDTH, SIZE.depth, ZONE, fine), None if own == "none" else socket(turned=own == "turned"))
-
-
-def patch(kind, where="groove", side=0, fine=0.16e-3, linear=None):
-    """Patch mesh and the directions of its contact forces."""
-    place, centre = places(side)[where]
-    linear = kind == "P1" if linear is None else linear
-    if kind == "Q2":
-        mesh = build_patch(lines(2.0), ZONE, place, socket(), linear=linear)
-    else:
-        mesh = build_tet_patch(tets(fine), place, socket(), linear=linear)
-    arms = mesh.points[mesh.contact] - centre
-    return mesh, arms / np.linalg.norm(arms, axis=1)[:, None]
-
-
-@cache
-def condensed(*args, **options):
-    mesh, normals = patch(*args, **options)
-    return mesh, normals, condense_patch(mesh, normals, E, NU)
-
-
 KINDS = [("Q2", False), ("P1", True), ("P1", False)]
 
 
@@ -285,92 +208,6 @@ def test_plain_faces_conform_only_nearly():
     np.testing.assert_allclose(total, 0.0, atol=1e-14)
 
 
-def indentation(kind, where, fine=None, b_over_h=None):
-    """Mean indentation [um] under a total of 225 N spread like Hertz's pressure, the socket held."""
-    if kind == "Q2":
-        grid = lines(b_over_h)
-        place, centre = places(0)[where]
-        mesh = build_patch(grid, ZONE, place, socket())
-        axes = [np.union1d(x, 0.5 * (x[1:] + x[:-1])) for x in (grid.across, grid.along)]
-        axes = [x[np.abs(x) < half + 1e-9] for x, half in zip(axes, ZONE, strict=True)]
-        local = np.stack(np.meshgrid(axes[0], 0.0, axes[1], indexing="ij"), -1).reshape(-1, 3)
-        arms = mesh.points[mesh.contact] - centre
-        normals = arms / np.linalg.norm(arms, axis=1)[:, None]
-    else:
-        mesh, normals = patch(kind, where, fine=fine)
-        local = tets(fine).xi[mesh.contact]
-    a, b = SEMI
-    f = np.sqrt(np.maximum(1.0 - (local[:, 0] * WIDTH[0] / a) ** 2 - (local[:, 2] * WIDTH[1] / b) ** 2, 0.0)) * mesh.areas
-    f *= 225.0 / f.sum()
-    u = field(mesh, normals, E, NU, f, np.zeros(3 * mesh.tie.shape[1]))
-    return 1e6 * float(f @ mean_weights(mesh.weights) @ (u[mesh.contact] * normals).sum(axis=1)) / 225.0
-
-
-@pytest.mark.parametrize("where", ["groove", "ball"])
-def test_first_order_is_stiff_and_converges(where):
-    """The source's 0.08 mm are 6 to 8 % too stiff within the patch.
-
-    Hertz's pressure is sampled at the nodes, so that its edge falls anywhere between two of them: 3 % on four cells.
-    """
-    limit = indentation("Q2", where, b_over_h=8.0)
-    assert indentation("Q2", where, b_over_h=4.0) == pytest.approx(limit, rel=0.03)
-    missing = [1.0 - indentation("P1", where, fine=fine) / limit for fine in (0.16e-3, 0.08e-3, 0.04e-3)]
-    assert missing[0] > 1.7 * missing[1] > 1.7**2 * missing[2] > 0.0
-    assert 0.04 < missing[1] < 0.10
-    assert missing[2] < 0.04
-
-
-@pytest.mark.parametrize("side", range(4))
-@pytest.mark.parametrize("where", ["groove", "ball"])
-def test_cells_fill_the_patch(where, side):
-    """Left- and right-handed maps: every cell positive, volume and top that of the hexahedra."""
-    hexa, tetra = patch("Q2", where, side)[0], patch("P1", where, side, 0.08e-3)[0]
-    assert jacobians(tetra.points, tetra.cells, "P1").min() > 0.0
-    assert jacobians(hexa.points, hexa.cells, "Q2").min() > 0.0
-    first, second = (volume(x.points, x.cells, x.kind) for x in (hexa, tetra))
-    assert second == pytest.approx(first, rel=0.01)
-
-
-@pytest.mark.parametrize("where", ["groove", "ball"])
-def test_contact_areas(where):
-    """The hats of all contact nodes share out the zone, on hexahedra and on tetrahedra."""
-    place = places(0)[where][0]
-    x, w = np.polynomial.legendre.leggauss(6)
-    a, b = np.meshgrid(ZONE[0] * x, ZONE[1] * x, indexing="ij")
-    xi = np.column_stack([a.ravel(), np.zeros(a.size), b.ravel()])
-    tangents = [(place(xi + d) - place(xi - d)) / 2e-6 for d in 1e-6 * np.eye(3)[[0, 2]]]
-    zone = ZONE[0] * ZONE[1] * float(np.outer(w, w).ravel() @ np.linalg.norm(np.cross(*tangents), axis=1))
-    assert patch("P1", where, fine=0.08e-3)[0].areas.sum() == pytest.approx(zone, rel=2e-3)
-    assert patch("Q2", where)[0].areas.sum() == pytest.approx(zone, rel=1e-4)
-
-
-@pytest.mark.parametrize("side", [0, 3])
-def test_contact_nodes_of_ball_and_groove_coincide(side):
-    """On rays from the ball's centre, also where the two sockets are triangulated differently."""
-    groove = patch("P1", "groove", side)[1]
-    local = tets(0.16e-3, "turned")
-    mesh = build_tet_patch(local, places(side)["ball"][0], socket(turned=True), linear=True)
-    ball = mesh.points[mesh.contact]
-    np.testing.assert_allclose(ball / np.linalg.norm(ball, axis=1)[:, None], groove, atol=1e-12)
-    np.testing.assert_allclose(np.linalg.norm(ball, axis=1), MAP.ball, rtol=1e-14)
-
-
-def test_rim_is_the_outermost_ring():
-    mesh, _, c = condensed("Q2")
-    grid = mesh.rim.reshape(mesh.contact_shape)
-    assert grid[[0, -1]].all()
-    assert grid[:, [0, -1]].all()
-    assert not grid[1:-1, 1:-1].any()
-    assert c.shape == mesh.contact_shape
-    assert np.array_equal(c.rim, mesh.rim)
-    mesh, _, c = condensed("P1")
-    xi = tets(0.16e-3).xi[mesh.contact]
-    expected = (np.abs(np.abs(xi[:, 0]) - ZONE[0]) < 1e-9) | (np.abs(np.abs(xi[:, 2]) - ZONE[1]) < 1e-9)
-    assert np.array_equal(c.rim, expected)
-    assert 0 < expected.sum() < len(c.rim)
-    assert c.shape is None
-
-
 def test_map_that_turns_cells_inside_out_is_refused():
     def folded(xi):
         return np.column_stack([np.abs(xi[:, 0]), xi[:, 2], -xi[:, 1]])
@@ -397,38 +234,3 @@ def test_assembled_body(kind):
 def test_body_of_other_elements_is_refused():
     with pytest.raises(ValueError, match="'Q1' elements"):
         of_order(holed_cube()[0], "Q1")
-
-
-@pytest.mark.parametrize("where", ["groove", "ball"])
-@pytest.mark.parametrize("kind", ["P1", "Q2"])
-def test_contact_weights_share_out_the_zone(kind, where):
-    """Inside the rim their sums over pressures are the areas of the displacements' own functions."""
-    mesh, _, c = condensed(kind, where)
-    assert c.weights.shape == (len(c.areas),) * 2
-    assert (abs(c.weights - mesh.weights)).max() == 0.0
-    over = np.asarray(mesh.weights.sum(axis=0)).ravel()
-    assert over.sum() == pytest.approx(mesh.areas.sum(), rel=1e-12)
-    nodal = assembly.nodal_areas(mesh.mesh, "surface")[mesh.contact]
-    np.testing.assert_allclose(over[~mesh.rim], nodal[~mesh.rim], rtol=1e-6)
-    assert (over[mesh.rim] < nodal[mesh.rim]).all()
-    assert np.asarray(mesh.weights.sum(axis=1)).min() > 0.0
-
-
-def test_hats_of_a_patch_carry_equal_areas():
-    """On equal cells all hats inside the zone carry alike, where the displacements' functions carry 4 : 8 : 16."""
-    mesh = patch("Q2")[0]
-    n, m = mesh.contact_shape
-    hats = np.asarray(mesh.weights.sum(axis=1)).reshape(n, m)[1:-1, 1:-1]
-    assert np.ptp(hats) < 0.1 * hats.mean()
-    own = np.asarray(mesh.weights.sum(axis=0)).reshape(n, m)[1:-1, 1:-1]
-    assert own.max() / own.min() == pytest.approx(16.0 / 4.0, rel=0.1)
-
-
-def test_boundaries_of_a_patch_are_named():
-    for kind in ("P1", "Q2"):
-        mesh = patch(kind)[0]
-        assert set(mesh.mesh.boundaries) == {"surface", "contact", "interface"}
-        assert np.array_equal(nodes_on(mesh.mesh, "interface"), np.sort(mesh.interface))
-        assert np.array_equal(nodes_on(mesh.mesh, "contact"), np.sort(mesh.contact))
-        whole = len(mesh.mesh.boundary_facets())
-        assert len(mesh.mesh.boundaries["surface"]) + len(mesh.mesh.boundaries["interface"]) == whole

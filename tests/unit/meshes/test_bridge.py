@@ -8,7 +8,7 @@ import pytest
 
 from hifi.assembly import faces, nodal_areas
 from meshes import bridge
-from meshes.bridge import MeshData, from_gmsh, from_skfem, to_skfem, write_vtu
+from meshes.bridge import MeshData, from_gmsh, from_skfem, to_skfem, write_mesh
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
 VOLUMES = KINDS
@@ -160,7 +160,7 @@ def test_cells_are_ordered_as_meshio_reads_gmsh_s_own_file(gmsh, name, tmp_path:
     data = from_gmsh()
     gmsh.write(str(tmp_path / "theirs.msh"))
     theirs = meshio.read(tmp_path / "theirs.msh")
-    write_vtu(tmp_path / "ours.vtu", data, {"x": data.points}, {"height": np.arange(data.count, dtype=float)})
+    write_mesh(tmp_path / "ours.vtu", data, {"x": data.points}, {"height": np.arange(data.count, dtype=float)})
     ours = meshio.read(tmp_path / "ours.vtu")
     (block,) = ours.cells
     reference = np.vstack([b.data for b in theirs.cells if b.type == block.type])
@@ -176,7 +176,7 @@ def test_vtk_measures_the_same_volume(name, tmp_path: Path):
     import pyvista
 
     points, cells = cube(name, 2)
-    write_vtu(tmp_path / "cube.vtu", MeshData(points, {name: cells}))
+    write_mesh(tmp_path / "cube.vtu", MeshData(points, {name: cells}))
     grid = pyvista.read(tmp_path / "cube.vtu")
     assert grid.n_cells == len(cells)
     assert abs(grid.volume) == pytest.approx(1.0, rel=1e-6)
@@ -186,12 +186,12 @@ def test_vtk_measures_the_same_volume(name, tmp_path: Path):
 def test_exchange_formats_are_read_back(gmsh, name, tmp_path: Path):
     points, cells = cube(name, 2)
     data = MeshData(points, {name: cells}, {"all": np.arange(len(cells))})
-    write_vtu(tmp_path / "cube.msh", data, {"x": points})
+    write_mesh(tmp_path / "cube.msh", data, {"x": points})
     gmsh.open(str(tmp_path / "cube.msh"))
     again = gmsh.model.mesh.getElements(3)
     assert list(again[0]) == [GMSH_TYPES[name]]
     np.testing.assert_array_equal(again[2][0].reshape(cells.shape) - 1, cells)
-    write_vtu(tmp_path / "cube.inp", data)
+    write_mesh(tmp_path / "cube.inp", data)
     kind = {"P1": "C3D4", "P2": "C3D10", "Q1": "C3D8", "Q2": "C3D20"}[name]
     assert f"TYPE={kind}\n" in (tmp_path / "cube.inp").read_text()
     assert sum(len(b.data) for b in meshio.read(tmp_path / "cube.inp").cells) == len(cells)
@@ -201,8 +201,8 @@ def test_files_refuse_strange_suffixes_and_fields(tmp_path: Path):
     points, cells = cube("P1", 1)
     data = MeshData(points, {"P1": cells})
     with pytest.raises(ValueError, match=r"suffix '\.stl'"):
-        write_vtu(tmp_path / "cube.stl", data)
+        write_mesh(tmp_path / "cube.stl", data)
     with pytest.raises(ValueError, match="field 'p' has 3 values"):
-        write_vtu(tmp_path / "cube.vtu", data, {"p": np.zeros(3)})
+        write_mesh(tmp_path / "cube.vtu", data, {"p": np.zeros(3)})
     with pytest.raises(ValueError, match="field 'p' has 3 values"):
-        write_vtu(tmp_path / "cube.vtu", data, {}, {"p": np.zeros(3)})
+        write_mesh(tmp_path / "cube.vtu", data, {}, {"p": np.zeros(3)})

@@ -78,8 +78,8 @@ def check_body(m, spec, mesh):
         assert np.abs(mesh.points[nodes] - expected).max() < 1e-12 * m.R
         assert {tuple(sorted(nodes[t].tolist())) for t in standard.triangles[:, :3]} <= inner
     for nodes, place in (
-        (mesh.low_end, mesh.points[:, 2] - spec.z_low),
-        (mesh.high_end, mesh.points[:, 2] - spec.z_high),
+        (nodes_on(mesh.mesh, "low end"), mesh.points[:, 2] - spec.z_low),
+        (nodes_on(mesh.mesh, "high end"), mesh.points[:, 2] - spec.z_high),
         (nodes_on(mesh.mesh, outside(spec)), np.hypot(*mesh.points[:, :2].T) - spec.r_out),
     ):
         assert set(nodes) == set(np.unique(faces)) & set(np.flatnonzero(np.abs(place) < 1e-12))
@@ -189,7 +189,7 @@ def test_faces_hold_their_whole_area(body):
 def test_ends_are_flat_and_complete(body):
     _, spec, mesh = body
     faces, _ = outer_faces(mesh.cells)
-    for nodes, z in ((mesh.low_end, spec.z_low), (mesh.high_end, spec.z_high)):
+    for nodes, z in ((nodes_on(mesh.mesh, "low end"), spec.z_low), (nodes_on(mesh.mesh, "high end"), spec.z_high)):
         assert np.abs(mesh.points[nodes, 2] - z).max() < 1e-9
         area = 0.0
         for tri in faces[np.isin(faces[:, :3], nodes).all(axis=1), :3]:
@@ -299,8 +299,9 @@ def test_meshes_are_the_same_every_time():
     case = ring_of(0.0, 2.0)
     spec = body_specs(case, TWO)["nut"]
     first, second = (build_body(GrooveMap.of(case), spec) for _ in range(2))
-    for name in ("points", "cells", "socket_nodes", "low_end"):
+    for name in ("points", "cells", "socket_nodes"):
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+    np.testing.assert_array_equal(*(nodes_on(one.mesh, "low end") for one in (first, second)))
 
 
 def test_finer_sizes_give_more_cells_and_shorter_edges():

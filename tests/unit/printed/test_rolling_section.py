@@ -9,6 +9,7 @@ from compare.models.study import Study
 from compare.rolling import rows as rolling_rows
 from compare.rolling.body_sizes import NAMES, Variant
 from compare.rolling.from_rest import Series
+from compare.rolling.kept_sizes import Sizes
 from compare.rolling.patches import PatchField
 from compare.rolling.rows import KNOWN
 from compare.sections import rolling
@@ -45,7 +46,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     monkeypatch.setattr(rolling, "proofs", lambda: proof)
     monkeypatch.setattr(rolling, "from_rest", lambda: series)
     values = dict.fromkeys(NAMES, 1.0)
-    monkeypatch.setattr(rolling, "body_sizes", lambda: (Variant("as shipped", values),))
+    monkeypatch.setattr(rolling, "body_sizes", lambda _, **__: Sizes((Variant("as shipped", values),), "Kept."))
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
     field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
     monkeypatch.setattr(rolling, "fields", lambda: (field,))

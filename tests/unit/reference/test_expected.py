@@ -11,8 +11,10 @@ import pytest
 from compare.errors import InputError
 from compare.reference import expected as module
 from compare.reference import jobs
+from compare.reference.computing import compute
 from compare.reference.expected import Progress, duration, expected, need_memory
-from compare.reference.runs import Task, compute, load, shipped_store
+from compare.reference.store import load, shipped_store
+from compare.reference.tasks import Task
 from compare.scenes import catalogue
 from compare.watch import reader_gone
 from compare.writing import replace_file

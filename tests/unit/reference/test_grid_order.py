@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from compare.reference import grid_order
-from compare.reference.runs import reference, reference_of, shipped_store
+from compare.reference.estimate import reference, reference_of
+from compare.reference.store import shipped_store
 from compare.scenes import catalogue
 
 SIZES = {1: 1.8, 2: 2.4, 3: 3.2}

@@ -10,10 +10,11 @@ from skfem import MeshHex
 
 from compare.models.modelling import VARIED, combined, effect, modelling_percent, varied
 from compare.models.registry import DEFAULT, Options, run_model
-from compare.reference.runs import Run, save, settings_of
+from compare.reference.store import Run, save
+from compare.reference.tasks import settings_of
 from compare.reference.variants import COUPLING, HOLE, LANDS, LENGTH, NOT_VARIED, VARIANTS, held_ring, twisted
 from compare.scenes import catalogue
-from hifi.setup import nut_transform
+from hifi.responses import nut_transform
 from meshes.parts import Solid, Support
 from meshes.solid import dimensions
 

@@ -10,8 +10,8 @@ from compare.models.comparison import REFERENCED
 from compare.models.ladder import UNSEEN
 from compare.models.study import Study
 from compare.reference.convergence import LABELS
+from compare.reference.estimate import Reference, reference_of
 from compare.reference.levels import LEVELS
-from compare.reference.runs import Reference, reference_of
 from compare.sections import reference_mesh, reference_time
 from compare.sections.reference import LABELS as NAMES
 from compare.sections.reference_time import FLOOR, TimePoint, error_range, time_figures, time_panel, time_table

@@ -8,7 +8,7 @@ from compare.costs import run_times
 from compare.costs.cold import Cold
 from compare.costs.run_times import Kept, RunTime
 from compare.models.study import Study
-from compare.reference.runs import shipped_store
+from compare.reference.store import shipped_store
 from compare.sections import reference_time
 
 KEPT = Kept(

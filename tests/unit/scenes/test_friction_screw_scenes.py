@@ -6,15 +6,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.commands.friction import Choices
-from compare.commands.friction import run as run_friction
+from compare.commands.friction import run_friction
 from compare.commands.friction_kinds import solve_kind
+from compare.commands.friction_whole import Choices
 from compare.errors import SceneError
 from compare.evidence.source_cases import double_row, four_point, inferred, lin_3_4_4, plain
 from compare.scenes import catalogue, scene_file
 from compare.scenes.kinds.bearing_pair import BearingPairScene
 from compare.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BearingCase, Row, free_motion, solve_bearing, torque_curve
+from lowfi.friction.bearing.pairs import (
+    ALL,
+    DIAGONAL,
+    OTHER,
+    BallRow,
+    BearingCase,
+    free_motion,
+    solve_bearing,
+    torque_curve,
+)
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.pair import SHIFTED, Pair, solve_pair
 from lowfi.friction.screw.run import Run, simulate, summarise
@@ -74,8 +83,8 @@ def test_shipped_cases_are_these_numbers():
         close(plain(np.radians(theta)), pair)
         close(inferred(np.radians(theta)), replace(pair, oversize=1.7e-6, coupling="none"))
     close(lin_3_4_4(), Run(screw, 37, 2.0, (1500.0,), "z", 2.0, 200, 1.7e-6, np.radians(3.0)))
-    close(four_point(), BearingCase(ring, 9, (Row(0.0, ALL),), 3000.0, tilt=True))
-    close(double_row(), BearingCase(small, 9, (Row(-6e-3, OTHER), Row(6e-3, DIAGONAL)), 3000.0, tilt=True))
+    close(four_point(), BearingCase(ring, 9, (BallRow(0.0, ALL),), 3000.0, tilt=True))
+    close(double_row(), BearingCase(small, 9, (BallRow(-6e-3, OTHER), BallRow(6e-3, DIAGONAL)), 3000.0, tilt=True))
 
 
 def test_which_part_turns():

@@ -9,7 +9,7 @@ from compare.crosscheck.study import STUDIES
 from compare.errors import SceneError
 from compare.models.comparison import REFERENCED
 from compare.models.ladder import CATALOGUE, CHANGED, DEEP, UNSEEN
-from compare.reference.runs import key_of
+from compare.reference.store import key_of
 from compare.scenes import catalogue, scene_file
 
 

@@ -7,7 +7,7 @@ from compare.scenes import catalogue
 from lowfi import jit
 from lowfi.as_source.static import element_stiffness
 from lowfi.statics.kernel import banded, beam
-from lowfi.statics.shape import motion_matrix, rigid_transport, shape_matrix, shape_polynomials, shear_ratio
+from lowfi.statics.shape import motions_at, rigid_transport, shape_matrix, shape_polynomials, shear_ratio
 from meshes.helix import ball_layout
 from meshes.partition import beam_nodes, contact_stations, fixed_partition
 from meshes.section import tube_section
@@ -167,10 +167,9 @@ def test_shape_functions_for_many_points(order):
 def test_motion_beyond_the_ends_is_rigid():
     nodes, q = np.array([0.1, 0.2, 0.4]), np.arange(1.0, 19.0).reshape(3, 6)
     for z, end in ((0.05, 0), (0.45, 2)):
-        j, m = motion_matrix(z, nodes, SECTION)
-        assert m @ q.ravel()[6 * j : 6 * j + 12] == pytest.approx(rigid_transport(z - nodes[end]) @ q[end], rel=1e-14)
-    j, m = motion_matrix(0.2, nodes, SECTION)
-    assert m @ q.ravel()[6 * j : 6 * j + 12] == pytest.approx(q[1], rel=1e-14)
+        found = motions_at(np.array([z]), nodes, SECTION, q)[0]
+        assert found == pytest.approx(rigid_transport(z - nodes[end]) @ q[end], rel=1e-14)
+    assert motions_at(np.array([0.2]), nodes, SECTION, q)[0] == pytest.approx(q[1], rel=1e-14)
 
 
 @pytest.mark.parametrize("engine", ["interpreted", "compiled"])

@@ -12,7 +12,8 @@ from compare.errors import InputError
 from compare.models import ladder, model_form
 from compare.models.registry import DEFAULT, Options, run_model
 from compare.models.study import Study
-from compare.reference.runs import bodies_path, load, reference, shipped_store
+from compare.reference.estimate import reference
+from compare.reference.store import bodies_path, load, shipped_store
 from compare.scenes import catalogue
 from lowfi.compliance.bodies import LADDER, REFINED
 from lowfi.compliance.imported import Condensed

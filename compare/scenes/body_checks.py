@@ -1,190 +1,26 @@
-"""What a scene file may not describe: contradictory choices, and bodies that cannot be built."""
+"""Bodies that a scene file describes and nobody can build, and contacts that cannot be solved."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.scenes.catalogue_input import ball_total
-from compare.scenes.keys import MAX_BALLS, GrooveKeys
-from compare.scenes.schema import BallKeys, SceneKeys
+from compare.scenes.fault import TOLERANCE, Fault, mm
 from lowfi.statics.supports import Held, contradiction, show
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
-from meshes.partition import MERGE
 from meshes.parts import SIDES, Scene
 from meshes.section import volume_ratio
 
 Array = NDArray[np.float64]
 
-#: Lengths that differ by less than this [m] count as equal.
-TOLERANCE = 1e-9
 #: Random ball errors are refused if this many standard deviations would make a ball as large as its groove.
 SIGMAS = 6.0
 #: Largest groove radius, in ball radii: beyond it a groove guides no ball.
 WIDEST = 10.0
-
-
-@dataclass(frozen=True)
-class Fault:
-    """One fault: the keys it may be blamed on (the first one that the file has is named), and what to say.
-
-    ``value`` is left empty where the text found in the file says it best.
-    """
-
-    keys: tuple[str, ...]
-    allowed: str
-    advice: str
-    value: str = ""
-
-
-def mm(length: float) -> str:
-    """A length [m] for a message: in mm, or in um below 0.1 mm."""
-    return f"{length * 1e6:.6g} um" if 0.0 < abs(length) < 1e-4 else f"{length * 1e3:.7g} mm"
-
-
-def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
-    """Faults that show before geometry is built: keys that exclude or need each other, counts, supports."""
-    from compare.scenes.catalogue_faults import catalogue_faults
-
-    for part in ("screw", "nut", "balls"):
-        yield from _material_faults(keys, part)
-    yield from _kind_faults(keys)
-    yield from groove_choice_faults(keys.screw, "screw")
-    yield from groove_choice_faults(keys.nut, "nut")
-    yield from _ball_choice_faults(keys)
-    yield from _support_faults(keys)
-    if keys.motion is not None and keys.motion.speed == 0.0:
-        advice = "friction at rest may have any value up to its limit: give the speed at which the part turns"
-        yield Fault(("motion.speed",), "any angular speed but zero", advice)
-    yield from _circuit_choice_faults(keys)
-    yield from catalogue_faults(keys)
-
-
-def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
-    found, time = keys.circulation, keys.time
-    if found is not None:
-        if keys.track.lead == 0.0:
-            advice = "the balls of a bearing go round its one turn: leave the table out"
-            yield Fault(("circulation",), "a lead above 0 mm", advice, "a bearing with [circulation]")
-        if found.gap is not None and found.filling is not None:
-            allowed, advice = "either gap or filling", "they say the same: leave one out"
-            yield Fault(("circulation.gap",), allowed, advice, "both")
-    if time is not None and time.steps is not None and time.steps % 4:
-        advice = f"the run is repeated with half and a quarter of its steps: write e.g. steps = {4 * round(time.steps / 4)}"
-        yield Fault(("time.steps",), "a multiple of 4", advice)
-    if time is not None and (time.angle is None) == (time.duration is None):
-        value = "neither" if time.angle is None else "both"
-        advice = 'write angle = "360 deg", or duration = "1 s"'
-        yield Fault(("time.angle", "time"), "either angle or duration", advice, value)
-
-
-def _kind_faults(keys: SceneKeys) -> Iterator[Fault]:
-    found = "bearing" if keys.track.lead == 0.0 else "ball screw"
-    if keys.kind not in (None, found):
-        advice = f"a lead {'of zero' if keys.track.lead == 0.0 else 'above zero'} is a {found}: mend kind or track.lead"
-        yield Fault(("kind",), f'"{found}" with this lead', advice)
-
-
-def groove_choice_faults(groove: GrooveKeys, table: str) -> Iterator[Fault]:
-    """A groove must be given in one of two ways; ``table`` is where it stands in the file."""
-    if (groove.groove_radius is None) == (groove.conformity is None):
-        found = "neither" if groove.conformity is None else "both"
-        advice = "groove radius = conformity x ball diameter: give one and leave out the other"
-        yield Fault((f"{table}.groove_radius",), "one of groove_radius and conformity", advice, found)
-
-
-def _material_faults(keys: SceneKeys, part: str) -> Iterator[Fault]:
-    own = getattr(keys, part).material
-    for name, unit in (("youngs_modulus", '"210 GPa"'), ("poissons_ratio", "0.28")):
-        if getattr(own, name, None) is None and getattr(keys.material, name) is None:
-            where = f"{part}.material.{name}"
-            advice = f"write {name} = {unit} under [material] for all parts, or in {part}.material"
-            yield Fault((where,), "a value here or under [material]", advice, "nothing")
-
-
-def _ball_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
-    balls, starts, ring = keys.balls, keys.track.starts, keys.track.lead == 0.0
-    if ring and starts > 1:
-        advice = "a bearing has one row: set starts = 1, or give a lead"
-        yield Fault(("track.starts",), "1 for zero lead", advice)
-    if balls.azimuths is not None and any(x is not None for x in (balls.count, balls.turns, balls.arcs)):
-        advice = "leave out azimuths, or count with turns or arcs"
-        yield Fault(("balls.azimuths",), "either azimuths, or count with turns", advice, "both")
-        return
-    if balls.azimuths is None and balls.count is None and balls.filling is None:
-        advice = "write count and turns for balls spread evenly, or azimuths to list them"
-        yield Fault(("balls.count",), "either azimuths, or count with turns", advice, "nothing")
-        return
-    if balls.arcs is not None:
-        yield from _arc_faults(balls)
-    elif balls.azimuths is None and balls.turns is None and not ring:
-        advice = "write the number of turns that the balls of one start fill, e.g. turns = 2"
-        yield Fault(("balls.turns",), "above 0", advice, "nothing")
-    if ring and balls.turns is not None and balls.turns > 1.0:
-        advice = "a bearing has one turn: leave turns out"
-        yield Fault(("balls.turns",), "above 0, up to 1 for zero lead", advice)
-    shares = starts * balls.circuits
-    if balls.count is not None and balls.count % shares:
-        near = max(shares, round(balls.count / shares) * shares)
-        what = f"the {starts} starts" if balls.circuits == 1 else f"the {shares} circuits"
-        advice = f"every {'start' if balls.circuits == 1 else 'circuit'} has as many balls: write e.g. count = {near}"
-        yield Fault(("balls.count",), f"a multiple of {what}", advice)
-    total = ball_total(balls, keys.track) if balls.azimuths is None else len(balls.azimuths) * starts
-    yield from _listed_faults(keys, total)
-
-
-def _arc_faults(balls: BallKeys) -> Iterator[Fault]:
-    """Angle ranges that are empty, out of order, or given beside turns."""
-    ends = [end for arc in balls.arcs or [] for end in arc]
-    if balls.turns is not None:
-        yield Fault(("balls.arcs",), "either turns or arcs", "arcs say how far the balls go: leave out turns", "both")
-    elif any(b <= a for a, b in itertools.pairwise(ends)):
-        advice = 'write them in order, e.g. arcs = [["-900 deg", "-180 deg"], ["180 deg", "900 deg"]]'
-        yield Fault(("balls.arcs",), "ranges with growing ends that do not overlap", advice)
-
-
-def _listed_faults(keys: SceneKeys, total: int) -> Iterator[Fault]:
-    if total > MAX_BALLS:
-        allowed = f"at most {MAX_BALLS} balls"
-        yield Fault(("balls.azimuths",), allowed, "list fewer azimuths", f"{total} balls")
-    seen: set[int] = set()
-    for text in keys.errors.balls.listed:
-        where = (f"errors.balls.listed.{text}",)
-        whole = text.isascii() and text.isdecimal() and len(text) <= 9
-        if not whole or not 1 <= int(text) <= total:
-            advice = f"balls are numbered from 1 to {total}, all balls of start 1 first"
-            yield Fault(where, f"a ball number from 1 to {total}", advice, f"ball {text}")
-        elif int(text) in seen:
-            advice = f"ball {int(text)} is listed twice: keep one"
-            yield Fault(where, "each ball once", advice, f"ball {text}")
-        else:
-            seen.add(int(text))
-
-
-def _support_faults(keys: SceneKeys) -> Iterator[Fault]:
-    taken: list[tuple[float, str, str]] = []
-    for i, support in enumerate(keys.supports):
-        given: list[tuple[str, str]] = [(name, f"supports[{i}].fix") for name in support.fix]
-        moved = support.displace.model_dump(exclude_none=True)
-        given += [(name, f"supports[{i}].displace.{name}") for name in moved]
-        if not given:
-            advice = 'write fix = ["ux", ...] or displace = { ux = "0 mm" }, or delete the support'
-            yield Fault((f"supports[{i}].fix",), "at least one of ux, uy, uz, rx, ry, rz", advice, "no freedom")
-        for name, where in given:
-            for at, other, first in taken:
-                if other == name and abs(at - support.at) <= MERGE * (1.0 + TOLERANCE):
-                    advice = f"{name} at {mm(at)} is already held by {first}: keep one of the two"
-                    allowed = f"each freedom once per station (stations up to {mm(MERGE)} apart are one)"
-                    yield Fault((where,), allowed, advice, f'"{name}" twice')
-                    break
-            else:
-                taken.append((support.at, name, where))
 
 
 def ball_radii(scene: Scene) -> Array:

@@ -1,0 +1,59 @@
+"""Where numbers come from: commit and sources of this program, and the hashes of what a report rests on."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from pathlib import Path
+
+import compare
+from reports.manifest import sha256
+
+#: Packages whose sources are part of what a page rests on.
+PACKAGES = ("compare", "hifi", "lowfi", "meshes", "reports")
+#: Files of a store that are no run of the 3D reference, and of printed data.
+STORED, PRINTED = ("*.json", "*.npz", "*.toml"), ("*.toml", "*.json")
+#: Name under which the sources stand in a manifest.
+SOURCES = "sources of rollbench"
+#: How the others begin there: scenes, printed data, files of a store.
+SCENE, DATA, RUN = "scene ", "printed ", "reference "
+
+
+def commit() -> str:
+    """Commit of the sources where they stand in a repository, marked where they were changed since; else words."""
+    root = Path(compare.__file__).resolve().parents[1]
+    if not (root / ".git").exists():
+        return "not a repository: an installed package"
+    try:
+        run = [
+            subprocess.run(["git", "-C", str(root), *args], capture_output=True, text=True, check=True, timeout=20).stdout
+            for args in (("rev-parse", "HEAD"), ("status", "--porcelain", "--untracked-files=no"))
+        ]
+    except (OSError, subprocess.SubprocessError):
+        return "not known: git does not answer"
+    return run[0].strip() + (", changed since" if run[1].strip() else "")
+
+
+def sources_hash(folders: Sequence[str] = PACKAGES, more: str = "") -> str:
+    """SHA-256 over names and contents of all Python sources of the packages, or of folders in them, and over a text."""
+    lines = [more] if more else []
+    for package in folders:
+        root = Path(str(resources.files(package.replace("/", "."))))
+        files = sorted(p for p in root.rglob("*.py") if "__pycache__" not in p.parts)
+        lines += [f"{package}/{p.relative_to(root).as_posix()} {sha256(p.read_bytes())}" for p in files]
+    return sha256("\n".join(lines))
+
+
+def inputs(stores: Sequence[Path], scenes: Mapping[str, str]) -> dict[str, str]:
+    """SHA-256 of what a report rests on, by name: the sources, the texts of its scenes, printed data, and the files of its
+    stores (of several of one name the first store's)."""
+    found = {SOURCES: sources_hash()}
+    found |= {f"{SCENE}{name}": sha256(text) for name, text in sorted(scenes.items())}
+    printed = Path(str(resources.files("compare") / "printed"))
+    for path in sorted(p for pattern in PRINTED for p in printed.rglob(pattern)):
+        found[f"{DATA}{path.relative_to(printed).as_posix()}"] = sha256(path.read_bytes())
+    for store in reversed(stores):
+        for path in sorted(p for pattern in STORED for p in store.glob(pattern)):
+            found[f"{RUN}{path.name}"] = sha256(path.read_bytes())
+    return found

@@ -1,0 +1,110 @@
+"""What is asked of the 3D reference: scenes that share one set-up, sides that may touch, mesh settings of a level."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from compare.errors import InputError, Refusal
+from compare.reference.levels import LEVELS, SOURCE_LEVEL, scaled
+from compare.reference.variants import VARIANTS
+from meshes.parts import Scene
+
+if TYPE_CHECKING:
+    from hifi.fit import Settings
+
+
+def needed_sides(scene: Scene) -> tuple[int, ...]:
+    """Sides that may touch, by `hifi.expected`. Raises Refusal where that finds no equilibrium."""
+    from hifi.expected import expected_contacts
+
+    try:
+        return expected_contacts(scene).sides()
+    except ValueError as error:
+        raise refused(scene, error) from error
+
+
+def refused(scene: Scene, error: ValueError) -> Refusal:
+    """The refusal of a scene whose equilibrium or mesh is not to be had."""
+    return Refusal(scene.name, "3D reference", str(error), "change what it names, or solve it with a low-order model")
+
+
+def geometry_of(scene: Scene) -> tuple[Any, ...]:
+    """What scenes must share to share a set-up."""
+    return scene.track, scene.screw, scene.nut, scene.balls, scene.solid, scene.ingredients.screw
+
+
+def groups(scenes: Sequence[Scene]) -> list[list[Scene]]:
+    """Scenes of one geometry together, in order."""
+    found: dict[tuple[Any, ...], list[Scene]] = {}
+    for scene in scenes:
+        found.setdefault(geometry_of(scene), []).append(scene)
+    return list(found.values())
+
+
+def settings_of(scenes: Sequence[Scene], level: int, variant: str = "") -> Settings:
+    """Mesh settings that serve ``scenes`` of one geometry on a level with a modelling variant.
+
+    Raises InputError for an unknown level, Refusal where no contacts can be expected.
+    """
+    from hifi.fit import Settings, expected_reach, expected_semi_axes
+
+    if level not in (SOURCE_LEVEL, *LEVELS):
+        raise InputError("command line", "--levels", str(level), f"1 to {len(LEVELS)}", "choose fewer levels")
+    sizes = scaled(level, scenes[0].balls.radius, VARIANTS[variant].refined if variant else ())
+    axes, reach = [], []
+    for scene in scenes:
+        try:
+            axes.append(expected_semi_axes(scene))
+            reach.append(expected_reach(scene))
+        except ValueError as error:
+            raise refused(scene, error) from error
+    sizes["semi"] = (min(a for a, _ in axes), min(b for _, b in axes))
+    sizes["reach"] = (max(a for a, _ in reach), max(b for _, b in reach))
+    sizes["element"] = "P1" if level == SOURCE_LEVEL else "Q2"
+    return Settings(**sizes)
+
+
+def serves(scene: Scene, level: int, variant: str, settings: Mapping[str, Any], sides: Sequence[int]) -> bool:
+    """Whether a mesh of a level serves a scene: cells at least as fine, patches as large, all sides that may touch."""
+    changed = VARIANTS[variant].change(scene) if variant else scene
+    try:
+        own, needed = asdict(settings_of([changed], level, variant)), needed_sides(changed)
+    except InputError:
+        return False
+    found = plain(settings)
+    same = all(found.get(name) == value for name, value in own.items() if name not in ("semi", "reach"))
+    fits = {"semi", "reach"} <= set(found) and set(needed) <= set(sides)
+    return bool(
+        same
+        and fits
+        and all(x <= y for x, y in zip(found["semi"], own["semi"], strict=True))
+        and all(x >= y for x, y in zip(found["reach"], own["reach"], strict=True))
+    )
+
+
+def plain(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings as they come back from a file: lists are tuples."""
+    return {name: tuple(value) if isinstance(value, list | tuple) else value for name, value in settings.items()}
+
+
+@dataclass(frozen=True)
+class Task:
+    """One set-up and its load cases: scenes of one geometry on one level, with a variant; ``ablate``: also leave out every
+    ingredient in turn; ``cache``: folder of the mesh cache; ``processes`` that one set-up may use."""
+
+    scenes: tuple[Scene, ...]
+    level: int
+    variant: str = ""
+    ablate: bool = False
+    cache: Path | None = None
+    processes: int = 1
+
+    @property
+    def label(self) -> str:
+        """What it is, for the terminal."""
+        mesh = "the source's mesh" if self.level == SOURCE_LEVEL else f"level {self.level}"
+        tail = f", {VARIANTS[self.variant].label}" if self.variant else ""
+        return f"{', '.join(s.name for s in self.scenes)}: {mesh}{tail}"

@@ -1,0 +1,213 @@
+"""How screw, nut and balls of the 3D reference answer contact forces: meshed bodies with a socket at every contact,
+condensed to the modes of their patches; the shaft beyond the 3D stretch of the screw."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from skfem import condense
+
+from hifi.bodies import (
+    Socket,
+    assemble,
+    end_transform,
+    freedoms,
+    held_transform,
+    isostatic,
+    mode_rows,
+    of_order,
+    patch_modes,
+)
+from hifi.cell import Homogenised, homogenise
+from hifi.fit import Settings
+from hifi.mounting import Stretch
+from hifi.part_meshes import body_kind, placed, sockets_of
+from hifi.patch import CondensedPatch
+from hifi.response import compliance, transport
+from hifi.rigid import rigid_modes
+from hifi.shaft import ShaftSection, round_section
+from hifi.sides import SidePatches
+from meshes.ball_body import BallBody
+from meshes.fem import nodes_on
+from meshes.groove_map import GrooveMap
+from meshes.grooved_body import GroovedBody
+from meshes.helix import BallLayout
+from meshes.parts import Scene
+from meshes.solid import Dimensions
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+#: Boundaries of the nut's mesh by where it is held.
+NUT_HELD = {
+    "outer surface": ("outside",),
+    "left face": ("low end",),
+    "right face": ("high end",),
+    "both faces": ("low end", "high end"),
+}
+#: Least number of nodes that the motion of a section is taken from.
+LEAST = 30
+
+
+@dataclass(frozen=True)
+class ScrewResponse:
+    """3D stretch of the screw (that of a `Setup` is free of its cut ends), modes V of each side's patches, rigid rows
+    ``(contacts, k, 6)`` of every contact's modes about its own station, unknowns."""
+
+    stretch: Stretch
+    modes: dict[int, Array]
+    rigid: Array
+    unknowns: int
+
+
+@dataclass(frozen=True)
+class NutResponse:
+    """Coupling G of the modes of all contacts, modes V of each side's patches, unknowns."""
+
+    G: Array
+    modes: dict[int, Array]
+    unknowns: int
+
+
+@dataclass(frozen=True)
+class BallResponse:
+    """How one ball couples its contacts: response G of the modes V of its sides, side after side, rigid motions held
+    isostatically; unknowns."""
+
+    G: Array
+    modes: dict[int, Array]
+    unknowns: int
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """Section of the shaft beyond the 3D stretch, and where it comes from."""
+
+    section: ShaftSection
+    homogenised: Homogenised | None
+
+
+def ball_compliance(scene: Scene, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings) -> BallResponse:
+    """How one ball couples the contacts of all its sides, rigid motions held isostatically (its loads balance)."""
+    e = scene.balls.material
+    own = {s: p.ball for s, p in patches.items()}
+    sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
+    K = assemble(of_order(mesh.mesh, body_kind(settings)), sockets, own, e.youngs_modulus, e.poissons_ratio)
+    held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
+    free = np.setdiff1d(np.arange(K.shape[0]), held)
+    kept = {s: patch_modes(p, settings.ball_modes) for s, p in own.items()}
+    rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0])[:, free]
+    G = compliance(condense(K, D=held, expand=False), rows)
+    return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
+
+
+def shaft_section(scene: Scene, m: GrooveMap, dims: Dimensions, size: float, stations: Sequence[float]) -> Shaft:
+    """Section of the shaft beyond the 3D stretch; where no station lies there, any will do."""
+    e, outer = scene.screw.material, scene.screw.outer_diameter / 2.0
+    low, high = dims.ends(scene)
+    plain = round_section(outer, e.youngs_modulus, e.poissons_ratio)
+    if dims.screw_held == "bore" or all(low <= z <= high for z in stations):
+        return Shaft(plain, None)
+    if dims.shaft_radius is not None:
+        return Shaft(round_section(dims.shaft_radius, e.youngs_modulus, e.poissons_ratio), None)
+    if scene.track.lead == 0.0:
+        if scene.screw.bore == 0.0:
+            return Shaft(plain, None)
+        bore = round_section(scene.screw.bore / 2.0, e.youngs_modulus, e.poissons_ratio)
+        own = ShaftSection(plain.EA - bore.EA, plain.EI - bore.EI, plain.GJ - bore.GJ, plain.kGA - bore.kGA)
+        return Shaft(own, None)
+    found = homogenise(m, outer, scene.screw.bore / 2.0, dims.hole, e, size)
+    return Shaft(found.section, found)
+
+
+def screw_response(
+    scene: Scene,
+    inside: Sequence[float],
+    mesh: GroovedBody,
+    layout: BallLayout,
+    sides: tuple[int, ...],
+    own: dict[int, CondensedPatch],
+    settings: Settings,
+    dims: Dimensions,
+) -> ScrewResponse:
+    """The 3D stretch of the screw, held at its base; ``inside``: stations of supports and loads within it."""
+    e = scene.screw.material
+    places = sockets_of(layout, sides, True)
+    sockets = placed(mesh, places)
+    K = assemble(of_order(mesh.mesh, body_kind(settings)), sockets, own, e.youngs_modulus, e.poissons_ratio)
+    size = K.shape[0]
+    low, high = dims.ends(scene)
+    kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
+    modes = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, size)
+    bore = dims.screw_held == "bore"
+    T = screw_transform(mesh, dims, high)
+    base = scene.nut.position if bore else low
+    if bore:
+        ports: tuple[float, ...] = ()
+        observers: tuple[float, ...] = ()
+        rows = modes @ T
+    else:
+        ports = (high, *inside)
+        half = scene.nut.length / 2.0
+        observers = tuple(float(scene.nut.position + x * half) for x in (-1.0, -0.5, 0.0, 0.5, 1.0))
+        end = sp.csr_matrix((np.ones(6), (np.arange(6), T.shape[1] - 6 + np.arange(6))), (6, T.shape[1]))
+        hole = nodes_on(mesh.mesh, "bore")
+        follow = [section_motion(mesh.points, hole, z, size) @ T for z in (*inside, *observers)]
+        rows = sp.vstack([modes @ T, end, *follow]).tocsr()
+    K = (T.T @ K @ T).tocsc()  # the free body's is dropped: a gigabyte with 400 contacts
+    F = compliance(K, rows)
+    rigid = np.asarray(modes @ rigid_modes(mesh.points, np.array([0.0, 0.0, base])))
+    B = np.concatenate([rigid, *(transport(z - base) for z in (*ports, *observers))])
+    stretch = Stretch(F, B, base, ports, observers, (low, high), modes.shape[0], rigid=bore)
+    starts = np.concatenate([[0], np.cumsum([kept[p[2]][1].shape[0] for p in places])])
+    least = min(k[1].shape[0] for k in kept.values()) if kept else 0
+    about = np.array([rigid[starts[i] : starts[i] + least] @ transport(base - p[1]) for i, p in enumerate(places)]).reshape(
+        len(places), least, 6
+    )
+    return ScrewResponse(stretch, {s: k[0] for s, k in kept.items()}, about, T.shape[1])
+
+
+def section_motion(points: Array, hole: Index, z: float, size: int) -> sp.csr_matrix:
+    """Rows ``(6, size)`` of the mean rigid motion at z of the nearest nodes ``hole`` of the screw's hole."""
+    order = np.argsort(np.abs(points[hole, 2] - z), kind="stable")
+    reach = np.abs(points[hole, 2] - z)[order[min(LEAST, order.size) - 1]]
+    near = hole[np.abs(points[hole, 2] - z) <= 1.0001 * reach + 1e-12]
+    motion = np.linalg.pinv(rigid_modes(points[near], np.array([0.0, 0.0, z])))
+    return sp.csr_matrix((motion.ravel(), (np.repeat(np.arange(6), 3 * near.size), np.tile(freedoms(near), 6))), (6, size))
+
+
+def screw_transform(mesh: GroovedBody, dims: Dimensions, high: float) -> sp.csc_matrix:
+    """C of the screw's 3D stretch: its bore held, or its low end, the high end at ``high`` [m] then a rigid section."""
+    return held_transform(mesh.mesh, "bore") if dims.screw_held == "bore" else end_transform(mesh.mesh, high)
+
+
+def nut_transform(mesh: GroovedBody, dims: Dimensions) -> sp.csc_matrix:
+    """C of the nut, held where ``dims`` says."""
+    found = nodes_on(mesh.mesh, *NUT_HELD[dims.nut_held])
+    r = np.hypot(mesh.points[found, 0], mesh.points[found, 1])
+    held = freedoms(found[(r >= dims.held_radii[0] - 1e-7) & (r <= dims.held_radii[1] + 1e-7)])
+    size = mesh.mesh.doflocs.size
+    return sp.identity(size, format="csc")[:, np.setdiff1d(np.arange(size), held)]
+
+
+def nut_response(
+    scene: Scene,
+    mesh: GroovedBody,
+    layout: BallLayout,
+    sides: tuple[int, ...],
+    own: dict[int, CondensedPatch],
+    settings: Settings,
+    dims: Dimensions,
+) -> NutResponse:
+    """Response of the nut held where the scene says."""
+    e = scene.nut.material
+    sockets = placed(mesh, sockets_of(layout, sides, False))
+    K = assemble(of_order(mesh.mesh, body_kind(settings)), sockets, own, e.youngs_modulus, e.poissons_ratio)
+    T = nut_transform(mesh, dims)
+    kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
+    rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]) @ T
+    K = (T.T @ K @ T).tocsc()
+    return NutResponse(compliance(K, rows), {s: k[0] for s, k in kept.items()}, T.shape[1])

@@ -1,0 +1,89 @@
+"""Shared by the tests of fine patches: a cube with a socket, patches in groove and ball, condensed ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache, partial
+
+import numpy as np
+
+from hifi.fit import ball_place
+from hifi.patch import Lines, build_patch, build_tet_patch, condense_patch, graded, growing
+from meshes.fem import mesh_of
+from meshes.groove_map import GrooveMap
+from meshes.sockets import SocketMesh, SocketSize, local_points
+from meshes.tet_patch import build_tets, source_box
+from tests.fe_meshes import boundary_faces, cube
+from tests.helpers import small_screw
+
+E, NU = 210e9, 0.28
+MAP = GrooveMap.of(small_screw(6))
+SIZE = SocketSize(0.30, 1.2e-3, 1.24e-3 / MAP.R)
+WIDTH = (SIZE.gamma * float(MAP.radius.mean()), SIZE.phi * MAP.R)
+SEMI = (0.40e-3, 0.105e-3)
+ZONE = (0.62, 0.17)
+
+
+def lines(b_over_h):
+    """Elements of a second-order patch with so many nodes across the short semi-axis."""
+    step = 2.0 * SEMI[1] / b_over_h / WIDTH[1]
+    across = graded(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], 1.7)
+    return Lines(across, growing(0.0, 1.0, 0.6 * step, 1.8), graded(ZONE[1], step, 1.7))
+
+
+@cache
+def holed_cube():
+    """Unit cube of second-order tetrahedra without a block under its upper face: mesh, nodes of the block's five faces, and
+    these as a socket with gamma along x, azimuth along y."""
+    points, cells = cube("P2", 4)
+    local = (points - [0.5, 0.5, 1.0]) / [0.25, 0.25, -0.5]
+    xi = np.column_stack([local[:, 0], local[:, 2], local[:, 1]])
+    inside = (np.abs(xi - [0.0, 0.5, 0.0]) < np.array([1.0, 0.5, 1.0]) + 1e-9).all(axis=1)
+    cells = cells[~inside[cells].all(axis=1)]
+    faces = boundary_faces(cells, "P2")
+    faces = faces[inside[faces].all(axis=1)]
+    nodes, triangles = np.unique(faces, return_inverse=True)
+    triangles = triangles.reshape(-1, 6)
+    assert len(triangles) == 5 * 8
+    mesh, number = mesh_of(points, cells, "P2")
+    return mesh, number[nodes], SocketMesh(xi[nodes], triangles, np.zeros(len(triangles), dtype=np.int64), {})
+
+
+def socket(*, turned=False):
+    """Socket of the holed cube; turned: its mirror image, with the diagonals of two faces the other way."""
+    own = holed_cube()[2]
+    return replace(own, xi=own.xi * [-1.0, 1.0, 1.0]) if turned else own
+
+
+def flat(xi):
+    """Place of the block in the unit cube."""
+    return np.column_stack([0.5 + 0.25 * xi[:, 0], 0.5 + 0.25 * xi[:, 2], 1.0 - 0.5 * xi[:, 1]])
+
+
+def places(side):
+    """Maps into groove and ball at a side, and the ball's centre in each."""
+    groove = partial(local_points, MAP, SIZE, side)
+    return {"groove": (groove, np.array([MAP.R, 0.0, 0.0])), "ball": (ball_place(MAP, SIZE, side, ZONE)[1], np.zeros(3))}
+
+
+@cache
+def tets(fine, own="straight"):
+    return build_tets(source_box(WIDTH, SIZE.depth, ZONE, fine), None if own == "none" else socket(turned=own == "turned"))
+
+
+def patch(kind, where="groove", side=0, fine=0.16e-3, linear=None):
+    """Patch mesh and the directions of its contact forces."""
+    place, centre = places(side)[where]
+    linear = kind == "P1" if linear is None else linear
+    if kind == "Q2":
+        mesh = build_patch(lines(2.0), ZONE, place, socket(), linear=linear)
+    else:
+        mesh = build_tet_patch(tets(fine), place, socket(), linear=linear)
+    arms = mesh.points[mesh.contact] - centre
+    return mesh, arms / np.linalg.norm(arms, axis=1)[:, None]
+
+
+@cache
+def condensed(*args, **options):
+    mesh, normals = patch(*args, **options)
+    return mesh, normals, condense_patch(mesh, normals, E, NU)

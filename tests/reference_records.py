@@ -1,0 +1,58 @@
+"""Shared by the tests of stored references: a run and condensed bodies as if computed."""
+
+from dataclasses import asdict
+
+import numpy as np
+
+from compare.reference.store import Run
+from compare.reference.tasks import settings_of
+from compare.scenes import catalogue
+from meshes.condensed import CondensedBodies, geometry_digest
+from meshes.parts import Scene
+
+
+def run_of(scene_name: str, level: int, load_: np.ndarray, variant: str = "", group: tuple[str, ...] = ()) -> Run:
+    """A run as meshed together with the scenes of ``group``."""
+    settings = asdict(settings_of([catalogue.scene(n) for n in (group or (scene_name,))], level, variant))
+    return Run(
+        scene=scene_name,
+        level=level,
+        variant=variant,
+        status="converged",
+        load=load_,
+        angle=np.full(load_.shape, np.nan),
+        frozen=load_,
+        centreline=np.zeros((3, 4)),
+        without={"elastic nut": load_},
+        without_seconds={"elastic nut": 1.0},
+        sides=(0, 3),
+        unknowns=10,
+        stages={"meshes": 1.0, "nut": 2.0},
+        solve_seconds=0.5,
+        peak_MB=5.0,
+        balance=0.0,
+        along_groove=0.0,
+        screw_balance=0.0,
+        quality={"elements across 2b": 6.0},
+        settings=settings,
+        assumed=("nothing",),
+        versions={},
+        date="2026-01-01",
+    )
+
+
+def bodies_of(scene: Scene, level: int, sides: tuple[int, ...] = (0, 3)) -> CondensedBodies:
+    k = len(sides)
+    eye = np.eye(scene.ball_count * k // 2)
+    return CondensedBodies(
+        geometry_digest(scene),
+        level,
+        np.array(sides, dtype=float),
+        0.3,
+        eye,
+        eye,
+        np.eye(k),
+        np.ones((k, 2)),
+        np.tile([100.0, 200.0], (k, 1)),
+        np.full(k, 1e-7),
+    )

@@ -1,0 +1,50 @@
+"""A report made in two processes is the report made in one."""
+
+from __future__ import annotations
+
+import pytest
+
+from compare.commands import report_halves
+from compare.commands.report_halves import build, make, split
+from compare.commands.report_parts import PARTS, Part
+from compare.models.study import Study
+
+ASIDE, OWN = Part("crosscheck", "crosscheck", beside=True), Part("tolerances", "tolerances")
+
+
+def test_what_is_timed_and_one_core_make_one_process(monkeypatch):
+    wanted = [ASIDE, OWN]
+    monkeypatch.setattr(report_halves, "cores", lambda: 2)
+    assert split(wanted, Study()) == ([ASIDE], [OWN])
+    assert split(wanted, Study(timed=True)) == ([], wanted)
+    assert split([ASIDE], Study()) == ([], [ASIDE])
+    monkeypatch.setattr(report_halves, "cores", lambda: 1)
+    assert split(wanted, Study()) == ([], wanted)
+
+
+def test_sections_of_both_processes_are_those_of_one():
+    alone, told = Study(), []
+    whole = make([ASIDE, OWN], told.append, lambda _: None, alone, lambda _: None).sections
+    study = Study()
+    halves = build([ASIDE], [OWN], told.append, lambda _: None, study, abs)
+    assert halves == whole
+    assert list(study.used) == list(alone.used) != []
+    assert told == ["crosscheck", "tolerances", "tolerances", "what is left of crosscheck"]
+
+
+def test_a_fault_of_the_second_process_is_told():
+    with pytest.raises(ModuleNotFoundError, match="nothing_of_this_name"):
+        build([Part("x", "nothing_of_this_name", beside=True)], [OWN], lambda _: None, lambda _: None, Study(), abs)
+
+
+def test_sections_on_models_stand_together():
+    assert [part.name for part in PARTS if part.beside] == [
+        "overview",
+        "ladder",
+        "reference",
+        "reference-mesh",
+        "u-val",
+        "crosscheck",
+        "rolling",
+        "history",
+    ]

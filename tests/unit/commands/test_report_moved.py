@@ -1,0 +1,82 @@
+"""A whole report against an earlier one, and its hashes computed again."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from compare.commands import report_moved
+from compare.commands.report_moved import checked, moved, tables
+from compare.commands.verify import run_verify
+from compare.errors import InputError
+from compare.provenance import SCENE, inputs
+from compare.scenes import catalogue
+from reports import manifest
+from reports.html import check_target, write
+from reports.records import Column, Report, Section, Table
+
+COLUMNS = (Column("m", "model", "", "s"), Column("x", "error", "%", ".2f"), Column("t", "cold", "s", ".2f"))
+ROWS = ({"m": "lin", "x": 6.0, "t": 1.0}, {"m": "refined", "x": 0.8, "t": 2.0}, {"m": "refined", "x": 0.7, "t": 2.0})
+TABLE = Table("errors", "Errors", COLUMNS, ROWS)
+TEXTS = {"two-balls": catalogue.scene_text("two-balls")}
+
+
+def report(tmp_path, name: str, table: Table = TABLE):
+    origin = {"rollbench": "1.0", "inputs": inputs((tmp_path / "store",), TEXTS)}
+    whole = Report("a report", "", {}, (Section("s", "S", (table,)),), origin=origin)
+    return write(whole, tmp_path / name).parent
+
+
+def test_nothing_moves_between_equal_reports_but_measured_seconds(tmp_path):
+    later = replace(TABLE, rows=[{**row, "t": 9.0} for row in ROWS])
+    assert list(moved(tables(report(tmp_path, "a")), tables(report(tmp_path, "b", later)))) == []
+
+
+def test_what_moved_is_listed_by_the_texts_of_its_row(tmp_path):
+    rows = [ROWS[2] | {"x": 0.77}, ROWS[0], {"m": "mei", "x": 20.0}, ROWS[1] | {"x": 0.8 * (1.0 + 1e-6)}]
+    found = list(moved(tables(report(tmp_path, "a")), tables(report(tmp_path, "b", replace(TABLE, rows=rows)))))
+    assert found == [
+        "errors: refined, error [%]: 0.8 became 0.77 (-3.75 %)",
+        "errors: refined (2), error [%]: 0.7 became 0.800001 (+14.3 %)",
+        "errors: mei: new row",
+    ]
+    assert list(moved({"a": []}, {"b": []})) == ["a: no longer there", "b: new table"]
+    many = [{"m": f"model {k}", "x": 1.0} for k in range(20)]
+    assert len(list(moved(tables(tmp_path / "a"), {"errors": many}))) == report_moved.MOST + 1
+
+
+def test_a_report_is_verified_by_its_manifest(tmp_path, capsys):
+    (tmp_path / "store").mkdir()
+    (tmp_path / "store" / "run.json").write_text("{}", encoding="utf-8")
+    folder = report(tmp_path, "a")
+    check_target(folder)
+    stated = json.loads((folder / manifest.FILE).read_text(encoding="utf-8"))
+    assert {"index.html", "s.html", "search.js", "tables/errors.csv"} == set(stated["files"])
+    assert f"{SCENE}two-balls" in stated["inputs"]
+    assert {row.state for row in checked(folder, (tmp_path / "store",))} == {"ok"}
+    assert run_verify(folder / "index.html", tmp_path / "store") == 0
+    (folder / "tables" / "errors.csv").write_text("changed", encoding="utf-8")
+    (folder / "s.html").unlink()
+    (folder / "more.txt").write_text("added", encoding="utf-8")
+    (tmp_path / "store" / "run.json").write_text("[]", encoding="utf-8")
+    wrong = {row.name: row.state for row in checked(folder, (tmp_path / "store",)) if row.state != "ok"}
+    assert wrong == {
+        "tables/errors.csv": "changed",
+        "s.html": "missing",
+        "reference run.json": "changed",
+        "more.txt": "added",
+    }
+    capsys.readouterr()
+    assert run_verify(folder, tmp_path / "store") == 1
+    assert len(capsys.readouterr().out.splitlines()) == 5
+
+
+def test_what_is_no_report_is_refused(tmp_path):
+    with pytest.raises(InputError, match="--against"):
+        tables(tmp_path)
+    folder = report(tmp_path, "a")
+    (folder / manifest.FILE).write_text("{}", encoding="utf-8")
+    with pytest.raises(InputError, match="damaged"):
+        list(checked(folder, ()))

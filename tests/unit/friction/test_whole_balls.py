@@ -1,0 +1,140 @@
+"""Balls of whole screws and bearings one by one: closed forms, older solvers, ellipses of their contacts."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import ellipe
+
+from compare.evidence.source_cases import four_point, table_3_6
+from lowfi.friction.bearing.pairs import solve_bearing
+from lowfi.friction.screw.groove import ScrewGroove
+from lowfi.friction.screw.motion import ball_motion
+from lowfi.friction.whole.contacts import contacts_of
+from lowfi.friction.whole.losses import CAUSES, ball_friction
+from lowfi.statics.problem import drawn_hertz
+from meshes.errors import specimen
+from meshes.helix import ball_layout
+from meshes.parts import Balls, Load, Material, Motion, Nut, Scene, Screw, Support, Track
+from tests.helpers import ALL_BUT_AXIAL, small_screw, solved, with_ingredients
+from tests.whole_screws import AXIAL, MU, scene_of, single, state
+
+
+def ring_at(angle, force, groove, clearance=0.0, count=9):
+    """A rigid bearing of the groove, free to move but not to tilt, its force at ``angle`` from the axis."""
+    steel = Material(groove.young, groove.poisson)
+    held = (("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
+    push = (force * np.sin(angle), 0.0, force * np.cos(angle))
+    pitch, ball = groove.pitch_radius, groove.ball_radius
+    scene = Scene(
+        "ring",
+        "ring",
+        Track(pitch, 0.0, groove.contact_angle),
+        Screw(0.04, 2.0 * pitch, groove.groove_radius, steel),
+        Nut(0.02, 0.04, 2.0 * (pitch + 4.0 * ball), groove.groove_radius, steel),
+        Balls(ball, steel, tuple(2.0 * np.pi * np.arange(count) / count)),
+        supports=(Support(0.02, held),),
+        loads=(Load(0.02, push),),
+    )
+    errors = replace(scene.errors, balls=replace(scene.errors.balls, oversize=-clearance))
+    return with_ingredients(replace(scene, errors=errors), screw="rigid", hertz="error-free")
+
+
+def test_ring_under_axial_load_spins_at_one_ring_only():
+    """Two-point contact: both ends of the ball roll, and all spin is where it costs less, (3/8) mu F a E(e) per ball."""
+    scene = small_screw(9, 8.0 / 9.0, lead=0.0, force=AXIAL)
+    found = state(scene)
+    at, rows = found.at, []
+    for i in range(9):
+        loaded = np.flatnonzero(at.force[i] > 0.0)
+        a, b = at.a[i, loaded], at.b[i, loaded]
+        moment = 0.375 * 0.1 * at.force[i, loaded] * a * ellipe(1.0 - (b / a) ** 2)
+        rows.append(moment.min() * np.sin(at.angle[i, loaded[0]]))
+    assert found.torque.friction == pytest.approx(sum(rows), rel=1e-9)
+    spin = CAUSES.index("spin")
+    assert found.balls.loss[..., spin].sum() == pytest.approx(found.torque.power, rel=1e-9)
+    assert found.balls.rest.sum() == 9
+
+
+@pytest.mark.parametrize("angle", [0.1, 0.7, 1.4])
+def test_four_point_ring_is_that_of_the_bearing_pairs(angle):
+    case = four_point(tilt=False)
+    expected = solve_bearing(case, angle)
+    scene = ring_at(angle, case.force, case.groove, case.clearance, case.count)
+    found = state(scene, motion=Motion(20.0 * np.pi))
+    assert np.allclose(found.at.force, expected.load.force, rtol=0.0, atol=1e-9 * expected.load.force.max())
+    assert found.torque.friction == pytest.approx(expected.torque, rel=1e-10)
+    assert found.torque.input_power == pytest.approx(expected.input_power, rel=1e-10)
+
+
+@pytest.mark.parametrize("lead", [20e-3, -20e-3])
+@pytest.mark.parametrize("force", [(100.0, 80.0, 75.0, 105.0), (0.0, 60.0, 60.0, 0.0), (40.0, 90.0, 130.0, 0.0)])
+def test_ball_of_a_helix_moves_as_in_the_screw_s_kernels(lead, force):
+    groove = replace(table_3_6(), lead=lead, nut_speed=7.0, screw_speed=0.0)
+    angle = groove.contact_angle + np.array([0.02, -0.01, 0.03, 0.0])
+    expected = ball_motion(groove, np.array(force), angle, fast=False)
+    found = ball_friction(scene_of(groove), single(force, angle, groove), MU, Motion(7.0, "nut"))
+    assert found.power == pytest.approx(expected.motion.loss, rel=1e-10)
+    assert np.allclose([found.orbit[0], *found.rotation[0]], expected.motion.q, rtol=1e-10, atol=1e-10)
+    assert np.allclose(found.wrench(single(force, angle, groove).normals)[0], expected.wrench, rtol=1e-9, atol=1e-12)
+
+
+def integral(found, at, i, s, mu):
+    """mu p |v| over the ellipse of a contact [W] by midpoints in polar coordinates; p times a b in the area's place."""
+    radius, turn = np.meshgrid((np.arange(400) + 0.5) / 400, 2.0 * np.pi * np.arange(400) / 400, indexing="ij")
+    half_x, half_z = (at.a[i, s], at.b[i, s]) if at.across[i, s] else (at.b[i, s], at.a[i, s])
+    x, z = half_x * radius * np.cos(turn), half_z * radius * np.sin(turn)
+    vx, vz, spin = found.motion[i, s]
+    pressure = 1.5 * at.force[i, s] / np.pi * np.sqrt(1.0 - radius**2)
+    area = radius / 400.0 * 2.0 * np.pi / 400.0
+    return float((mu * pressure * np.hypot(vx + spin * z, vz - spin * x) * area).sum())
+
+
+@pytest.mark.parametrize("across", [True, False])
+def test_loss_is_the_integral_over_an_ellipse_whichever_way_it_lies(across):
+    groove = replace(table_3_6(), nut_speed=7.0, screw_speed=0.0)
+    at = single((100.0, 80.0, 75.0, 105.0), np.full(4, groove.contact_angle), groove)
+    at = replace(at, across=np.full((1, 4), across))
+    found = ball_friction(scene_of(groove), at, MU, Motion(7.0, "nut"))
+    assert not found.rest.any()
+    assert at.b.max() < 0.5 * at.a.min()
+    for s in range(4):
+        assert found.loss[0, s].sum() == pytest.approx(integral(found, at, 0, s, 0.1), rel=1e-4)
+
+
+def test_flat_grooves_have_their_long_axis_along_the_path():
+    base = small_screw(3, 0.7, force=(0.0, 0.0, 60.0), screw="rigid", hertz="error-free")
+    nut, screw = (replace(part, groove_radius=r) for part, r in ((base.nut, 80.0 * 2.778e-3), (base.screw, 2.95e-3)))
+    at = state(replace(base, nut=nut, screw=screw)).at
+    assert at.across[:, :2].all()
+    assert not at.across[:, 2:].any()
+
+
+def test_ellipses_are_those_that_the_scene_s_ingredients_name():
+    base = small_screw(4, 0.8, oversize=8e-6, force=AXIAL, screw="rigid")
+    base = replace(base, nut=replace(base.nut, groove_radius=base.screw.groove_radius))
+    groove = ScrewGroove(2.778e-3, 3.254e-3, 16.5e-3, 20e-3, 0.25 * np.pi, 210e9, 0.28, 0.1, 1.0)
+    found = {}
+    for kind in ("nominal", "error-free", "actual", "as printed"):
+        scene = with_ingredients(base, hertz=kind)
+        at = contacts_of(scene, solved(scene))
+        cube = np.cbrt(at.force)
+        found[kind] = at.a / cube, at.b / cube
+    exact, printed = groove.constants, replace(groove, hertz="as printed").constants
+    for kind, h in (("error-free", exact), ("as printed", printed)):
+        assert np.allclose(found[kind][0], h.C_a, rtol=1e-12)
+        assert np.allclose(found[kind][1], h.C_b, rtol=1e-12)
+    drawn = drawn_hertz(base, specimen(base, ball_layout(base)))
+    assert np.allclose(found["nominal"][0], drawn.C_a, rtol=1e-12)
+    growth = found["nominal"][0] / found["error-free"][0]
+    assert growth.min() > 1.001, "larger balls conform more closely to the groove"
+    assert np.abs(found["actual"][0] / found["nominal"][0] - 1.0).max() > 1e-5
+
+
+def test_contacts_take_the_specimen_that_was_solved():
+    base = small_screw(5, 0.8, oversize=5e-6, force=AXIAL, fixed=ALL_BUT_AXIAL)
+    scene = replace(base, errors=replace(base.errors, balls=replace(base.errors.balls, sigma=0.5e-6)))
+    result = solved(scene, member=3)
+    at = contacts_of(scene, result, 3)
+    assert np.array_equal(at.ball_radius, specimen(scene, ball_layout(scene), 3).ball_radius)
+    assert not np.array_equal(at.ball_radius, contacts_of(scene, result, 0).ball_radius)

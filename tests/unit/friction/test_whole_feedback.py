@@ -1,0 +1,117 @@
+"""Feedback of friction on the loads of whole screws: virtual work, one ball coupled, symmetries, second states."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.evidence.source_cases import table_3_6
+from lowfi.friction.whole import feedback
+from lowfi.friction.whole.contacts import contacts_of
+from lowfi.friction.whole.feedback import feed_back, seats
+from lowfi.friction.whole.losses import ball_friction
+from lowfi.friction.whole.torque import about_axis, sum_up
+from meshes.parts import Friction, Motion
+from tests.friction_oracles import ball_cell, coupled_ball
+from tests.helpers import small_screw, solved
+from tests.whole_screws import SCENES, TURN, mirrored, scene_of, single, state
+
+
+def coupled(mu, load):
+    """A ball whose loads know of its friction: contacts, power lost, torque that drives the screw by sums in space."""
+    groove = replace(table_3_6(), mu=mu, nut_speed=0.0, screw_speed=5.0)
+    held = coupled_ball(ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([load])), "ball and screw", fast=False)
+    at, scene = single(held.load.force[0], held.load.angle[0], groove), scene_of(groove)
+    assert held.converged
+    found = ball_friction(scene, at, Friction(mu, mu), Motion(5.0))
+    total = found.wrench(at.normals)
+    total[..., :3] -= at.force[..., None] * at.normals
+    axial, moment = about_axis(at, total)
+    return found.power, float(axial[0, :2].sum()), float(moment[0, :2].sum()), scene, at
+
+
+def test_torque_by_virtual_work_is_exact_with_feedback_and_of_first_order_without():
+    load, ratio, left = 50.0, 20e-3 / (2.0 * np.pi), []
+    for mu in (0.01, 0.005, 0.0025):
+        power, axial, moment, scene, _ = coupled(mu, load)
+        assert axial == pytest.approx(load, rel=1e-8), "on the balls: what the load presses with, friction included"
+        assert moment == pytest.approx(power / 5.0 - ratio * load, rel=1e-8), "T Omega + F r Omega = P"
+        bare = coupled_ball(ball_cell(replace(table_3_6(), mu=0.0), np.zeros(4), 2e-6, "z", np.array([load])), "none")
+        at = single(bare.load.force[0], bare.load.angle[0], table_3_6())
+        first = sum_up(scene, at, ball_friction(scene, at, Friction(mu, mu), Motion(5.0)), Motion(5.0))
+        assert first.load == pytest.approx(load, rel=1e-8)
+        left.append(abs(first.on_screw - moment))
+    assert left[0] > 0.0
+    assert 3.0 < left[0] / left[1] < 5.0, "the error falls with the square of the coefficient"
+    assert 3.0 < left[1] / left[2] < 5.0
+
+
+def fed(groove, load, oversize, mu, drive):
+    """Feedback on one ball, begun at its loads without friction."""
+    bare = coupled_ball(ball_cell(replace(groove, mu=0.0), np.zeros(4), oversize, "z", np.array([load])), "none")
+    at, scene = single(bare.load.force[0], bare.load.angle[0], groove), scene_of(groove)
+    turned = replace(at, angle=np.full((1, 4), groove.contact_angle))
+    centre = -groove.reach * turned.normals[..., [0, 2]]
+    place = seats(at, groove.constants.C[None, :], np.full((1, 4), groove.reach - oversize), centre)
+    return scene, feed_back(scene, at, place, Friction(mu, mu), drive)
+
+
+@pytest.mark.parametrize("mu", [0.02, 0.1, 0.2])
+@pytest.mark.parametrize(("oversize", "load"), [(6e-6, 50.0), (2e-6, 50.0), (0.0, 200.0), (-3e-6, 200.0)])
+def test_feedback_on_a_ball_is_that_of_the_coupled_solver(mu, oversize, load):
+    """Four flanks, two of them, and a third one that friction makes the ball touch."""
+    groove = replace(table_3_6(), mu=mu, nut_speed=0.0, screw_speed=5.0)
+    expected = coupled_ball(ball_cell(groove, np.zeros(4), oversize, "z", np.array([load])), "ball and screw")
+    assert expected.converged
+    scene, found = fed(groove, load, oversize, mu, Motion(5.0))
+    assert not found.failed.any()
+    assert found.change <= 1e-5
+    assert np.allclose(found.at.force[0], expected.load.force[0], rtol=0.0, atol=2e-4 * load)
+    assert found.friction.power == pytest.approx(expected.motion.motion.loss, rel=2e-4)
+    t = sum_up(scene, found.at, found.friction, Motion(5.0), coupled=True)
+    assert t.load == pytest.approx(load, rel=1e-5)
+    assert t.input_power == pytest.approx(t.power, rel=1e-8)
+
+
+COUPLED = Friction(0.1, 0.1, (), "ball")
+
+
+@pytest.mark.parametrize("name", [n for n in SCENES if n != "ring"])
+def test_feedback_keeps_loads_balances_and_matters_most_in_two_point_contact(name):
+    scene = SCENES[name]()
+    found, t = state(scene, COUPLED), state(scene, COUPLED).torque
+    assert found.coupled
+    assert not found.unsettled
+    assert t.load == pytest.approx(scene.loads[0].force[2], rel=1e-5)
+    assert t.input_power == pytest.approx(t.power, rel=1e-8)
+    assert found.bare.friction == pytest.approx(state(scene).torque.friction, rel=1e-9)
+    four = name in ("four-point", "left hand", "two starts")
+    assert 0.95 < t.friction / found.bare.friction < 1.2 if four else t.friction > 1.3 * found.bare.friction
+    assert t.forward != t.backward
+
+
+def test_feedback_mirrors_reverses_and_leaves_rings_alone():
+    scene = small_screw(5, 0.9, oversize=4e-6, force=(60.0, 25.0, 500.0))
+    one, other = state(scene, COUPLED).torque, state(mirrored(scene), COUPLED, Motion(-10.0)).torque
+    back = state(scene, COUPLED, Motion(-10.0)).torque
+    assert other.friction == pytest.approx(one.friction, rel=1e-6)
+    assert (back.power, back.reverse_power) == pytest.approx((one.reverse_power, one.power), rel=1e-9)
+    assert (back.forward, back.backward) == pytest.approx((one.forward, one.backward), rel=1e-6)
+    assert not state(SCENES["ring"](), COUPLED).coupled
+    assert not state(scene, Friction(0.0, 0.0, (), "ball")).coupled
+
+
+def test_second_states_are_those_that_differ_and_settle(monkeypatch):
+    scene, mu = small_screw(3, 0.7, force=(0.0, 0.0, 300.0), screw="rigid"), Friction(0.4, 0.4, coupling="ball")
+    result = solved(scene)
+    at = contacts_of(scene, result)
+    place = feedback.seats_of(scene, result, at)
+    there = feed_back(scene, at, place, mu, TURN)
+    assert feedback.second_states(scene, place, at, there, mu, TURN) == ()
+
+    def jammed(*_):
+        force = there.at.force * np.array([[1.0], [3.0], [3.0]])
+        return replace(there, at=replace(there.at, force=force), failed=np.array([False, False, True]))
+
+    monkeypatch.setattr(feedback, "feed_back", jammed)
+    assert feedback.second_states(scene, place, at, there, mu, TURN) == (1,)

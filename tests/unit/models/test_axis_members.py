@@ -1,0 +1,86 @@
+"""Members of several sets on one shaft: brute force, own draws of each set, refusals, what the command prints."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.cli import main
+from compare.errors import InputError
+from compare.models.axis import run_axis
+from compare.models.axis_members import columns, contact_loads, run_axis_members, with_seed
+from compare.models.members import life_sum
+from compare.scenes import catalogue
+from lowfi.statics.axis.system import placed
+from meshes.parts import BallErrors
+from tests.axes import double_nut, fixed_axis
+
+SIGMA = BallErrors(sigma=0.5e-6)
+
+
+def drawn(parts):
+    sets = [replace(s, parts=replace(s.parts, errors=replace(s.parts.errors, balls=SIGMA))) for s in parts.sets]
+    return with_seed(replace(parts, sets=tuple(sets)), 0)
+
+
+def test_members_are_the_single_solves():
+    parts = drawn(fixed_axis((0.0, 0.0, 500.0)))
+    found = run_axis_members(parts, "lin", 3)
+    results = [run_axis(parts, "lin", member=m) for m in range(3)]
+    loads = np.stack([contact_loads(r) for r in results])
+    np.testing.assert_allclose(found.bands.mean, loads.mean(axis=0), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.bands.largest, loads.max(axis=0), rtol=1e-9, atol=1e-9)
+    names = columns(parts)
+    own = dict(zip(names, found.kept[2], strict=True))
+    assert own["largest_load_N"] == pytest.approx(loads[2].max(), rel=1e-12)
+    assert own["stiffness_N_per_um"] == pytest.approx(1e-6 * results[2].stiffness[2, 2], rel=1e-12)
+    for i, (s, place) in enumerate(zip(results[2].sets, found.balls, strict=True)):
+        assert own[f"set {i + 1} axial_force_N"] == pytest.approx(s.force[2], rel=1e-12)
+        assert np.array_equal(loads[2][place], s.balls.load)
+        life = (life_sum(s.balls.load) / life_sum(found.bands.nominal[place])) ** -0.9
+        assert own[f"set {i + 1} relative_life"] == pytest.approx(life, rel=1e-12)
+    assert not found.failed
+
+
+def test_sets_draw_errors_of_their_own(tmp_path):
+    text = catalogue.scene_text("double-nut")
+    sigma = '\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
+    first, second, third = text.partition('[[sets]]\nname = "nut 2"')
+    for said, alike in (("", False), ("\n[sets.errors]\nseed = 0\n", True)):
+        file = tmp_path / f"{alike}.toml"
+        file.write_text(first + said + sigma + second + third + said + sigma)
+        one, other = placed(catalogue.any_scene(str(file)), member=3)
+        assert np.array_equal(one[1].ball_radius, other[1].ball_radius) == alike
+
+
+def test_nothing_random_is_refused():
+    with pytest.raises(InputError, match="nothing random"):
+        run_axis_members(double_nut(), "lin", 3)
+    with pytest.raises(InputError, match="one set"):
+        run_axis_members(drawn(double_nut()), "mei", 3)
+    with pytest.raises(InputError, match="2 to"):
+        run_axis_members(drawn(double_nut()), "lin", 1)
+
+
+def test_the_command_gives_statistics_of_each_set(tmp_path, capsys):
+    text = catalogue.scene_text("double-nut").replace("count = 68", "count = 8").replace("turns = 4.3", "turns = 1.5")
+    sigma = '\n[sets.errors.balls]\nsigma = "0.5 um"\n\n'
+    first, second, third = text.partition('[[sets]]\nname = "nut 2"')
+    file, rows = tmp_path / "small.toml", tmp_path / "rows.csv"
+    file.write_text(first + sigma + second + third + sigma)
+    command = ["solve", str(file), "--members", "3", "--model", "lin"]
+    with pytest.raises(SystemExit, match="0"):
+        main([*command, "--json", "--csv", str(rows)])
+    data = json.loads(capsys.readouterr().out)
+    assert data["seed"] == [0, 1]
+    assert [s["name"] for s in data["sets"]] == ["nut 1", "nut 2"]
+    assert {row["set"] for row in data["balls"]} == {1, 2}
+    assert {row["index"] for row in data["balls"] if row["set"] == 2} == set(range(1, 9))
+    table = list(csv.DictReader(rows.open()))
+    values = [float(r["set 2 mean_load_N"]) for r in table]
+    assert data["sets"][1]["statistics"]["mean_load_N"]["mean"] == pytest.approx(np.mean(values), rel=1e-12)
+    with pytest.raises(SystemExit, match="0"):
+        main([*command, "--seed", "7"])
+    assert "set 2: axial force" in " ".join(capsys.readouterr().out.split())

@@ -1,0 +1,45 @@
+"""Finite bodies of other sizes: kept where the key of sources and scene holds, one computed anew."""
+
+import pytest
+
+from compare.reference.store import shipped_store
+from compare.rolling import kept_sizes
+from compare.rolling.body_sizes import NAMES, Variant, variants
+from compare.rolling.kept_sizes import LIVE, sizes
+
+
+@pytest.fixture
+def solved(monkeypatch):
+    """Choices that were computed, one after the other."""
+    found = []
+
+    def variant(choice):
+        found.append(choice)
+        return Variant(choice, dict.fromkeys(NAMES, 2.0))
+
+    monkeypatch.setattr(kept_sizes, "variant", variant)
+    monkeypatch.setattr(kept_sizes, "body_sizes", lambda: tuple(variant(choice) for choice in variants()))
+    return found
+
+
+def test_only_one_is_computed_where_they_are_kept(tmp_path, solved, monkeypatch):
+    made = sizes([tmp_path], fresh=True)
+    assert solved == list(variants())
+    solved.clear()
+    found = sizes([tmp_path / "none", tmp_path], fresh=False)
+    assert (found.variants, solved) == (made.variants, [LIVE])
+    assert found.words == f'Kept with the package; "{LIVE}" computed anew differs by up to 0 %.'
+    monkeypatch.setattr(kept_sizes, "variant", lambda choice: Variant(choice, dict.fromkeys(NAMES, 2.002)))
+    assert "differs by up to 0.1 %" in sizes([tmp_path], fresh=False).words
+
+
+@pytest.mark.parametrize("text", ["", "{}", '{"key": "of other sources", "variants": []}'])
+def test_all_are_computed_where_the_key_does_not_hold(text, tmp_path, solved):
+    (tmp_path / kept_sizes.FILE).write_text(text)
+    assert sizes([tmp_path], fresh=False).words == "Computed for this report."
+    assert solved == list(variants())
+
+
+def test_the_package_has_them_of_every_choice():
+    text = (shipped_store() / kept_sizes.FILE).read_text(encoding="utf-8")
+    assert all(choice in text for choice in variants())

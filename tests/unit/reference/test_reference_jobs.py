@@ -1,0 +1,127 @@
+"""Jobs of the 3D reference: plan, what is missing, what is kept and told, levels of the command line."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare.commands.study import parse_levels, unconverged
+from compare.errors import InputError
+from compare.models import comparison
+from compare.models.ladder import DEEP, UNSEEN
+from compare.models.study import Study
+from compare.reference import jobs
+from compare.reference.levels import LEVELS, STUDIED
+from compare.reference.store import Run, bodies_path, load, path_in, save
+from compare.reference.tasks import Task
+from compare.reference.variants import VARIANTS
+from compare.scenes import catalogue
+from meshes.condensed import CondensedBodies
+from tests.reference_records import bodies_of, run_of
+
+
+def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
+    scene = catalogue.scene("lin-case1")
+    task, run = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
+    save(tmp_path, scene, run)
+    assert jobs.missing([task], (tmp_path,)) == [task]
+    jobs.keep(tmp_path, task, [run], bodies_of(scene, 1))
+    assert jobs.missing([task], (tmp_path,)) == []
+
+
+def test_plan_and_what_is_missing(tmp_path: Path) -> None:
+    scenes = [catalogue.scene(n) for n in ("lin-case1", "lin-case2")]
+    tasks = jobs.plan(scenes, (1, 2), ("land",), ablate=True)
+    assert {(t.level, t.variant, t.ablate, len(t.scenes)) for t in tasks} == {
+        (1, "", True, 2),
+        (2, "", False, 2),
+        (1, "land", False, 1),
+    }
+    loads = np.ones((32, 4))
+    save(tmp_path, scenes[0], run_of("lin-case1", 2, loads))
+    save(tmp_path, scenes[1], replace(run_of("lin-case2", 1, loads), without={}))
+    left = {(t.level, t.variant): [s.name for s in t.scenes] for t in jobs.missing(tasks, (tmp_path,))}
+    assert left == {(1, ""): ["lin-case1", "lin-case2"], (2, ""): ["lin-case2"], (1, "land"): ["lin-case1"]}
+
+
+def test_each_job_is_stored_when_it_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scenes = [catalogue.scene("lin-case1")]
+    said: list[str] = []
+
+    def fake(task: Task, _: object) -> tuple[list[Run], CondensedBodies]:
+        if task.level == 2:
+            raise KeyboardInterrupt
+        return [run_of("lin-case1", task.level, np.ones((32, 4)))], bodies_of(scenes[0], task.level)
+
+    monkeypatch.setattr(jobs, "compute_with_bodies", fake)
+    tasks = [Task((scenes[0],), level) for level in (1, 2)]
+    with pytest.raises(KeyboardInterrupt):
+        jobs.ensure(tasks, tmp_path, jobs.Engine(), said.append)
+    run = run_of("lin-case1", 1, np.ones((32, 4)))
+    kept = {path_in(tmp_path, scenes[0], run).name, bodies_path(tmp_path, scenes[0], run).name}
+    assert {p.name for p in tmp_path.iterdir()} == kept
+    assert jobs.missing(tasks, (tmp_path,)) == [tasks[1]]
+    assert any("[1/2]" in line and "s left" in line for line in said)
+
+
+def test_a_run_that_did_not_converge_is_told_and_computed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.scene("lin-case1")
+    said: list[str] = []
+    reason = "a contact reaches the rim of its patch: it needs 1.6 mm,\nhas 1.5 mm"
+    failed = replace(run_of("lin-case1", 1, np.ones((32, 4))), status=reason)
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([failed], None))
+    found = jobs.ensure([Task((scene,), 1)], tmp_path, jobs.Engine(), said.append)
+    assert [run.status for run in found] == [reason]
+    assert list(tmp_path.iterdir()) == []
+    assert all("\n" not in line for line in said)
+    assert any("it needs 1.6 mm, has 1.5 mm" in line for line in said)
+    assert len(jobs.missing([Task((scene,), 1)], (tmp_path,))) == 1
+    words = str(unconverged("lin-case1", found))
+    assert "level 1: a contact reaches the rim of its patch: it needs 1.6 mm, has 1.5 mm" in words
+    assert "\n" not in words
+
+
+def test_fresh_computes_what_is_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.scene("lin-case1")
+    task, old = Task((scene,), 1), run_of("lin-case1", 1, np.ones((32, 4)))
+    jobs.keep(tmp_path, task, [old], bodies_of(scene, 1))
+    fresh = run_of("lin-case1", 1, np.full((32, 4), 2.0))
+    monkeypatch.setattr(jobs, "compute_with_bodies", lambda *_: ([fresh], bodies_of(scene, 1)))
+    jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None)
+    assert load(scene, 1, stores=(tmp_path,)).load.max() == 1.0
+    jobs.ensure([task], tmp_path, jobs.Engine(), lambda _: None, fresh=True)
+    assert load(scene, 1, stores=(tmp_path,)).load.max() == 2.0
+
+
+@pytest.mark.parametrize(("text", "levels"), [("3", (1, 2, 3)), ("1", (1,)), ("1,3", (1, 3)), ("source, 2", (0, 2))])
+def test_levels_of_the_command_line(text: str, levels: tuple[int, ...]) -> None:
+    assert parse_levels(text) == levels
+
+
+@pytest.mark.parametrize("text", ["6", "0", "", "fine", "1;2"])
+def test_wrong_levels_are_refused(text: str) -> None:
+    with pytest.raises(InputError, match="--levels"):
+        parse_levels(text)
+
+
+def test_what_a_report_computes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from compare.commands.report import Source, compute_references
+
+    asked: list[list[Task]] = []
+    monkeypatch.setattr(jobs, "ensure", lambda tasks, *_, **_named: asked.append(list(tasks)))
+    for source in (
+        Source((tmp_path,), jobs.Engine()),
+        Source((tmp_path,), jobs.Engine(), quick=True),
+        Source(None, jobs.Engine(), compute=False),
+    ):
+        compute_references(Study(), source, print)
+    full, quick = asked
+    assert {t.level for t in full if not t.variant} == {0, *LEVELS}
+    assert {t.variant for t in full} == {"", *VARIANTS}
+    cases = [t for t in full if t.scenes[0].name in comparison.REFERENCED]
+    assert [t.ablate for t in cases if t.level == 1 and not t.variant] == [True]
+    unseen = {(t.level, s.name) for t in full for s in t.scenes if s.name in UNSEEN}
+    assert unseen == {(k, n) for n in UNSEEN for k in (*STUDIED, *([max(LEVELS)] if n in DEEP else []))}
+    assert {s.name for t in full for s in t.scenes if t.level == max(LEVELS)} == set(DEEP)
+    assert [(t.level, [s.name for s in t.scenes]) for t in quick] == [(1, ["lin-case1", "lin-case2"])]

@@ -1,0 +1,60 @@
+"""Cells and tables: numbers as text, CSV files, verdicts, alignment, and light records."""
+
+import csv
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reports import html
+from tests.report_samples import table
+
+
+class TestCells:
+    @pytest.mark.parametrize(
+        ("value", "form", "text"),
+        [
+            (0.0, "g4", "0"),
+            (225.0, "g4", "225.0"),
+            (-0.0123456, "g4", "−0.01235"),
+            (9.9999, "g3", "10.0"),
+            (208000.0, "g4", "208000"),
+            (2.1e8, "g4", "2.100×10⁸"),
+            (-1.5e-12, "g3", "−1.50×10⁻¹²"),
+            (1234567, "g4", "1234567"),
+            (-3.14159, ".2f", "−3.14"),
+            (np.float64(2.5), ".1f", "2.5"),
+            (None, ".2f", "–"),
+            (True, "g4", "yes"),
+            (np.False_, "s", "no"),
+            (math.nan, ".2f", "n/a"),
+            (-math.inf, "g4", "−∞"),
+            ("as-printed", "s", "as-printed"),
+            ("text", ".2f", "text"),
+        ],
+    )
+    def test_format(self, value, form, text):
+        assert html.format_cell(value, form) == text
+
+    def test_csv(self, tmp_path):
+        html.write_csv(table(), tmp_path / "t.csv")
+        raw = (tmp_path / "t.csv").read_bytes()
+        assert raw.startswith(b'"Quantity, of all",Force [N],Error [%],Class,Verdict,Met\r\n')
+        with open(tmp_path / "t.csv", newline="", encoding="utf-8") as stream:
+            rows = list(csv.reader(stream))
+        assert float(rows[1][1]) == 1.0 / 3.0
+        assert rows[1] == ['<b>"a"</b>', repr(1.0 / 3.0), "-0.5", "hard", "reproduced", "true"]
+        assert rows[2] == ["b, c", "", "nan", "open", "not reproduced", "false"]
+        assert rows[3] == ["two\nlines", "210000000.0", "", "as-printed", "open", "true"]
+        assert len(rows) == 4
+
+
+def test_records_import_neither_matplotlib_nor_pyvista():
+    heavy = "{'matplotlib', 'pyvista', 'vtk', 'jinja2'}"
+    code = f"import sys, reports.records; print(sorted({heavy} & set(sys.modules)))"
+    root = Path(html.__file__).parents[1]
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root)
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,143 @@
+"""Figures and their panels: labels, escapes, bytes, identifiers, values under the pointer, what is refused."""
+
+import math
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from reports import figures
+from reports.panels import draw_parts
+from reports.records import Panel, Series
+from tests.report_samples import figure
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+class TestFigures:
+    def test_same_data_same_bytes(self):
+        assert figures.draw(figure()) == figures.draw(figure())
+
+    def test_no_date_and_no_version_in_the_file(self):
+        svg = figures.draw(figure())
+        assert "dc:date" not in svg
+        assert "matplotlib.org" not in svg
+
+    def test_is_well_formed_and_shows_labels_and_escapes(self):
+        root = ElementTree.fromstring(figures.draw(figure()))
+        words = {"".join(element.itertext()) for element in root.iter(f"{SVG}text")}
+        assert {"Case <1>", "normal force [N]", "computed", "printed", "source", "95 % band"} <= words
+        assert "10⁻³" in words
+
+    def test_identifiers_of_two_figures_do_not_meet_and_references_resolve(self):
+        svgs = [figures.draw(figure(name)) for name in ("one", "two")]
+        ids = [set(re.findall(r'\bid="([^"]+)"', svg)) for svg in svgs]
+        assert ids[0]
+        assert not ids[0] & ids[1]
+        for svg, known in zip(svgs, ids, strict=True):
+            used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', svg))
+            assert used
+            assert used <= known
+
+    def test_data_change_the_drawing(self):
+        other = Panel("Case <1>", "ball number", "normal force [N]", [Series("computed", [1, 2], [1.0, 5.0])])
+        assert figures.draw(figure(panels=[other])) != figures.draw(figure())
+
+    def test_equal_labels_have_equal_numbers_in_all_panels(self):
+        def panel(*labels):
+            return Panel("", "", "", [Series(label, [], []) for label in labels])
+
+        first, second = figures._orders([panel("a", "b", "c"), panel("d", "c")])
+        assert first["c"] == second["c"]
+        assert sorted(first.values()) == [0, 1, 2]
+        assert sorted(second.values()) == [0, 1]
+
+    @pytest.mark.parametrize("count", [1, 3, 4, 6])
+    def test_up_to_six_panels(self, count):
+        panels = [figure().panels[number % 2] for number in range(count)]
+        root = ElementTree.fromstring(figures.draw(figure(panels=panels, columns=3)))
+        axes = [e for e in root.iter(f"{SVG}g") if re.fullmatch(r"fig-loads-axes_\d+", e.get("id", ""))]
+        assert len(axes) == count
+
+    @pytest.mark.parametrize("log", ["", "x", "y", "xy"])
+    @pytest.mark.parametrize("values", [[], [math.nan, math.nan], [0.0, 0.0], [-1.0, -2.0], [3.0, 3.0]])
+    def test_poor_data_are_drawn_without_warning(self, log, values):
+        x = [float(number) for number in range(len(values))]
+        panel = Panel("t", "x", "y", [Series("s", x, values)], log=log, zero=True)
+        ElementTree.fromstring(figures.draw(figure(panels=[panel])))
+
+    @pytest.mark.parametrize(
+        ("series", "log", "words"),
+        [
+            (Series("s", [1, 2], [1]), "", "2 x values but 1 y"),
+            (Series("s", [1], [1], "dots"), "", "style is 'dots'"),
+            (Series("s", [1], [1], "band"), "", "needs y2"),
+            (Series("s", [1], [1]), "z", "log is 'z'"),
+        ],
+    )
+    def test_refuses_inconsistent_curves(self, series, log, words):
+        with pytest.raises(ValueError, match=words):
+            figures.draw(figure(panels=[Panel("t", "x", "y", [series], log=log)]))
+
+    @pytest.mark.parametrize("count", [0, 7])
+    def test_refuses_wrong_number_of_panels(self, count):
+        with pytest.raises(ValueError, match=f"{count} panels"):
+            figures.draw(figure(panels=[figure().panels[0]] * count))
+
+
+class TestPanels:
+    def test_values_lie_on_the_curves_and_the_panel_holds_them(self):
+        drawn = draw_parts(figure())
+        assert drawn.whole == figures.draw(figure())
+        assert len(drawn.panels) == 2
+        first = ElementTree.fromstring(drawn.panels[0])
+        left, top, width, height = map(float, first.get("viewBox").split())
+        marks = [(float(c.get("cx")), float(c.get("cy")), c[0].text) for c in first.iter(f"{SVG}circle")]
+        assert len(marks) == 4 + 3 + 4 + 4  # the one that is no number is not drawn
+        assert all(left < x < left + width and top < y < top + height for x, y, _ in marks)
+        assert "computed\n1\n210" in [text for *_, text in marks]
+        uses = [(float(u.get("x")), float(u.get("y"))) for u in first.iter(f"{SVG}use")]
+        x, y, _ = next(m for m in marks if m[2] == "computed\n1\n210")
+        assert min(math.hypot(x - a, y - b) for a, b in uses) < 0.1
+
+    def test_a_legend_of_all_panels_is_an_element_of_its_own(self):
+        drawn = draw_parts(figure(panels=[figure().panels[0]] * 2))
+        words = "".join(ElementTree.fromstring(drawn.legend).itertext())
+        assert all(label in words for label in ("computed", "printed", "source", "95 % band"))
+        assert "legend" not in "".join(drawn.panels)
+        assert draw_parts(figure()).legend == ""
+
+    def test_colours_are_the_page_s_to_set_and_references_resolve(self):
+        drawn = draw_parts(figure())
+        text = "".join(drawn.panels)
+        assert {"var(--ink, #222222)", "var(--paper, #ffffff)", "var(--c0, #0072b2)"} <= set(
+            re.findall(r"var\([^)]*\)", text)
+        )
+        assert "var(" not in drawn.whole
+        used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
+        assert used <= set(re.findall(r'\bid="([^"]+)"', text))
+
+    def test_texts_stand_beside_their_points_and_apart(self):
+        x, y = [1.0, 1.1, 1.2, 90.0], [5.0, 5.01, 5.02, 0.1]
+        named = Series("s", x, y, "markers", texts=["one", "two", "three", "far"], light=False)
+        panel = Panel("", "x", "y", [named], log="xy")
+        root = ElementTree.fromstring(draw_parts(figure(panels=[panel], size=(5.0, 3.0))).panels[0])
+        found = {"".join(t.itertext()): t for t in root.iter(f"{SVG}text")}
+        heights = sorted(_place(found[name])[1] for name in ("one", "two", "three"))
+        assert min(np.diff(heights)) > 9.0
+        points = [float(c.get("cx")) for c in root.iter(f"{SVG}circle")]
+        assert _place(found["one"])[0] < min(points)
+        assert _place(found["far"])[0] > max(points)
+
+    def test_texts_and_names_must_fit_the_points(self):
+        for extra in ({"texts": ["a"]}, {"names": ["a"]}):
+            with pytest.raises(ValueError, match=r"1 (texts|names) for 2 points"):
+                figures.draw(figure(panels=[Panel("", "x", "y", [Series("s", [1, 2], [1, 2], **extra)])]))
+
+
+def _place(text):
+    """Where an SVG text stands."""
+    if text.get("x"):
+        return float(text.get("x")), float(text.get("y"))
+    return tuple(float(v) for v in re.search(r"translate\(([-\d.]+)[ ,]+([-\d.]+)", text.get("transform"))[1:])

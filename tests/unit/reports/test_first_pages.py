@@ -1,0 +1,52 @@
+"""The PDF of the first two pages: written with the report where typst is installed, and its lack is said."""
+
+import re
+import sys
+import zlib
+from dataclasses import replace
+
+import pytest
+
+from reports import first_pages
+from reports.html import check_target, write
+from reports.records import Column, Figure, Panel, Report, Section, Series, Summary, Table
+
+FIGURE = Figure("error-time", "Error against run time", (Panel("", "s", "%", (Series("lin", [1.0], [2.0]),)),), "In um.")
+COLUMNS = (Column("name", "name", "", "s"), Column("x", "largest error", "% of mean", ".2f"), Column("gone", "empty"))
+TABLE = Table("models", "Models over all scenes", COLUMNS, ({"name": 'a "b" #c *d* [e] \\', "x": 1.234},), "A note.")
+NARROW = replace(FIGURE, name="narrow")
+SUMMARY = Summary("How far?", "Up to 2 um.", FIGURE, NARROW, ["covers #this"], ["limits *that*"], TABLE)
+OVERVIEW = Section("overview", "Overview", (), summary=SUMMARY)
+REPORT = Report("a report", "", {"rollbench": "1.0", "date": "a day"}, (OVERVIEW,))
+
+
+def test_pages_hold_question_answer_table_and_limits_as_they_are_written():
+    data = first_pages._data(REPORT, SUMMARY)
+    assert (data["question"], data["answer"], data["origin"]) == ("How far?", "Up to 2 µm.", "rollbench 1.0, date a day")
+    assert [c["label"] for c in data["columns"]] == ["name", "largest error"]
+    assert data["rows"] == [['a "b" #c *d* [e] \\', "1.23"]]
+    assert (data["coverage"], data["limits"], data["caption"]) == (
+        ["covers #this"],
+        ["limits *that*"],
+        "Error against run time. In µm.",
+    )
+
+
+def test_a_report_has_a_pdf_of_two_pages_and_may_be_replaced(tmp_path):
+    pytest.importorskip("typst", reason="the PDF is written by typst, which is optional")
+    page = write(REPORT, tmp_path / "report")
+    made = (page.parent / first_pages.FILE).read_bytes()
+    streams = re.findall(rb"stream\r?\n(.*?)\r?\nendstream", made, re.DOTALL)
+    inner = made + b"".join(zlib.decompress(s) for s in streams if s[:1] == b"x")
+    assert len(re.findall(rb"/Type\s*/Page\b", inner)) == 2
+    assert f'href="{first_pages.FILE}"' in page.read_text(encoding="utf-8")
+    check_target(page.parent)
+
+
+def test_without_typst_the_report_is_whole_and_says_what_installs_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "typst", None)
+    said = []
+    page = write(REPORT, tmp_path / "report", said.append)
+    assert not (page.parent / first_pages.FILE).exists()
+    assert first_pages.FILE not in page.read_text(encoding="utf-8")
+    assert any(first_pages.FILE in line and "pip install typst" in line for line in said)

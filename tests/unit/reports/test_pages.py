@@ -1,0 +1,213 @@
+"""Pages of a report: files, escaping, search, first screen, marks, and that nothing is lost."""
+
+import json
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from reports import cells, figures, html, scene3d
+from reports.pages import SEARCH
+from reports.records import Column, Summary, Table
+from tests.report_samples import contents, figure, report, screw
+
+PNG_START = b"\x89PNG\r\n\x1a\n"
+
+
+class Page(HTMLParser):
+    """Tags, attributes and text of a page; complains about unbalanced elements."""
+
+    VOID = frozenset({"meta", "img", "br", "link", "hr", "input"})
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements, self.text, self.open = [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+    def attributes(self, name):
+        return [attrs[name] for _, attrs in self.elements if name in attrs]
+
+
+@pytest.fixture
+def no_picture(monkeypatch):
+    """Stands in for the 3D picture: one that cannot be drawn on this machine."""
+
+    def fail(_, path):
+        Path(path).write_bytes(b"half a picture")
+        raise RuntimeError("install libgl1 & co")
+
+    monkeypatch.setattr(scene3d, "draw_loaded_screw", fail)
+
+
+@pytest.mark.usefixtures("no_picture")
+class TestPage:
+    def test_files(self, tmp_path):
+        assert html.write(report(), tmp_path / "out") == tmp_path / "out" / "index.html"
+        files = {name.removeprefix("out/") for name in contents(tmp_path)}
+        pages = {"index.html", "first.html", "second.html", "search.js"}
+        assert files == pages | {"tables/printed.csv", "tables/empty.csv", "figures/loads.svg"}
+        assert (tmp_path / "out" / "figures" / "loads.svg").read_text(encoding="utf-8") == figures.draw(figure())
+
+    def test_pages_are_balanced_marked_and_load_nothing_from_elsewhere(self, tmp_path):
+        html.write(report(), tmp_path / "out")
+        pages = {p.name: Page(p.read_text(encoding="utf-8")) for p in (tmp_path / "out").glob("*.html")}
+        for name, page in pages.items():
+            assert not page.open
+            assert html.MARKER in (tmp_path / "out" / name).read_text(encoding="utf-8")
+            assert not {"link", "iframe", "object"} & {tag for tag, _ in page.elements}
+            assert page.attributes("src") == [SEARCH]
+            known = page.attributes("id")
+            assert len(set(known)) == len(known)
+            for target in page.attributes("href"):
+                file, _, anchor = target.partition("#")
+                assert not file or (tmp_path / "out" / file).is_file(), target
+                if anchor and (not file or file in pages):
+                    assert anchor in pages[file or name].attributes("id")
+
+    def test_every_title_and_table_is_found_by_the_search(self, tmp_path):
+        html.write(report(), tmp_path / "out")
+        text = (tmp_path / "out" / SEARCH).read_text(encoding="utf-8")
+        entries = json.loads(text.removeprefix("window.rollbenchSearch = ").strip().removesuffix(";"))
+        assert [(e["t"], e["h"]) for e in entries] == [
+            ("First & foremost", "first.html"),
+            ("Printed <and> computed", "first.html#table-printed"),
+            ("Loads & errors", "first.html#figure-loads"),
+            ("Second", "second.html"),
+            ("None", "second.html#table-empty"),
+        ]
+        assert "two lines" in entries[1]["x"]
+        assert "A < B." in entries[0]["x"]
+
+    def test_first_screen_comes_before_all_else(self, tmp_path):
+        small = figure("small", panels=figure().panels[:1])
+        summary = Summary("How far?", "So far: 2 um.", small, figure("narrow", panels=small.panels), ["all"], ["none"])
+        made = report()
+        made = replace(made, sections=(replace(made.sections[0], summary=summary), made.sections[1]))
+        index = Page(html.write(made, tmp_path / "out").read_text(encoding="utf-8"))
+        text = " ".join("".join(index.text).split())
+        places = [
+            text.index(words)
+            for words in ("How far?", "So far: 2 µm.", "Case <1>", "What this covers", "Sub & title", "Where the")
+        ]
+        assert places == sorted(places)
+        assert (tmp_path / "out" / "figures" / "small.svg").is_file()
+        assert len({i for i in index.attributes("id") if i.startswith("fig-")}) > 10
+
+    def test_an_appendix_stands_under_its_own_heading(self, tmp_path):
+        made = report()
+        made = replace(made, sections=(made.sections[0], replace(made.sections[1], appendix=True)))
+        html.write(made, tmp_path / "out")
+        text = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+        assert text.index("first.html") < text.index(">Appendix<") < text.index("second.html")
+        html.write(report(), tmp_path / "out")
+        assert ">Appendix<" not in (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+
+    def test_everything_is_escaped_and_nothing_is_missing(self, tmp_path):
+        html.write(report(), tmp_path / "out")
+        page = Page("".join(p.read_text(encoding="utf-8") for p in sorted((tmp_path / "out").glob("*.html"))))
+        text = " ".join("".join(page.text).split())
+        for words in (
+            "Report <1>",
+            "Sub & title",
+            "1.2.3",
+            "<unknown>",
+            "First & foremost",
+            "A < B.",
+            "two <i>",
+            "Table 1. Printed <and> computed",
+            "Table 2. None",
+            "Figure 1. Loads & errors. Axial load.",
+            '<b>"a"</b>',
+            "Error: 1 < 2.",
+            "Force [N]",
+            "case.toml",
+            "abc123",
+            "no rows",
+            "95 % band 2 210 to 230",
+        ):
+            assert words in text, words
+        assert "b" not in {tag for tag, attrs in page.elements if attrs.get("class") == "text"}
+        assert "i" not in {tag for tag, _ in page.elements}
+
+    def test_classes_and_verdicts_are_marked(self, tmp_path):
+        html.write(report(), tmp_path / "out")
+        page = Page((tmp_path / "out" / "first.html").read_text(encoding="utf-8"))
+        marks = [attrs["class"] for tag, attrs in page.elements if tag == "span" and "class" in attrs]
+        wanted = ["tag tag-hard", "verdict verdict-good", "tag tag-open", "verdict verdict-bad"]
+        wanted += ["tag tag-as-printed", "verdict verdict-open"]
+        assert [mark for mark in marks if mark.startswith(("tag", "verdict"))] == wanted
+
+    @pytest.mark.parametrize(
+        ("text", "kind"),
+        [
+            ("Reproduced", "good"),
+            ("converged", "good"),
+            ("not converged", "bad"),
+            ("no convergence", "bad"),
+            ("nominal only", "other"),
+            ("open", "open"),
+            ("left out", "other"),
+        ],
+    )
+    def test_verdicts(self, text, kind):
+        assert cells.verdict(text) == kind
+
+    def test_a_picture_that_cannot_be_drawn_is_left_out_and_said_so(self, tmp_path):
+        lines = []
+        html.write(report(screw()), tmp_path / "out", lines.append)
+        page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+        assert "This picture was left out. install libgl1 &amp; co" in page
+        assert lines[0] == "report: 1/2 First & foremost"
+        assert "libgl1" in lines[1]
+        assert not list((tmp_path / "out" / "figures").iterdir())
+
+    def test_a_picture_is_a_file_of_its_own(self, tmp_path, monkeypatch):
+        monkeypatch.setattr(scene3d, "draw_loaded_screw", lambda _, path: path.write_bytes(PNG_START))
+        html.write(report(screw()), tmp_path / "out")
+        page = Page((tmp_path / "out" / "first.html").read_text(encoding="utf-8"))
+        assert page.attributes("src") == ["figures/screw.png", SEARCH]
+        assert (tmp_path / "out" / "figures" / "screw.png").read_bytes() == PNG_START
+
+    def test_columns_without_an_entry_are_left_out_and_named(self, tmp_path):
+        columns = (Column("a", "ball", format="s"), Column("b", "as printed"), Column("c", "claim", format="s"))
+        rows = [{"a": 7, "b": None, "c": "words"}, {"a": "12", "b": None, "c": "more"}]
+        html.write(report(Table("t", "T", columns, rows)), tmp_path / "out")
+        page = (tmp_path / "out" / "first.html").read_text(encoding="utf-8")
+        assert page.count("<th ") == 2 + page.count('class="text">A</th>')
+        assert "No row has an entry under: as printed." in page
+        assert (tmp_path / "out" / "tables" / "t.csv").read_text(encoding="utf-8").startswith("ball,as printed,claim")
+
+    @pytest.mark.parametrize(
+        ("cells_", "number"),
+        [
+            ([7, "12"], True),
+            (["−3.5", None, "–"], True),
+            ([1.5e-3], True),
+            (["7 of 9"], False),
+            (["a"], False),
+            ([None], False),
+        ],
+    )
+    def test_whole_numbers_and_numbers_as_text_are_set_to_the_right(self, cells_, number):
+        column = Column("a", "a", format="s")
+        assert cells.is_number(column, Table("t", "T", (column,), [{"a": c} for c in cells_])) is number
+
+    def test_same_report_same_bytes(self, tmp_path):
+        html.write(report(), tmp_path / "a")
+        html.write(report(), tmp_path / "b")
+        assert contents(tmp_path / "a") == contents(tmp_path / "b")

@@ -1,0 +1,81 @@
+"""The page on which a loaded screw can be turned, in Debian's Chromium: it draws, and says nothing on its console."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from reports import pages, view3d
+from reports.html import write
+from reports.records import LoadedScrew, Report, Section
+
+CHROMIUM = shutil.which("chromium")
+TURN = np.linspace(0.0, 2.0 * np.pi, 7)
+BALLS = np.stack([0.01 * np.cos(TURN), 0.01 * np.sin(TURN), 0.05 + 0.01 * TURN / (2.0 * np.pi)], axis=1)
+PICTURE = LoadedScrew(
+    "bearing",
+    "A short <screw>",
+    0.1,
+    0.0095,
+    0.055,
+    0.02,
+    0.016,
+    0.01,
+    0.002,
+    BALLS.tolist(),
+    [0.0, *range(10, 70, 10)],
+    BALLS.tolist(),
+    BALLS.tolist(),
+    BALLS.tolist(),
+    lead=0.01,
+    turns=True,
+)
+
+
+def test_finished_surfaces_show_both_sides_and_have_some_light():
+    material = {"pbrMetallicRoughness": {"baseColorFactor": [1.0, 0.5, 0.0, 1.0], "metallicFactor": 0.0}}
+    (found,) = json.loads(view3d._finished(json.dumps({"materials": [material]})))["materials"]
+    assert found["doubleSided"] is True
+    assert found["pbrMetallicRoughness"] == {"baseColorFactor": [0.45, 0.225, 0.0, 1.0], "metallicFactor": 0.0}
+    assert found["emissiveFactor"] == [0.2, 0.1, 0.0]
+
+
+def test_without_the_viewer_the_report_is_whole_and_says_what_installs_it(tmp_path, monkeypatch):
+    def refused(*_):
+        raise ImportError("No module named 'trimesh'")
+
+    monkeypatch.setattr(view3d, "write_view", refused)
+    monkeypatch.setattr(pages.scene3d, "draw_loaded_screw", lambda _, path: path.write_bytes(b""))
+    said = []
+    page = write(Report("a report", "", {}, (Section("cases", "Cases", (PICTURE,)),)), tmp_path / "report", said.append)
+    assert "view-bearing.html" not in (page.parent / "cases.html").read_text(encoding="utf-8")
+    assert any("view-bearing.html left out" in line and "pip install trimesh" in line for line in said)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+def test_the_screw_is_drawn_from_a_file_without_network(tmp_path):
+    pytest.importorskip("trimesh", reason="the viewer comes with trimesh, which is optional")
+    from PIL import Image
+
+    path, shot = tmp_path / "view.html", tmp_path / "view.png"
+    view3d.write_view(PICTURE, path, pages.MARKER, "cases.html#figure-bearing")
+    html = path.read_text(encoding="utf-8")
+    assert pages.MARKER in html
+    assert "A short &lt;screw&gt;" in html
+    assert not re.search(r'(src|href)="https?:', html)
+    flags = ["--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    flags += ["--enable-logging=stderr", "--virtual-time-budget=5000", "--window-size=400,300", f"--screenshot={shot}"]
+    done = subprocess.run(
+        [CHROMIUM, *flags, f"--user-data-dir={tmp_path / 'user'}", path.as_uri()],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    assert not [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    middle = np.asarray(Image.open(shot).convert("RGB"))[100:, 100:300]
+    assert len(np.unique(middle.reshape(-1, 3), axis=0)) > 100  # a white page has one colour

@@ -1,0 +1,142 @@
+"""Template and schema of every kind: all keys shown and described, alternatives and examples valid."""
+
+import json
+import re
+import sys
+import tomllib
+
+import pytest
+
+from compare.errors import InputError
+from compare.scenes import catalogue, scene_file
+from compare.scenes.keys import AXIS, FRICTION_ONLY, WHOLE, tidy_schema
+from compare.scenes.kinds.table import KINDS, json_schema
+from compare.scenes.schema import SceneKeys
+from compare.scenes.template import template
+
+#: Keys that exclude another key, or that another choice needs.
+EITHER_OR = {"groove_radius", "conformity", "azimuths", "creep", "sharpness", "map_step", "starts", "pitch_diameter"}
+EITHER_OR |= {"diameter", "filling", "circuit_gap", "arcs"}
+
+
+def test_template_loads_as_case_1():
+    scene, case = scene_file.loads(template(), "x/my.toml"), catalogue.scene("lin-case1")
+    assert scene.name == "my"
+    for part in ("track", "screw", "nut", "balls", "supports", "loads", "errors", "ingredients"):
+        assert getattr(scene, part) == getattr(case, part)
+
+
+def test_template_shows_every_key_and_loads_with_all_optional_ones():
+    text = template()
+    full = re.sub(r"(?m)^# (?=\[|\w+ = )", "", text)
+    scene = scene_file.loads(full, "full.toml")
+    assert scene.errors.NR.profile == (2e-6, -0.25e-6)
+    assert scene.supports[1].fixed == (("ux", 3e-4), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0))
+    words = set(re.findall(r"\w+", text))
+    assert not schema_keys(tidy_schema(SceneKeys)) - words
+
+
+@pytest.mark.parametrize("kind", [*WHOLE, *FRICTION_ONLY])
+def test_template_of_every_kind_is_of_that_kind_and_names_every_key(kind):
+    text = template(kind.replace(" ", "-"))
+    scene = scene_file.read(text, "my.toml")
+    assert (scene_file.kind_of(scene), scene.name) == (kind, "my")
+    assert f'kind = "{kind}"' in text
+    keys = SceneKeys if kind in WHOLE else KINDS[kind].keys
+    words = set(re.findall(r"\w+", text))
+    left_out = {"circulation"} if kind == "bearing" else set()
+    assert set(tidy_schema(keys)["properties"]) - left_out <= words
+    if kind in FRICTION_ONLY:
+        assert schema_keys(tidy_schema(keys)) <= words
+    optional = [line for line in text.splitlines() if re.match(r"# \w+ = ", line)]
+    assert optional
+    for line in () if kind == "ball screw" else optional:
+        if line.split()[1] not in EITHER_OR:
+            scene_file.read(text.replace(line, line.removeprefix("# "), 1), "my.toml")
+
+
+def test_template_of_an_unknown_kind_is_refused():
+    with pytest.raises(InputError, match=r"screw-run.*a whole screw is a ball-screw"):
+        template("screw")
+
+
+def test_one_schema_for_all_kinds():
+    schema = json.loads(json.dumps(json_schema(), allow_nan=False))
+    assert schema["$schema"].startswith("https://json-schema.org/")
+    of_kind = [schema["$defs"][branch["$ref"].rsplit("/", 1)[1]] for branch in schema["oneOf"]]
+    words = [table["properties"]["kind"] for table in of_kind]
+    assert words[0]["enum"] == list(WHOLE)
+    assert [w["const"] for w in words[1:]] == [*FRICTION_ONLY, AXIS]
+    assert ["kind" in table["required"] for table in of_kind] == [False] + [True] * len(FRICTION_ONLY) + [False]
+    shared = {"MaterialKeys", "GrooveKeys", "PathKeys", "HelixKeys", "BallSizeKeys", "MotionKeys", "TrackKeys"}
+    assert shared <= schema["$defs"].keys()
+
+
+def test_template_alternatives_load():
+    text = template()
+    lines = text.splitlines()
+    shown = [i for i, line in enumerate(lines) if line.startswith("# or: ")]
+    assert len(shown) == 10
+    for i in shown:
+        j = i - 1
+        changed = [*lines[:j], lines[i].removeprefix("# or: "), *lines[i + 1 :]]
+        if "azimuths" in lines[i]:
+            changed.remove("count = 32")
+        elif 'lead = "0 mm"' in lines[i]:
+            changed = ["turns = 1" if x == "turns = 2" else x for x in changed]
+            changed = ["count = 18" if x == "count = 32" else x for x in changed]
+        if "displace" in lines[i]:
+            changed = [x.removeprefix("# ") if x in lines[j - 3 : j] else x for x in changed]
+        if lines[j].startswith("# ") and "displace" not in lines[i]:
+            head = max(k for k in range(i) if lines[k].startswith("# ["))
+            changed[head:j] = [x.removeprefix("# ") for x in changed[head:j]]
+        scene_file.loads("\n".join(changed), "other.toml")
+
+
+def schema_keys(schema: dict) -> set[str]:
+    parts = [schema, *schema["$defs"].values()]
+    return {key for part in parts for key in part["properties"]}
+
+
+def model_keys(model: type) -> set[str]:
+    found = set()
+    for name, field in model.model_fields.items():
+        found.add(name)
+        for module, inner in re.findall(r"(compare\.scenes\.\w+)\.(\w+Keys)", repr(field.annotation)):
+            found |= model_keys(getattr(sys.modules[module], inner))
+    return found
+
+
+def test_schema_names_and_describes_every_key():
+    schema = json.loads(json.dumps(tidy_schema(SceneKeys)))
+    assert schema_keys(schema) == model_keys(SceneKeys)
+    assert {"groove_radius", "azimuths", "listed", "harmonic", "displace", "element_length"} <= schema_keys(schema)
+    assert set(schema["required"]) == {"title", "track", "screw", "nut", "balls"}
+    types = {"string", "number", "integer", "array", "object"}
+    for table in (schema, *schema["$defs"].values()):
+        assert table["type"] == "object"
+        assert table["additionalProperties"] is False
+        for name, node in table["properties"].items():
+            assert len(node["description"]) > 3, name
+            assert "anyOf" not in node
+            assert node.get("default", "") is not None
+            if "$ref" in node:
+                assert node["$ref"].removeprefix("#/$defs/") in schema["$defs"]
+                continue
+            assert node["type"] in types, name
+            assert node["examples"] or name in ("track", "screw", "nut", "balls"), name
+            if "x-dimension" in node and node["type"] == "string":
+                assert "x-unit" in node
+            for item in (node.get("items", {}), node.get("additionalProperties", {})):
+                assert not item or "$ref" in item or item["type"] in types
+
+
+def test_schema_examples_and_defaults_are_valid():
+    schema = tidy_schema(SceneKeys)
+    base = tomllib.loads(template())
+    for name, node in schema["$defs"]["TrackKeys"]["properties"].items():
+        for value in [*node["examples"], *([node["default"]] if "default" in node else [])]:
+            SceneKeys.model_validate(base | {"track": base["track"] | {name: value}})
+    for name, node in schema["properties"].items():
+        for value in node.get("examples", []):
+            SceneKeys.model_validate(base | {name: value})

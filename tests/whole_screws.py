@@ -1,0 +1,83 @@
+"""Shared by the tests of whole screws' friction: scenes, motion, friction at the static loads, mirror images, one ball."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from lowfi.friction.whole.contacts import StaticContacts
+from lowfi.friction.whole.state import friction_state
+from meshes.helix import BallLayout
+from meshes.parts import Balls, Friction, Load, Material, Motion, Nut, Scene, Screw, Track
+from tests.helpers import FLANK_ERRORS, small_screw, solved
+
+MU, TURN = Friction(0.1, 0.1), Motion(10.0)
+AXIAL = (0.0, 0.0, 800.0)
+
+
+def two_starts():
+    """A preloaded left-hand screw of two starts with a side force, a moment, unlike grooves and all flank errors."""
+    base = small_screw(8, 0.9, hand="left", oversize=4e-6, force=(30.0, 10.0, -600.0), moment=(0.0, 2.0, 0.0))
+    errors = replace(FLANK_ERRORS, balls=base.errors.balls)
+    return replace(base, track=replace(base.track, starts=2, lead=24e-3), errors=errors)
+
+
+SCENES = {
+    "two-point": lambda: small_screw(force=AXIAL),
+    "four-point": lambda: small_screw(oversize=5e-6, force=AXIAL),
+    "left hand": lambda: small_screw(hand="left", force=(20.0, 0.0, -300.0), oversize=3e-6),
+    "two starts": two_starts,
+    "ring": lambda: small_screw(9, 8.0 / 9.0, lead=0.0, oversize=2e-6, force=(50.0, 0.0, 400.0)),
+    "rigid screw, actual Hertz": lambda: small_screw(force=AXIAL, oversize=2e-6, screw="rigid", hertz="actual"),
+    "printed Hertz": lambda: small_screw(force=AXIAL, hertz="as printed"),
+}
+
+
+def state(scene, friction=MU, motion=TURN):
+    return friction_state(scene, solved(scene), friction, motion)
+
+
+def mirrored(scene):
+    """The scene in a mirror that turns y: the other hand, azimuths, side forces and moments reversed."""
+    track = replace(scene.track, hand="left" if scene.track.hand == "right" else "right", phase=-scene.track.phase)
+    (x, y, z), (mx, my, mz) = scene.loads[0].force, scene.loads[0].moment
+    load = Load(scene.loads[0].at, (x, -y, z), (-mx, my, -mz))
+    balls = replace(scene.balls, azimuths=tuple(-a for a in scene.balls.azimuths))
+    return replace(scene, track=track, balls=balls, loads=(load,))
+
+
+def single(force, angle, groove):
+    """Contacts of one ball at azimuth 0 with the groove's own Hertz constants."""
+    h, at = groove.constants, np.array(force, dtype=float)[None, :]
+    cube = np.cbrt(np.maximum(at, 1e-9 * at.max()))
+    c, s = np.cos(groove.lead_angle), np.sin(groove.lead_angle)
+    layout = BallLayout(
+        np.zeros(1),
+        np.zeros(1),
+        np.array([[groove.pitch_radius, 0.0, 0.0]]),
+        np.array([[1.0, 0.0, 0.0]]),
+        np.array([[0.0, -s, c]]),
+        np.array([[0.0, c, s]]),
+    )
+    return StaticContacts(
+        np.array([groove.ball_radius]),
+        at,
+        np.array(angle, dtype=float)[None, :],
+        h.C_a * cube,
+        h.C_b * cube,
+        np.ones((1, 4), dtype=bool),
+        layout,
+    )
+
+
+def scene_of(groove):
+    """A screw with the kinematics of the groove."""
+    steel = Material(groove.young, groove.poisson)
+    track = Track(groove.pitch_radius, abs(groove.lead), groove.contact_angle, "left" if groove.lead < 0.0 else "right")
+    return Scene(
+        "one",
+        "one",
+        track,
+        Screw(0.2, 2.0 * groove.pitch_radius, groove.groove_radius, steel),
+        Nut(0.1, 0.05, 0.1, groove.groove_radius, steel),
+        Balls(groove.ball_radius, steel, (0.0,)),
+    )
