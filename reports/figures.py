@@ -97,7 +97,8 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
         shared = len(figure.panels) > 1 and _same_labels(figure.panels)
         legends = 0
         for number, (panel, order) in enumerate(zip(figure.panels, orders, strict=True), start=1):
-            axes = canvas.add_subplot(rows, columns, number)
+            first = canvas.axes[0] if canvas.axes and figure.same_y else None
+            axes = canvas.add_subplot(rows, columns, number, sharey=first)
             _draw_panel(axes, panel, order)
             if not shared:
                 legends = max(legends, _legend_below(axes, 2 if columns > 1 else 3))
@@ -242,6 +243,8 @@ def _draw_panel(axes: Any, panel: Panel, order: dict[str, int]) -> None:
             axis.set_major_formatter(formatter)
     if panel.integer_x and "x" not in panel.log:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    if panel.names:
+        axes.set_xticks(range(1, len(panel.names) + 1), panel.names, rotation=20.0, ha="right", rotation_mode="anchor")
     if panel.zero and "y" not in panel.log:
         _include_zero(axes, values["y"])
     if not np.any(np.isfinite(values["y"])):

@@ -61,7 +61,7 @@ class Panel:
     """One pair of axes: title, labels with units, curves.
 
     ``log`` is one of ``""``, ``"x"``, ``"y"``, ``"xy"``; ``zero`` extends the ordinate to zero; ``integer_x``
-    labels the abscissa at whole numbers only.
+    labels the abscissa at whole numbers only; ``names`` stand there in place of the numbers from 1 on.
     """
 
     title: str
@@ -71,12 +71,13 @@ class Panel:
     log: str = ""
     zero: bool = False
     integer_x: bool = False
+    names: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class Figure:
     """A figure of one to six panels, ``columns`` (at most 3) per row; ``name`` is its SVG file's stem; ``size``: width and
-    height in inches of 96 pixels, None for what suits the number of panels."""
+    height in inches of 96 pixels, None for what suits the number of panels; ``same_y``: one scale of the ordinates."""
 
     name: str
     title: str
@@ -84,6 +85,7 @@ class Figure:
     caption: str = ""
     columns: int = 2
     size: tuple[float, float] | None = None
+    same_y: bool = False
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ KEPT = {
     "residual": "relative residual",
 }
 #: Members of a block and from how many on kernels are compiled; part of the load by which stiffness is taken.
-BLOCK, COMPILE_FROM, STEP = 100, 200, 1e-3
+BLOCK, COMPILE_FROM, STEP = 500, 200, 1e-3
 #: Bins of the histogram of a contact's load, and its end over the largest load without random errors.
 BINS, END = 2000, 10.0
 LEVELS = (0.01, 0.05, 0.5, 0.95, 0.99)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,8 @@ from reports.records import Figure, Panel, Series
 
 #: Most panels of a figure, and most points of a scatter.
 PANELS, POINTS = 6, 2000
+#: The key that tells one drawn screw from another.
+SEED = "errors.seed"
 
 
 def figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Sequence[Record]) -> list[Figure]:
@@ -25,18 +27,22 @@ def figures(name: str, keys: Sequence[Vary], found: Mapping[str, Any], rows: Seq
     return [*of_summary(name, keys, found), _scatter(name, keys, shown, rows, left)]
 
 
-def of_summary(name: str, keys: Sequence[Vary], found: Mapping[str, Any]) -> list[Figure]:
-    """Those of the figures that a summary alone gives."""
+def of_summary(
+    name: str, keys: Sequence[Vary], found: Mapping[str, Any], called: Callable[[Vary], str] = lambda vary: vary.name
+) -> list[Figure]:
+    """Those of the figures that a summary alone gives; ``called``: short names of the keys."""
     shown, left = _shown(keys, found)
-    made = [_effects(name, [keys[k] for k in shown], found, left), _worst(name, keys, found["worst"])]
-    indices = _indices(name, keys, found["indices"])
+    made = [_effects(name, [keys[k] for k in shown], found, left, called), _worst(name, keys, found["worst"], called)]
+    indices = _indices(name, keys, found["indices"], called)
     return made if indices is None else [*made, indices]
 
 
 def _shown(keys: Sequence[Vary], found: Mapping[str, Any]) -> tuple[list[int], str]:
-    """Keys of largest effect, as many as a figure has panels, and a sentence where some are left out."""
-    shown = sorted(range(len(keys)), key=lambda k: -_reach(found["main_effects"][keys[k].key]))[:PANELS]
-    return shown, "" if len(shown) == len(keys) else f" The {PANELS} keys of largest effect, of {len(keys)}."
+    """Keys of largest effect, as many as a figure has panels, and a sentence where some are left out. A seed has no
+    order, so that nothing can be seen along it."""
+    ordered = [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
+    shown = sorted(ordered, key=lambda k: -_reach(found["main_effects"][keys[k].key]))[:PANELS]
+    return shown, "" if len(shown) == len(ordered) else f" The {PANELS} keys of largest effect, of {len(ordered)}."
 
 
 def _reach(groups: Sequence[Mapping[str, float]]) -> float:
@@ -44,7 +50,7 @@ def _reach(groups: Sequence[Mapping[str, float]]) -> float:
     return max(means) - min(means)
 
 
-def _effects(name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: str) -> Figure:
+def _effects(name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: str, called: Callable[[Vary], str]) -> Figure:
     panels = []
     for vary in keys:
         groups = found["main_effects"][vary.key]
@@ -52,9 +58,9 @@ def _effects(name: str, keys: Sequence[Vary], found: Mapping[str, Any], left: st
         bars = [m - g["standard_error"] for m, g in zip(mean, groups, strict=True)]
         ends = [m + g["standard_error"] for m, g in zip(mean, groups, strict=True)]
         series = Series("mean", at, mean, "line+markers", bars=(bars, ends))
-        panels.append(Panel(vary.name, vary.label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.choices)))
+        panels.append(Panel(called(vary), vary.label, OUTPUTS[MAIN], (series,), integer_x=bool(vary.choices)))
     caption = "Mean over all samples in a part of the key's range; bars: its standard error." + left
-    return Figure(f"{name}-effects", f"{name}: main effects", tuple(panels), caption)
+    return Figure(f"{name}-effects", f"{name}: main effects", tuple(panels), caption, same_y=True)
 
 
 def _scatter(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequence[Record], left: str) -> Figure:
@@ -67,7 +73,8 @@ def _scatter(name: str, keys: Sequence[Vary], shown: Sequence[int], rows: Sequen
     return Figure(f"{name}-scatter", f"{name}: samples", panels, f"{len(some)} of {len(rows)} samples.{left}")
 
 
-def _worst(name: str, keys: Sequence[Vary], worst: Sequence[Record]) -> Figure:
+def _worst(name: str, keys: Sequence[Vary], worst: Sequence[Record], called: Callable[[Vary], str]) -> Figure:
+    keys, worst = _without_seed(keys, worst)
     x = inputs(keys, worst)
     low = np.array([1.0 if v.choices else v.low for v in keys])
     high = np.array([float(len(v.choices)) if v.choices else v.high for v in keys])
@@ -76,17 +83,22 @@ def _worst(name: str, keys: Sequence[Vary], worst: Sequence[Record]) -> Figure:
     series = tuple(
         Series(f"{row[MAIN]:.4g} N at {row['at']}", number, list(at)) for row, at in zip(worst[:5], place[:5], strict=True)
     )
-    caption = "Place in its range (0 to 1) of each key: " + "; ".join(
-        f"{k:g}: {v.name}" for k, v in zip(number, keys, strict=True)
-    )
-    panel = Panel("worst samples", "key", "place in its range", series, integer_x=True)
+    caption = "Place of each key in its range (0 to 1), of the samples with the largest loads."
+    panel = Panel("worst samples", "", "place in its range", series, names=[called(v) for v in keys])
     return Figure(f"{name}-worst", f"{name}: worst samples", (panel,), caption)
 
 
-def _indices(name: str, keys: Sequence[Vary], indices: Mapping[str, Any]) -> Figure | None:
+def _without_seed(keys: Sequence[Vary], rows: Sequence[Record]) -> tuple[Sequence[Vary], Sequence[Record]]:
+    """The keys that have an order, and the rows with their values only."""
+    kept = [k for k, vary in enumerate(keys) if vary.key != SEED] or list(range(len(keys)))
+    return [keys[k] for k in kept], [{**row, "values": [row["values"][k] for k in kept]} for row in rows]
+
+
+def _indices(name: str, keys: Sequence[Vary], indices: Mapping[str, Any], called: Callable[[Vary], str]) -> Figure | None:
     own = indices.get("outputs", {}).get(MAIN)
     if own is None:
         return None
+    keys = sorted(keys, key=lambda vary: -own[vary.key]["total"])
     number = [float(k) for k in range(1, len(keys) + 1)]
     series = []
     for kind, shift in (("first", -0.06), ("total", 0.06)):
@@ -95,8 +107,7 @@ def _indices(name: str, keys: Sequence[Vary], indices: Mapping[str, Any]) -> Fig
         series.append(Series(kind, [n + shift for n in number], value, "markers", bars=bars))
     caption = (
         f"Sobol indices of the {OUTPUTS[MAIN].removesuffix(' / N')} from {indices['base_points']} base points, with "
-        f"{100 * indices['confidence']:g} % intervals: "
-        + "; ".join(f"{k:g}: {v.name}" for k, v in zip(number, keys, strict=True))
+        f"{100 * indices['confidence']:g} % intervals: first, of the key alone; total, with all that it does with others."
     )
-    panel = Panel("Sobol indices", "key", "share of the variance", tuple(series), integer_x=True, zero=True)
+    panel = Panel("Sobol indices", "", "share of the variance", tuple(series), zero=True, names=[called(v) for v in keys])
     return Figure(f"{name}-indices", f"{name}: Sobol indices", (panel,), caption)

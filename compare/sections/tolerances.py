@@ -8,7 +8,6 @@ from typing import Any
 from compare.models.study import Study
 from compare.sections.sweep_figures import of_summary
 from compare.sweep.keys import Vary, read_vary
-from compare.sweep.sample import OUTPUTS
 from compare.sweep.stored import TOLERANCES, command, stored
 from compare.sweep.summary import MAIN
 from reports.records import Cell, Column, Section, Table, Text
@@ -21,6 +20,11 @@ WORDS = {
     "supports[1].displace.ux": "misalignment: offset of the right end",
     "errors.seed": "luck: which screw of these tolerances",
 }
+
+
+def short(vary: Vary) -> str:
+    """A key in one or two words."""
+    return words(vary).partition(":")[0]
 
 
 def words(vary: Vary) -> str:
@@ -78,6 +82,6 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         Column("total", "total index", "", ".2f"),
         Column("total_band", "its interval", "", "s"),
     )
-    table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows, f"{OUTPUTS[MAIN]}.")
-    figures = of_summary("tolerances", keys, found)
+    table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
+    figures = of_summary("tolerances", keys, found, short)
     return Section("tolerances", "Tolerances of case 3: which matters most", (Text(text), table, *figures))

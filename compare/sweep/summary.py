@@ -135,5 +135,7 @@ def _indices_of(keys: Sequence[Vary], y: Array, seed: int) -> dict[str, dict[str
 
 def _sobol(y: Array) -> tuple[Array, Array]:
     """First and total indices (d,) of outputs (d + 2, n): at A, at B, at the mixtures."""
-    found = sobol_indices(func={"f_A": y[:1], "f_B": y[1:2], "f_AB": y[2:, None, :]}, n=y.shape[1])
-    return np.atleast_1d(found.first_order), np.atleast_1d(found.total_order)
+    d = len(y) - 2
+    mixtures = y[2:] if d > 1 else np.repeat(y[2:], 2, axis=0)  # scipy 1.17 fails for a single key: it is given twice
+    found = sobol_indices(func={"f_A": y[:1], "f_B": y[1:2], "f_AB": mixtures[:, None, :]}, n=y.shape[1])
+    return np.atleast_1d(found.first_order)[:d], np.atleast_1d(found.total_order)[:d]

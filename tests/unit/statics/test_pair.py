@@ -71,6 +71,25 @@ def test_closed_form_is_the_minimum_over_the_centre(name, engine):
 
 
 @pytest.mark.parametrize("name", PAIRS)
+def test_balls_by_themselves_and_what_an_earlier_state_left(name):
+    """Force and stiffness of a ball that is free now are none, whatever they were; the scale is the largest force."""
+    pair, use = PAIRS[name]
+    prepared = system(use, "interpreted")
+    contacts, state = prepared.contacts, prepared.state
+    _, _, out = evaluated(prepared)
+    forces, energy = state.contact[:, :, 0].copy(), 5.0
+    free = forces.max(axis=1) == 0.0
+    state.contact[:], out.hessians[:, 2 * pair : 2 * pair + 2, 2 * pair : 2 * pair + 2] = 7.0, 7.0
+    found, scale = prepared.engine.pair.add_pairs(contacts, state, out, pair, energy, 0.0)
+    assert found > energy
+    assert scale == forces.max() > 0.0
+    assert free.any()
+    assert not state.contact[free, :, 0].any()
+    assert not out.hessians[free].any()
+    assert prepared.engine.pair.add_pairs(contacts, state, out, pair, 0.0, 2.0 * scale)[1] == 2.0 * scale
+
+
+@pytest.mark.parametrize("name", PAIRS)
 def test_gradient_is_the_slope_of_the_energy(name):
     prepared = system(PAIRS[name][1], "interpreted")
     _, _, out = evaluated(prepared)

@@ -46,6 +46,17 @@ def test_indices_of_ishigami_lie_in_their_intervals():
     assert found["outputs"]["mean_load_N"] is None  # it does not change
 
 
+def test_a_single_key_has_all_of_the_variance():
+    what = Sweep("", "x.toml", KEYS[:1], 192, "sobol", 3, "lin")
+    made = {n: {**row, MAIN: row["values"][0] ** 3} for n, row in records(sweep(640), ishigami).items() if n < 192}
+    for n, place in enumerate(what.places()):
+        made[n][MAIN] = KEYS[0].at(place[0]) ** 3
+    found = indices(what, made)["outputs"][MAIN]
+    assert list(found) == ["a"]
+    assert found["a"]["first"] == pytest.approx(1.0, abs=0.1)
+    assert found["a"]["total"] == pytest.approx(1.0, abs=0.1)
+
+
 def test_indices_are_the_same_every_time():
     what = sweep(640)
     made = records(what, ishigami)
