@@ -13,7 +13,8 @@ from pathlib import Path
 
 from compare.measure import error_percent
 from compare.provenance import sources_hash
-from compare.rolling.body_sizes import SCENES, Variant, body_sizes, variant
+from compare.reference.store import shipped_store
+from compare.rolling.body_sizes import LINEAR, NAMES, SCENES, Variant, body_sizes, variant, variants
 from compare.scenes import catalogue
 from compare.writing import replace_file
 
@@ -48,6 +49,16 @@ def sizes(stores: Sequence[Path], *, fresh: bool) -> Sizes:
     now, then = variant(LIVE), next(one for one in kept if one.choice == LIVE)
     off = max(abs(float(error_percent(now.values[name], value))) for name, value in then.values.items())
     return Sizes(kept, f'Kept with the package; "{LIVE}" computed anew differs by up to {off:.1g} %.')
+
+
+def choices_share(straight: bool) -> float:
+    """Largest relative change of a force or loss by one choice behind finite bodies, as kept with the package: on straight
+    rails, or on rings and helices, by the scenes of `body_sizes.SCENES`."""
+    found = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
+    values = {row["choice"]: row["values"] for row in found}
+    own = [choice for choice, (name, sizes) in variants().items() if (name == LINEAR) == straight and sizes is not None]
+    first, others = values[own[0]], [values[choice] for choice in own[1:]]
+    return float(max(abs(other[name] / first[name] - 1.0) for other in others for name in NAMES[:3]))
 
 
 def _load(stores: Sequence[Path]) -> tuple[Variant, ...] | None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from compare.measure import error_percent
 from compare.printed.printed_data import entry
+from compare.rolling.kept_sizes import choices_share
 from compare.rolling.low_order import low_order
 from compare.rolling.runs import HALF_SPACE, LEVELS, RollingRun, load
 from compare.scenes.catalogue import shipped
@@ -98,14 +99,18 @@ def uncertainty(runs: Sequence[RollingRun], name: str) -> float:
 
 
 def rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None = None) -> list[RollingRow]:
-    """Rows of a scene from runs of rising level, the last one the reference; beside: half spaces on its grid."""
+    """Rows of a scene from runs of rising level, the last one the reference.
+
+    beside: half spaces on its grid, where the runs are of finite bodies; their choices then count as uncertainty.
+    """
     low, low_seconds, _ = low_order(scene)
     finest = runs[-1]
     table = PRINTED.get(scene.name.removesuffix(".toml"))
+    by_bodies = 0.0 if beside is None else choices_share("linear" in scene.kind)
     out = []
     for name, value in finest.values.items():
         quantity, unit = split(name)
-        own = uncertainty(runs, name)
+        own = uncertainty(runs, name) + by_bodies * abs(value)
         printed = ansys = None
         if table is not None and quantity == "force 1-2":
             printed, ansys = (entry(table[0], key).value for key in table[1:])

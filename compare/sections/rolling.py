@@ -159,7 +159,8 @@ def _finite(stores: Sequence[Path], sizes: Sizes) -> list[Text | Table | Figure 
             "What finite bodies change",
             BODIES,
             [_beside(row) for row in shown],
-            f"No stored runs: {', '.join(missing)}." if missing else "",
+            "Uncertainty: scatter of three grids, and the largest change of a force or loss by a choice in the next table."
+            + (f" No stored runs: {', '.join(missing)}." if missing else ""),
         ),
         Table(
             "rolling-body-sizes",

@@ -1,17 +1,21 @@
 """Section on rolling in 3D and its gate rows, from the stored runs; the solves behind the rest are replaced."""
 
+import json
+
 import numpy as np
 import pytest
 
 from compare.evidence.rolling_proof import Proof
 from compare.gate import gate
 from compare.models.study import Study
+from compare.reference.store import shipped_store
 from compare.rolling import rows as rolling_rows
-from compare.rolling.body_sizes import NAMES, Variant
+from compare.rolling.body_sizes import NAMES, SCENES, Variant, variants
 from compare.rolling.from_rest import Series
-from compare.rolling.kept_sizes import Sizes
+from compare.rolling.kept_sizes import FILE, Sizes
 from compare.rolling.patches import PatchField
 from compare.rolling.rows import KNOWN
+from compare.rolling.runs import FINITE
 from compare.sections import rolling
 from reports.figures import draw_map
 from reports.records import PressureMap
@@ -88,3 +92,15 @@ def test_gate_takes_the_rows_in_and_fails_where_the_low_order_model_is_off(monke
 def test_a_known_exceedance_that_is_none_fails(monkeypatch):
     monkeypatch.setitem(KNOWN, ("lin-rotary-2", "torque"), "made up")
     assert any("made up" in row.name and not row.passed for row in gate.rolling_rows(Study(), 7.0))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncertainty(name):
+    kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
+    own = [v["values"] for v in kept if variants()[v["choice"]][0] == name and "half spaces" not in v["choice"]]
+    rows = {f"{row.quantity} {row.unit}": row for row in rolling_rows.stored_rows(name, (shipped_store(),), FINITE)}
+    first, others = own[0], own[1:]
+    assert len(others) >= 2
+    for quantity in NAMES[:3]:
+        share = rows[quantity].uncertainty / abs(rows[quantity].reference)
+        assert all(abs(values[quantity] / first[quantity] - 1.0) <= share for values in others)
