@@ -9,6 +9,7 @@ import numpy as np
 from compare.commands.solve_output import number, summary
 from compare.commands.summary import contact_entries, contacts_json, entry, loads_json
 from compare.models.axis_answers import AxisAnswers, SetAnswers
+from lowfi.bearings.axis import lost_motion
 from lowfi.statics.axis.result import AxisResult, SetResult
 from meshes.axis import Assembly
 from meshes.parts import FREEDOMS
@@ -54,6 +55,7 @@ def whole_summary(result: AxisResult, found: AxisAnswers | None) -> dict[str, An
         "displacement_um": None if found.displacement is None else number(1e6 * found.displacement),
         "rigidity_N_per_um": number(1e-6 * found.force / found.displacement) if found.displacement else None,
         "tangent_N_per_um": None if K is None else number(1e-6 * K),
+        "lost_motion_um_per_100N": None if K is None or K <= 0.0 else number(1e6 * lost_motion(100.0, K)),
     }
     data["stiffness"] = stiffness_json(result)
     i = worst(found)
@@ -80,6 +82,9 @@ def block(assembly: Assembly, result: AxisResult, found: AxisAnswers, width: int
         text += "" if moved is None else f", {result.stiffness_at} moves by {moved:.4g} um from where it is without loads"
         rigid = axial["tangent_N_per_um"]
         lines.append(("axial", text if rigid is None else f"{text}; tangent rigidity {rigid:.5g} N/um"))
+        lost = axial["lost_motion_um_per_100N"]
+        if lost is not None:
+            lines.append(("lost", f"{lost:.3g} um of motion for every 100 N of friction that reverses, by elasticity alone"))
     if "worst_set" in data:
         name = assembly.sets[data["worst_set"] - 1].name
         speed = None if assembly.motion is None else assembly.motion.speed

@@ -128,15 +128,3 @@ def lift_off_force(bearings: BearingSet, direction: int = 1) -> float:
         raise ValueError("no row faces the other way")
     state = state_at(bearings, direction * max(others))
     return float(np.array(bearings.directions) @ state.loads)
-
-
-def equal_shares(loads: Sequence[float], directions: Sequence[int], force: float) -> Array:
-    """Baseline: loads [N] of the rows if the rows of either direction take half the external thrust, evenly.
-
-    The first-order answer for two opposed groups of equal stiffness. It knows no unloading: a load may come out negative.
-    Smith's shortcut (section 2.1.2, table of 4.2) puts the whole force on *each* group, so that his loads balance twice the
-    force: `lowfi.bearings.as_printed.shared_loads`.
-    """
-    s = np.array(directions)
-    count = np.array([np.sum(s == d) for d in s])
-    return np.asarray(np.array(loads, dtype=float) + s * 0.5 * force / count)
