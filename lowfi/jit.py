@@ -7,6 +7,9 @@ copies must mean the same classes. Machine code is kept in the user's cache fold
 kernels, so that none outlives the sources it was made from: numba alone looks at the file of a function only. It files
 machine code by the path of the source; what is compiled is loaded from a copy of the sources in that folder, so that all
 checkouts and environments with the same kernels share what one of them compiled.
+
+To numba a number or truth value written out in a call has a type of its own, and the kernel that is called is compiled for
+each of them: where calls differ, ``int(np.int64(60))`` or ``bool(np.bool_(False))`` is passed instead.
 """
 
 from __future__ import annotations

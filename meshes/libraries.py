@@ -1,4 +1,5 @@
-"""System libraries that only meshing and pictures need, by the Debian package that holds them: the one list of them."""
+"""System libraries that only meshing and pictures need, by the Debian package that holds them, and Python packages of
+single files: the one list of them."""
 
 from __future__ import annotations
 
@@ -19,6 +20,11 @@ MESHING = {
 }
 #: Shared libraries that VTK draws with where there is no screen; everything but 3D pictures runs without.
 PICTURES = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1", "libXrender.so.1": "libxrender1"}
+#: Python packages that one file of the report needs each: the file, and what installs the package.
+EXTRAS = {
+    "typst": ("the PDF of the first pages", "pip install typst"),
+    "trimesh": ("the view that can be turned", "pip install trimesh"),
+}
 
 
 def install(*lists: Mapping[str, str]) -> str:

@@ -11,13 +11,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from meshes.libraries import EXTRAS
 from reports.cells import filled, format_cell, is_number, micro
 from reports.records import Report, Summary, Table
 
 #: Name of the file in the folder of a report.
 FILE = "first-pages.pdf"
 #: What installs typst.
-REMEDY = "pip install typst"
+REMEDY = EXTRAS["typst"][1]
 _TEMPLATE = "first_pages.typ"
 
 

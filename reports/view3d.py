@@ -16,12 +16,13 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from meshes.libraries import EXTRAS
 from reports import scene3d
 from reports.offscreen import draw_in_child
 from reports.records import LoadedScrew
 
 #: What installs the viewer.
-REMEDY = "pip install trimesh"
+REMEDY = EXTRAS["trimesh"][1]
 #: Edge of the triangles, as a multiple of that of a picture.
 COARSE = 5.0
 #: Shares of a colour that are seen in the viewer's light and without it.

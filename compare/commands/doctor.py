@@ -15,7 +15,7 @@ from typing import Any, Literal
 from compare import __version__
 from compare.system import available_GB, cores, gmsh_fault
 from compare.writing import need_writable
-from meshes.libraries import MESHING, PICTURES, install
+from meshes.libraries import EXTRAS, MESHING, PICTURES, install
 
 State = Literal["ok", "missing", "optional"]
 #: Least version of Python.
@@ -63,7 +63,7 @@ class Check:
 
 def run_doctor(store: Path, show: Callable[..., None], print_json: Callable[[Any], None] | None) -> int:
     """Look at the machine and print it; 1 where something is missing that is not optional."""
-    checks = [*_python(), *_packages(), *_graphics(), *_programs(), *_folders(store), *_size(), *_shipped()]
+    checks = [*_python(), *_packages(), *_extras(), *_graphics(), *_programs(), *_folders(store), *_size(), *_shipped()]
     lacking = [check for check in checks if check.state == "missing"]
     if print_json is not None:
         rows = [asdict(check) for check in checks]
@@ -113,6 +113,14 @@ def _packages() -> Iterator[Check]:
         else:
             licence = f" ({STRICT[name]})" if name in STRICT else ""
             yield Check(name, "ok", f"{found}, at least {least}{licence}")
+
+
+def _extras() -> Iterator[Check]:
+    for name, (what, remedy) in EXTRAS.items():
+        try:
+            yield Check(name, "ok", metadata.version(name))
+        except metadata.PackageNotFoundError:
+            yield Check(name, "optional", "not installed", f"the report is without {what}", remedy)
 
 
 def _numbers(version: str) -> tuple[int, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -148,6 +148,21 @@ def _balls(bands: Bands) -> list[list[dict[str, Any]]]:
     ]
 
 
+def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict[str, Any] | None]) -> Any:
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left")
+    for heading in ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest"):
+        table.add_column(heading, justify="right")
+    for key, own in rows.items():
+        if own is None:
+            continue
+        q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in own["quantiles"]}
+        first = (f"{own[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
+        table.add_row(headings[key], *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{own['largest']:.4g}")
+    return table
+
+
 def as_table(found: Members | AxisMembers) -> list[Any]:
     """The same for the terminal."""
     from rich.table import Table
@@ -159,17 +174,9 @@ def as_table(found: Members | AxisMembers) -> list[Any]:
         f"converged, {1e3 * found.seconds / data['members']:.3g} ms a member"
     ]
     parts += [f"member {row['member']}: {row['status']}" for row in data["failed"][:5]]
-    table = Table(title="members (in brackets: 95 % interval of the quantile)", title_justify="left")
-    for heading in ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest"):
-        table.add_column(heading, justify="right")
-    named = [((WHOLE if several else KEPT)[key], own) for key, own in data["statistics"].items()]
-    named += [(f"set {s['set']}: {OF_SET[key]}", own) for s in data.get("sets", []) for key, own in s["statistics"].items()]
-    for heading, own in named:
-        if own is None:
-            continue
-        q = {row["level"]: f"{row['value']:.4g} ({row['low']:.4g} to {row['high']:.4g})" for row in own["quantiles"]}
-        first = (f"{own[k]:.4g}" for k in ("mean", "standard_error", "standard_deviation", "smallest"))
-        table.add_row(heading, *first, q[0.05], q[0.5], q[0.95], q[0.99], f"{own['largest']:.4g}")
+    headings = WHOLE if several else KEPT
+    tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
+    tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
     balls = Table(title=f"bands of the contact loads / N (to {found.bands.width:.2g} N)", title_justify="left")
     keys = (*(("set",) if several else ()), "index", "side", "without_random_errors_N", "mean_N", "standard_deviation_N",
             "smallest_N", "quantile_0.05_N", "quantile_0.95_N", "largest_N", "loaded_share")  # fmt: skip
@@ -178,4 +185,4 @@ def as_table(found: Members | AxisMembers) -> list[Any]:
     for row in data["balls"]:
         balls.add_row(*(v if isinstance(v, str) else f"{v:.4g}" for v in (row[k] for k in keys)))
     stiffness = "in equilibrium, where it is asked for" if several else "tangent, by 0.1 % more load"
-    return [*parts, balls, table, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; stiffness: {stiffness}"]
+    return [*parts, balls, *tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; stiffness: {stiffness}"]

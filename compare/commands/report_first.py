@@ -17,8 +17,7 @@ from compare.reference.store import load
 from compare.reference.tasks import Task
 from compare.scenes import catalogue
 from compare.system import cores, gmsh_fault
-from meshes.libraries import MESHING, PICTURES, install
-from reports import first_pages, view3d
+from meshes.libraries import EXTRAS, MESHING, PICTURES, install
 
 #: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
 COSTLY = frozenset({"pictures", "friction", "friction-screw", "verification", "stability", "timing"})
@@ -59,11 +58,11 @@ def kept_parts(parts: Sequence[Part], *, named: bool, everything: bool) -> tuple
 
 def lacking() -> list[LeftOut]:
     """What a report leaves out because a package that nothing else needs is not installed."""
-    known = (
-        ("typst", "the PDF of the first pages", first_pages.REMEDY),
-        ("trimesh", "the view that can be turned", view3d.REMEDY),
-    )
-    return [LeftOut((what,), f"{name} is not installed", remedy) for name, what, remedy in known if find_spec(name) is None]
+    return [
+        LeftOut((what,), f"{name} is not installed", remedy)
+        for name, (what, remedy) in EXTRAS.items()
+        if find_spec(name) is None
+    ]
 
 
 @dataclass(frozen=True)

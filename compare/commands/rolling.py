@@ -9,7 +9,7 @@ from typing import Any
 from compare.commands.study import on_terminal
 from compare.errors import InputError, Refusal
 from compare.reference.store import shipped_store
-from compare.rolling.rows import RollingRow, rows
+from compare.rolling.rows import RollingRow, load_state, rows
 from compare.rolling.runs import BODIES, HALF_SPACE, LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
 from compare.scenes import catalogue
 from compare.scenes.kinds.common import KindScene
@@ -105,7 +105,8 @@ def finite(row: dict[str, Any]) -> dict[str, Any]:
 def _table(name: str, own: Sequence[RollingRow]) -> Any:
     from rich.table import Table
 
-    table = Table(title=f"{name}: low-order model against the 3D model of rolling", title_justify="left")
+    state = f" ({own[0].load_state} load state)" if own[0].load_state else ""
+    table = Table(title=f"{name}{state}: low-order model against the 3D model of rolling", title_justify="left")
     for column in (
         "quantity",
         "low-order",
@@ -176,7 +177,7 @@ def run_rolling_study(
         for column in own[0]:
             table.add_column(column)
         for row in own:
-            table.add_row(*(f"{v:.6g}" if isinstance(v, float) else str(v) for v in row.values()))
+            table.add_row(*(f"{v:.6g}" if isinstance(v, float) else "–" if v is None else str(v) for v in row.values()))
         show(table)
     return 0
 
@@ -185,6 +186,7 @@ def study_row(name: str, run: RollingRun, key: str) -> dict[str, Any]:
     """A quantity on a grid: with limit and elasticity apart, and the grid's own number."""
     return {
         "scene": name,
+        "load_state": load_state(name),
         "quantity": key,
         "level": "source" if run.level == SOURCE_LEVEL else str(run.level),
         "cells": f"{run.shape[0]} x {run.shape[1]}",

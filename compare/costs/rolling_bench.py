@@ -15,7 +15,8 @@ from compare.rolling.low_order import low_order
 from compare.rolling.runs import LEVELS
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
-from hifi.rolling.balls import Choices, Rolling, solve_rolling, unit_patch
+from hifi.rolling.balls import Choices, Rolling, finite_patch, solve_rolling, unit_patch
+from hifi.rolling.bodies import Sizes, forget_kernels
 from hifi.rolling.transient import run_from_rest
 from meshes.memory import peak_MB
 
@@ -30,6 +31,7 @@ def jobs(repeats: int = 3) -> Iterator[Job]:
     with threadpool_limits(1, "blas"):
         for name, target in TARGETS.items():
             yield _steady(name, target, repeats)
+            yield _finite(name, target)
         linear = _scene("lin-pair-a", PRODUCTION)
         first = solve_rolling(linear, Choices(PRODUCTION))
         more = _heavier(linear)
@@ -56,6 +58,19 @@ def _steady(name: str, target: float, repeats: int) -> Job:
     note = f"{PRODUCTION[0]} x {PRODUCTION[1]} cells, set-up included; time as unknowns to the power {exponent:.1f}; "
     note += f"{fine / low:.3g} times the low-order model's; {_aim(target)}"
     return Job(f"rolling: {name}, steady", fine, None, _unknowns(whole, PRODUCTION), peak_MB(), note)
+
+
+def _finite(name: str, target: float) -> Job:
+    """The first solve on finite bodies: meshes and their answers once for all scenes of a geometry."""
+    whole = _scene(name, PRODUCTION)
+    seconds = timed(lambda: solve_rolling(whole, Choices(PRODUCTION, bodies=Sizes())), 1, _forget)
+    note = f"{PRODUCTION[0]} x {PRODUCTION[1]} cells, meshes of the bodies included; {_aim(target)}"
+    return Job(f"rolling: {name}, steady, finite bodies", seconds, None, _unknowns(whole, PRODUCTION), peak_MB(), note)
+
+
+def _forget() -> None:
+    forget_kernels()
+    finite_patch.cache_clear()
 
 
 def _aim(seconds: float) -> str:

@@ -11,8 +11,24 @@ import numpy as np
 from compare.evidence.kalker import coefficients
 from compare.measure import error_percent
 from compare.printed.printed_data import entry
+from compare.rolling.cases import case_of
+from compare.rolling.runs import LEVELS
+from compare.scenes.catalogue import shipped
+from compare.scenes.kinds.common import KindScene
+from hifi.rolling.balls import Choices, place_of, solve_rolling
+from hifi.rolling.bodies import Sizes
 from hifi.rolling.patch import hertz_patch
-from hifi.rolling.verification import Creep, carter, mindlin, slip_everywhere, steady
+from hifi.rolling.verification import (
+    Creep,
+    Pressed,
+    at_rest,
+    carter,
+    mindlin,
+    rubbing,
+    slip_everywhere,
+    static_reference,
+    steady,
+)
 
 #: Contact of the full-slip cases: load [N], relative radii [m], Young's modulus [Pa], Poisson's ratio; friction.
 GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
@@ -25,6 +41,12 @@ EXAMPLE_FORCE, EXAMPLE_MOMENT = -0.6074, -48.21
 REACH = (0.5, 0.5, 0.1, 2.0, 3.0, 5.0)
 #: The same of grids alone whose spin pole lies inside a cell: what differencing against the rigid limit takes out.
 ALONE = 2.0
+#: A contact at rest beside the static reference: quantities, errors to reach [%], cells of that one's zone; where.
+AT_REST = ("approach [um]", "semi-axis along [um]", "semi-axis across [um]", "peak pressure [MPa]")
+STATIC_REACH, STATIC_CELLS = (0.5, 1.5, 2.0, 2.5), (10, 10)
+SCREW, LINEAR = "lin-screw-pair-a-inferred", "lin-pair-a"
+#: Error [%] of taking a point for the contact of two balls.
+RUB_REACH = 0.01
 
 
 @dataclass(frozen=True)
@@ -66,7 +88,39 @@ FINER = 2.0
 @lru_cache(maxsize=1)
 def proofs() -> tuple[Proof, ...]:
     """All known answers."""
-    return (*_carter(), *_mindlin(), *_full_slip(), *_kalker(), *_contact())
+    return (*_at_rest(), *_carter(), *_mindlin(), *_full_slip(), *_rubbing(), *_kalker(), *_contact())
+
+
+def _at_rest() -> Iterator[Proof]:
+    choices = Choices(LEVELS[1])
+    scene = case_of(_pair(SCREW), choices).touching
+    touch = max((t for b in scene.balls for t in b.touches), key=lambda t: t.load)
+    at, material = place_of(scene, touch)[0], (scene.young, scene.poisson)
+    exact = _read(static_reference(at, touch.load, *material, STATIC_CELLS))
+    found = [_read(at_rest(at, touch.load, *material, shape, Sizes())) for shape in LEVELS.values()]
+    for k, (name, reach) in enumerate(zip(AT_REST, STATIC_REACH, strict=True)):
+        values = tuple(one[k] for one in found)
+        yield Proof("no motion: the static reference's patch", name, values, exact[k], reach, values[-1])
+
+
+def _read(one: Pressed) -> tuple[float, ...]:
+    return 1e6 * one.approach, 1e6 * one.semi[0], 1e6 * one.semi[1], 1e-6 * one.peak
+
+
+def _rubbing() -> Iterator[Proof]:
+    choices = Choices((12, 16))
+    scene = case_of(_pair(LINEAR), choices).touching
+    found = solve_rolling(scene, choices)
+    shares = [rubbing(scene, found, 0, points) for points in (20, 30, 40)]
+    for k, name in enumerate(("force over that of a point", "loss over that of a point")):
+        values = tuple(s[k] for s in shares)
+        yield Proof("balls that touch, over Hertz's circle", name, values, 1.0, RUB_REACH, values[-1])
+
+
+def _pair(name: str) -> KindScene:
+    scene = shipped(name)
+    assert isinstance(scene, KindScene)
+    return scene
 
 
 def _carter() -> Iterator[Proof]:
@@ -79,12 +133,13 @@ def _carter() -> Iterator[Proof]:
 
 
 def _mindlin() -> Iterator[Proof]:
-    for share in (0.25, 0.5, 0.75):
-        found = [mindlin(n, share) for n in (10, 14, 20)]
-        for k, name in enumerate(("force over mu P", "stick radius over a")):
-            values = tuple(float(f[0][k]) for f in found)
-            reach = REACH[1] if k == 0 else 100.0 * 2.0 / 20 / float(found[-1][1][1])
-            yield Proof(f"Cattaneo-Mindlin, Q = {share:g} mu P", name, values, float(found[-1][1][k]), reach, values[-1])
+    for balls, what in ((None, "Cattaneo-Mindlin"), (Sizes(), "Cattaneo-Mindlin on two finite balls")):
+        for share in (0.25, 0.5, 0.75):
+            found = [mindlin(n, share, balls=balls) for n in (10, 14, 20)]
+            for k, name in enumerate(("force over mu P", "stick radius over a")):
+                values = tuple(float(f[0][k]) for f in found)
+                reach = REACH[1] if k == 0 else 100.0 * 2.0 / 20 / float(found[-1][1][1])
+                yield Proof(f"{what}, Q = {share:g} mu P", name, values, float(found[-1][1][k]), reach, values[-1])
 
 
 def _full_slip() -> Iterator[Proof]:

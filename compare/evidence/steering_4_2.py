@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from compare.evidence.lash_4_2_1 import TURNS, lash
 from compare.evidence.record import Evidence, Sheet
@@ -13,6 +14,8 @@ from compare.models.study import Study
 from compare.scenes import catalogue
 from lowfi.statics.axis.result import AxisResult
 from meshes.axis import Assembly
+
+Array = NDArray[np.float64]
 
 #: Shipped scenes, total rack force [N], distance of the lateral force of the conical lash test from the nut [m].
 SCREW, RACK = "lin-nominal-4p1", "lin-steering-rack"
@@ -98,8 +101,20 @@ def _sizing(sheet: Sheet) -> None:
     sheet.number("ratio_bearing", float(loads[-1, 1] / loads[0, 1]), words)
     over = ", ".join(f"{a:.0f} and {b:.0f} N at {t:.0f} deg" for (a, b), t in zip(loads, ANGLES, strict=True))
     sheet.claim("grows", bool(np.all(np.diff(loads, axis=0) > 0.0)), f"ball screw and bearing {over}")
-    balls = results[0].sets[1].balls
+    even, ring = (_loaded(results[0], i) for i in range(2))
+    sheet.claim("even_bearing", bool(ring.min() > 0.8 * ring.max()), f"{ring.min():.0f} to {ring.max():.0f} N")
+    tilted = _loaded(results[-1], 0)
+    low, high = (float(x / even.mean()) for x in (even.min(), even.max()))
+    words = (
+        f"{even.min():.0f} to {even.max():.0f} N, {low:.2f} to {high:.2f} of the mean, scatter "
+        f"{100.0 * even.std() / even.mean():.0f} %; at 18 deg up to {tilted.max() / tilted.mean():.2f} of it"
+    )
+    sheet.claim("even_screw", bool(even.min() > 0.8 * even.max()), words)
+
+
+def _loaded(result: AxisResult, i: int) -> Array:
+    """Loads [N] of the contacts of a set that carry."""
+    balls = result.sets[i].balls
     if balls is None:
-        raise AssertionError("the bearing has balls")
-    loaded = balls.load[balls.load > 0.0]
-    sheet.claim("even_bearing", bool(loaded.min() > 0.8 * loaded.max()), f"{loaded.min():.0f} to {loaded.max():.0f} N")
+        raise AssertionError("the set has balls")
+    return np.asarray(balls.load[balls.load > 0.0])

@@ -265,7 +265,10 @@ def rolling_rows(study: Study, max_error: float) -> list[GateRow]:
         for row in own:
             cause = KNOWN.get((name, row.quantity), "")
             passed = within(row) != bool(cause)
-            label = f"{name}: {row.quantity} [{row.unit}] against 3D rolling" + (f" (known: {cause})" if cause else "")
+            state = f", {row.load_state} load state" if row.load_state else ""
+            label = f"{name}: {row.quantity} [{row.unit}] against 3D rolling{state}" + (
+                f" (known: {cause})" if cause else ""
+            )
             text = f"uncertainty of the 3D model {row.uncertainty:.2g} {row.unit}"
             out.append(GateRow(label, "3D rolling", row.low, row.reference, row.error_percent, limit, passed, text))
     return out

@@ -16,7 +16,7 @@ from meshes.parts import Scene
 
 #: Models that know several sets on one shaft: the source's and the steps of the ladder to the refined one.
 AXIS_MODELS = ("refined", "lin", "lin-cell", "lin-nut")
-#: The one that is used unless another is asked for, or inner rings on housings are there, which only lin has.
+#: The one that is used unless another is asked for, or inner rings are on housings on springs, which only lin has.
 AXIS_DEFAULT = "refined"
 #: Why the others do not.
 ONE_SET = {
@@ -36,7 +36,9 @@ def random_errors(assembly: Assembly) -> bool:
 
 def default_model(assembly: Assembly) -> str:
     """The model of an assembly where none is asked for."""
-    return "lin" if any(s.carrier is not None for s in assembly.sets) else AXIS_DEFAULT
+    sprung = {h.name for h in assembly.housings if h.stiffness is not None}
+    sprung |= {name for j in assembly.joints for name in (j.first, j.second)}
+    return "lin" if any(s.carrier in sprung for s in assembly.sets) else AXIS_DEFAULT
 
 
 def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto", member: int = 0) -> AxisResult:

@@ -1,4 +1,5 @@
-"""What the choices behind finite bodies do to two balls of a linear bearing: size of the bars, groove, cells, kernel."""
+"""What the choices behind finite bodies do to two balls of a linear bearing and of a screw: size of bars, groove, cells,
+kernel, bars in place of the static reference's patches."""
 
 from __future__ import annotations
 
@@ -7,18 +8,18 @@ from functools import lru_cache
 
 from compare.rolling.cases import case_of
 from compare.rolling.runs import BODIES, FINITE, measures
-from compare.scenes.catalogue import case as shipped_case
-from compare.scenes.kinds.linear import LinearPairScene
+from compare.scenes.catalogue import shipped
+from compare.scenes.kinds.common import KindScene
 from hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
 from hifi.rolling.bodies import Sizes
 from hifi.rolling.rigid_limit import FIRST, solve_rigid_rolling
 
-#: Case (a) of the linear pair.
-SCENE = "lin-pair-a"
+#: Scenes: two balls of a linear bearing, on bars, and of a screw, on patches of the static reference.
+LINEAR, SCREW = SCENES = ("lin-pair-a", "lin-screw-pair-b-inferred")
 #: Cells of the contacts: differences between bodies are taken on one grid, which need not be fine.
 SHAPE = (12, 16)
 #: Quantities shown.
-NAMES = ("force 1-2 N", "deviation 1 apart %", "loss apart mW", "loss touching mW")
+NAMES = ("force 1-2 N", "loss apart mW", "loss touching mW", "increase %")
 
 
 @dataclass(frozen=True)
@@ -29,26 +30,32 @@ class Variant:
     values: dict[str, float]
 
 
-def variants() -> dict[str, Sizes | None]:
-    """Choices by name, the shipped ones first, half spaces last."""
+def variants() -> dict[str, tuple[str, Sizes | None]]:
+    """Scenes and choices by name, the shipped ones first, half spaces last."""
     own = BODIES[FINITE]
     assert own is not None
     return {
-        "as shipped": own,
-        "bars of 3 ball radii instead of 5": replace(own, bar=3.0),
-        "bars of 8 ball radii": replace(own, bar=8.0),
-        "grooves open to 69 deg instead of 80": replace(own, opening=1.2),
-        "3 x 3 cells in the contact zone instead of 4 x 4": replace(own, cells=(3, 3)),
-        "6 x 6 cells in the contact zone": replace(own, cells=(6, 6)),
-        "kernel of degree 3 instead of 4": replace(own, degree=3),
-        "half spaces": None,
+        "linear bearing: as shipped": (LINEAR, own),
+        "bars of 3 ball radii instead of 5": (LINEAR, replace(own, bar=3.0)),
+        "bars of 8 ball radii": (LINEAR, replace(own, bar=8.0)),
+        "grooves open to 69 deg instead of 80": (LINEAR, replace(own, opening=1.2)),
+        "3 x 3 cells in the contact zone instead of 4 x 4": (LINEAR, replace(own, cells=(3, 3))),
+        "6 x 6 cells in the contact zone": (LINEAR, replace(own, cells=(6, 6))),
+        "kernel of degree 3 instead of 4": (LINEAR, replace(own, degree=3)),
+        "half spaces": (LINEAR, None),
+        "screw: as shipped, the static reference's patches": (SCREW, own),
+        "screw: a whole ball and bent bars instead": (SCREW, replace(own, patches=False)),
+        "screw: 6 x 6 cells in the contact zone": (SCREW, replace(own, cells=(6, 6))),
+        "screw: half spaces": (SCREW, None),
     }
 
 
 def variant(choice: str) -> Variant:
-    """One variant of case (a) of the linear pair."""
-    sizes = variants()[choice]
-    case = case_of(shipped_case(SCENE, LinearPairScene), Choices(SHAPE))
+    """One variant."""
+    name, sizes = variants()[choice]
+    scene = shipped(name)
+    assert isinstance(scene, KindScene)
+    case = case_of(scene, Choices(SHAPE))
     both = (case.apart, case.touching)
     elastic, near = (
         measures(case, *(solve_rolling(s, Choices(SHAPE, e, bodies=sizes)) for s in both)) for e in (1.0, NEARLY_RIGID)

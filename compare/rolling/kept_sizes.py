@@ -13,7 +13,7 @@ from pathlib import Path
 
 from compare.measure import error_percent
 from compare.provenance import sources_hash
-from compare.rolling.body_sizes import SCENE, Variant, body_sizes, variant
+from compare.rolling.body_sizes import SCENES, Variant, body_sizes, variant
 from compare.scenes import catalogue
 from compare.writing import replace_file
 
@@ -32,8 +32,8 @@ class Sizes:
 
 
 def key() -> str:
-    """Hash of sources and scene."""
-    return sources_hash(("hifi", "meshes", "compare/rolling"), catalogue.scene_text(SCENE))
+    """Hash of sources and scenes."""
+    return sources_hash(("hifi", "meshes", "compare/rolling"), "".join(map(catalogue.scene_text, SCENES)))
 
 
 def sizes(stores: Sequence[Path], *, fresh: bool) -> Sizes:

@@ -47,7 +47,8 @@ class RollingRow:
     """One quantity of one scene: low-order, 3D and its uncertainty, printed low-order and ANSYS values (None: none),
     error of the low-order model against 3D [%] and that uncertainty [%] (None: of nothing); orders of the grids'
     differences are in the mesh study. ablation: elastic bodies on flat contacts; rigid bodies on curved ones; half spaces
-    beside finite bodies on the finest grid (None: not solved beside these)."""
+    beside finite bodies on the finest grid (None: not solved beside these); load_state: "plain" or "inferred" where the
+    source does not print it, else None."""
 
     scene: str
     quantity: str
@@ -64,6 +65,7 @@ class RollingRow:
     low_seconds: float
     seconds: float
     half_space: float | None = None
+    load_state: str | None = None
 
     def as_json(self) -> dict[str, Any]:
         """JSON-ready."""
@@ -76,6 +78,14 @@ def split(name: str) -> tuple[str, str]:
         if name.endswith(f" {unit}"):
             return name.removesuffix(f" {unit}"), unit
     raise KeyError(name)
+
+
+def load_state(name: str) -> str | None:
+    """ "plain" or "inferred" of a scene of Table 3.7, which does not print its load state; None of others."""
+    table = PRINTED.get(name.removesuffix(".toml"))
+    if table is None or table[0] != "lin-3.7":
+        return None
+    return "inferred" if name.removesuffix(".toml").endswith("-inferred") else "plain"
 
 
 def uncertainty(runs: Sequence[RollingRun], name: str) -> float:
@@ -121,6 +131,7 @@ def rows(scene: KindScene, runs: Sequence[RollingRun], beside: RollingRun | None
                 low_seconds,
                 finest.seconds,
                 None if beside is None else beside.values[name],
+                load_state(scene.name),
             )
         )
     return out

@@ -18,7 +18,7 @@ from compare.rolling.from_rest import GAP, Series, from_rest
 from compare.rolling.kept_sizes import Sizes
 from compare.rolling.kept_sizes import sizes as body_sizes
 from compare.rolling.patches import PatchField, fields
-from compare.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, stored_rows, within
+from compare.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_state, stored_rows, within
 from compare.rolling.runs import FINITE, LEVELS, SOURCE_LEVEL, RollingRun, load
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
@@ -39,6 +39,7 @@ PROOF = (
 )
 COMPARISON = (
     Column("scene", "scene", "", "s"),
+    Column("state", "load state", "", "s"),
     Column("quantity", "quantity", "", "s"),
     Column("unit", "unit", "", "s"),
     Column("low", "low-order", "", "g5"),
@@ -56,6 +57,7 @@ COMPARISON = (
 )
 GRIDS = (
     Column("scene", "scene", "", "s"),
+    Column("state", "load state", "", "s"),
     Column("level", "level", "", "s"),
     Column("cells", "cells", "", "s"),
     Column("value", "force or torque", "", "g5"),
@@ -140,11 +142,16 @@ def _finite(stores: Sequence[Path], sizes: Sizes) -> list[Text | Table | Figure 
     return [
         Text(
             [
-                "Finite bodies: a whole ball and grooved bars from finite elements, normal and along tangents. What they "
-                "answer beyond a half space of the same cells is a smooth kernel, added to the closed form of half spaces. "
-                "It changes the pressure, adds a strain by the normal forces that half spaces of one material do not "
-                "have, and the ball rolls on a radius shortened by half of the approach. Contact forces are the same, by "
-                "Hertz's law; contacts of one ball do not feel one another, and friction does not change pressures." + most
+                "Finite bodies, normal and along tangents: on rings and screws the static reference's patches of groove "
+                "and ball in pieces of their bodies, on straight rails, which it has none of, a whole ball and grooved "
+                "bars of the same elements. What they answer beyond a half space of the same cells is a smooth kernel, "
+                "added to the closed form of half spaces. Without motion they press as the static reference's patches do "
+                "(first rows of the verification). Balls that touch do so at a point: over Hertz's circle, all of which "
+                "slides, force and loss are the same (verification), whatever the elasticity. "
+                "The kernel changes the pressure, adds a strain by the normal forces that half spaces of one material do "
+                "not have, and the ball rolls on a radius shortened by half of the approach. Contact forces are the same, "
+                "by Hertz's law; contacts of one ball do not feel one another, and friction does not change pressures."
+                + most
             ]
         ),
         Table(
@@ -156,7 +163,7 @@ def _finite(stores: Sequence[Path], sizes: Sizes) -> list[Text | Table | Figure 
         ),
         Table(
             "rolling-body-sizes",
-            "Linear bearing, case (a): sizes and meshes of finite bodies",
+            "Two balls: sizes and meshes of finite bodies",
             SIZES,
             [{"choice": v.choice, **v.values} for v in sizes.variants],
             f"All on one grid of the contacts. {sizes.words}",
@@ -273,6 +280,7 @@ def _compared(row: RollingRow) -> dict[str, str | float | None]:
     finite = np.isfinite(row.uncertainty)
     return {
         "scene": row.scene,
+        "state": row.load_state,
         "quantity": row.quantity,
         "unit": row.unit,
         "low": row.low,
@@ -305,6 +313,7 @@ def _grid_rows(stores: Sequence[Path]) -> list[dict[str, str | float | int | Non
             out.append(
                 {
                     "scene": name,
+                    "state": load_state(name),
                     "level": "source's size" if run.level == SOURCE_LEVEL else str(run.level),
                     "cells": f"{run.shape[0]} x {run.shape[1]}",
                     "value": run.values[key],

@@ -154,20 +154,22 @@ def patch_of(scene: Rolling, touch: Touch, choices: Choices) -> Patch:
 
 
 def kernel_of(scene: Rolling, touch: Touch, bodies: Sizes | None) -> Regular | None:
-    """What finite bodies add at a contact, in its axes; None for half spaces.
-
-    Raises ValueError where the groove's bottom is unknown.
-    """
+    """What finite bodies add at a contact, in its axes; None for half spaces. Raises ValueError as `place_of`."""
     if bodies is None:
         return None
-    if touch.bottom is None:
-        raise ValueError("a finite groove needs the direction of its bottom")
     largest = max(t.load for b in scene.balls for t in b.touches)
-    angle = float(np.arccos(touch.normal @ touch.bottom))
-    at = Place(scene.radius, touch.radii, angle, scene.track.curve)
+    at, bottom = place_of(scene, touch)
     kernel = contact_kernel(at, largest, scene.young, scene.poisson, bodies)
     axes = axes_of(touch, scene.track, scene.radius, scene.orbit)
-    return kernel if axes[1] @ touch.bottom > 0.0 else kernel.turned
+    return kernel if axes[1] @ bottom > 0.0 else kernel.turned
+
+
+def place_of(scene: Rolling, touch: Touch) -> tuple[Place, Array]:
+    """Where a ball touches its groove, and the direction to its bottom. Raises ValueError where that is unknown."""
+    if touch.bottom is None:
+        raise ValueError("a finite groove needs the direction of its bottom")
+    angle = float(np.arccos(touch.normal @ touch.bottom))
+    return Place(scene.radius, touch.radii, angle, scene.track.curve), touch.bottom
 
 
 def touching(scene: Rolling) -> list[tuple[int, int, Touch]]:

@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Sizes:
     """Numerical choices: cells of the contact zone along and across, ratio of cells beyond it, zone over the contact's
-    semi-axes, degree of the kernel; of straight tracks: size of the bars over the ball's radius, half of the grooves'
-    opening [rad]."""
+    semi-axes, degree of the kernel; of bars: size over the ball's radius, half of the grooves' opening [rad]; whether rings
+    and helices are patches of the static reference, or bent bars too."""
 
     cells: tuple[int, int] = (4, 4)
     growth: float = 2.5
@@ -36,6 +36,7 @@ class Sizes:
     degree: int = 4
     bar: float = 5.0
     opening: float = 1.4
+    patches: bool = True
 
 
 @lru_cache(maxsize=8)
@@ -55,7 +56,7 @@ def bar_kernel(
     """What a grooved bar of ``size`` [m] adds to a half space, as it counts in the motion of a ball past it."""
     body = grooved_bar(groove, size, zone)
     found = held_answer(body, tractions(body, zone, degree, bends), young, poisson)
-    return _of_groove(found - beside(body, zone, groove.ball, young, poisson, degree), zone, degree)
+    return of_groove(found - beside(body, zone, groove.ball, young, poisson, degree), zone, degree)
 
 
 @lru_cache(maxsize=8)
@@ -78,10 +79,10 @@ def patch_kernels(
         frame = Frame(cut.centre, cut.axes)
         own = piece_compliance(cut.piece, cut.patch, tractions(body, zone, degree, bends, frame), young, poisson)
         found.append(own - beside(body, zone, radii[0], young, poisson, degree, frame, cut.cells))
-    return _of_groove(found[0], zone, degree), Regular(found[1], zone.half, degree)
+    return of_groove(found[0], zone, degree), Regular(found[1], zone.half, degree)
 
 
-def _of_groove(added: Array, zone: Zone, degree: int) -> Regular:
+def of_groove(added: Array, zone: Zone, degree: int) -> Regular:
     """Kernel of a groove's own answers ``(3 k, 3 k)`` [m/N]: forces on it and its motion count the other way along
     tangents."""
     signs = np.repeat([-1.0, -1.0, 1.0], len(added) // 3)
@@ -128,7 +129,7 @@ class Place:
 @lru_cache(maxsize=8)
 def _kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
     zone, rest = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
-    if at.curve is not None:
+    if sizes.patches and at.curve is not None:
         radii = at.ball, at.arc
         groove, ball = patch_kernels(Curve(*at.curve), radii, at.angle, zone, *rest, outer=at.bend > 0.0)
         return groove + ball
@@ -144,3 +145,9 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
     """
     shared = float(2.0 ** np.ceil(np.log2(load)))
     return _kernel(replace(at, angle=STEP * round(at.angle / STEP)), shared, young, poisson, sizes)
+
+
+def forget_kernels() -> None:
+    """Let the next contact mesh its bodies anew."""
+    for kept in (_kernel, ball_kernel, bar_kernel, patch_kernels):
+        kept.cache_clear()

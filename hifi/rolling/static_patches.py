@@ -81,10 +81,11 @@ def cuts_of(curve: Curve, ball: float, groove: float, angle: float, zone: Zone, 
     lines, own = _lines(m, size, side, zone)
     half = max(reach(m, size, (side,))) + BEYOND * ball
     radii = (lands[1], walls[1]) if outer else (walls[0], lands[0])
-    sizes = [s * ball for s in GROOVE_SIZES]
-    body = build_body(m, BodySpec(*radii, -half, half, not outer, ((0.0, 0.0, side),), size, *sizes))
+    near, away = (ball * share for share in GROOVE_SIZES)
+    body = build_body(m, BodySpec(*radii, -half, half, not outer, ((0.0, 0.0, side),), size, near, away))
     ball_socket, place = ball_place(m, size, side, own)
-    sphere = build_ball(m, (ball_socket,), *(s * ball for s in BALL_SIZES), CUTS)
+    near, away = (ball * share for share in BALL_SIZES)
+    sphere = build_ball(m, (ball_socket,), near, away, CUTS)
     grooved = build_patch(lines, own, partial(local_points, m, size, side), body.sockets[side])
     round_ = build_patch(lines, own, place, sphere.sockets[side])
     normal, axes = _axes(m, side)

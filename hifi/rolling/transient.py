@@ -22,6 +22,9 @@ from hifi.rolling.kinematics import MOTIONS, rolling_speed
 
 Array = NDArray[np.float64]
 
+#: How far beyond its zone the kernel of finite bodies is good, over the zone's half length.
+REACH = 1.2
+
 
 @dataclass(frozen=True)
 class TransientResult:
@@ -63,7 +66,8 @@ def run_from_rest(
 ) -> TransientResult:
     """Equal steps of ``duration`` [s] from rest, all neighbours ``gap`` [m] apart at first.
 
-    Raises ValueError for a duration, steps or gap that make no sense.
+    Raises ValueError for a duration, steps or gap that make no sense, and for finite bodies in steps that carry material
+    from beyond their contact zone.
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:
         raise ValueError("need a duration > 0, at least one step and no negative gap")
@@ -93,6 +97,10 @@ def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
     for (_, _, touch), contact in zip(touching(scene), contacts_of(scene, choices), strict=True):
         patch = patch_of(scene, touch, choices)
         shift = rolling_speed(touch, scene.track, scene.radius, scene.orbit) * dt
+        if patch.regular is not None and float(patch.at[:, 0].max()) + shift > REACH * patch.regular.scale[0]:
+            raise ValueError(
+                "a step carries material from beyond the zone of finite bodies: take shorter ones, or half spaces"
+            )
         share = choices.elastic / dt
         out.append(_Carried(contact, share * patch.tangential(), share * patch.tangential(shift)))
     return out

@@ -1,7 +1,7 @@
 """Rolling and sliding contacts with known answers, solved on grids: what the method is verified against.
 
-Carter's cylinder and Cattaneo and Mindlin's sphere in closed form, Kalker's linear theory, full slip under Hertz's
-pressure by fine quadrature, and any Hertzian contact under given creepages.
+The static reference's pressure, Carter's cylinder and Cattaneo and Mindlin's sphere in closed form, balls that touch as a
+point, Kalker's linear theory, full slip under Hertz's pressure by fine quadrature, and any contact under given creepages.
 """
 
 from __future__ import annotations
@@ -15,14 +15,18 @@ from hifi.block import read_ellipse
 from hifi.grid_wave import approaches
 from hifi.hertz import hertz
 from hifi.pressures import mean_weights
-from hifi.rolling.bodies import Place, Sizes, contact_kernel
+from hifi.rolling.balls import Rolling, RollingResult
+from hifi.rolling.bodies import Place, Sizes, ball_kernel, contact_kernel, of_groove
 from hifi.rolling.elements import Solids
 from hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
+from hifi.rolling.kinematics import MOTIONS, motion_rows
 from hifi.rolling.normal import press
-from hifi.rolling.patch import Patch, grid, hertz_patch
+from hifi.rolling.patch import Patch, grid, hertz_patch, seen_radii
+from hifi.rolling.regular import Regular
 from hifi.rolling.rigid_limit import quadrature
 from hifi.rolling.static_patches import Curve, cuts_of
 from hifi.submodel import fine_compliance
+from meshes.contact_bodies import Zone
 
 Array = NDArray[np.float64]
 
@@ -142,24 +146,64 @@ def carter(cells: int, share: float) -> tuple[Array, Array]:
 # --- Cattaneo and Mindlin
 
 
-def mindlin(cells: int, share: float, poisson: float = 0.0) -> tuple[Array, Array]:
+def mindlin(cells: int, share: float, poisson: float = 0.0, balls: Sizes | None = None) -> tuple[Array, Array]:
     """A sphere pressed onto a like one and then pushed sideways by ``share`` of mu P, without rolling.
 
     Johnson (1985) (7.38), (7.39): stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G
-    (1 - (1 - Q/(mu P))^(2/3)); exact where nu is zero, tractions across the push being left out otherwise. Returns,
-    computed at the exact shift and in closed form: Q/(mu P), stick radius over a (from the area that sticks).
+    (1 - (1 - Q/(mu P))^(2/3)); exact where nu is zero, tractions across the push being left out otherwise. balls: finite
+    ones, whose shift is that of half spaces and what Q shifts the bodies by besides. Returns, computed at the exact shift
+    and in closed form: Q/(mu P), stick radius over a (from the area that sticks).
     """
     shear, mu, load, radius = 80e9, 0.1, 100.0, 10e-3
     young = 2.0 * shear * (1.0 + poisson)
-    size = hertz(load, radius, radius, young, poisson).semi_x
-    patch = hertz_patch(load, (radius, radius), young, poisson, (cells, cells))
+    radii = radius, radius
+    size = hertz(load, *radii, young, poisson).semi_x
+    kernel = None if balls is None else two_balls(2.0 * radius, size, young, poisson, balls)
+    patch = hertz_patch(load, radii, young, poisson, (cells, cells), kernel)
+    size = hertz(load, *seen_radii(load, radii, young, poisson, kernel), young, poisson).semi_x
     rest = 1.0 - share
     shift = 3.0 * mu * load / (16.0 * size) * 2.0 * (2.0 - poisson) / shear * (1.0 - rest ** (2.0 / 3.0))
+    if kernel is not None:
+        along, spread = slice(0, 1), patch.normal / load
+        shift += share * mu * load * float(spread @ kernel.block(patch.at, along, along) @ spread)
     slip = np.concatenate([np.full(len(patch.at), shift), np.zeros(len(patch.at))])
     _, found = given_motion(patch, patch.tangential(), slip, mu)
     area = np.count_nonzero(found.stick[0]) * float(patch.size.prod())
     force = -found.forces[0][: len(patch.at)].sum() / (mu * load)
     return np.array([force, np.sqrt(area / np.pi) / size]), np.array([share, rest ** (1.0 / 3.0)])
+
+
+def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+    """What two like balls of ``radius`` [m] that touch over a circle of ``semi`` [m] add to half spaces."""
+    zone = Zone((sizes.margin * semi,) * 2, sizes.cells, sizes.growth)
+    one = ball_kernel(radius, zone, (0.0, 0.0), young, poisson, sizes.degree)
+    return one + of_groove(one.M, zone, sizes.degree)
+
+
+# --- balls that touch
+
+
+def rubbing(scene: Rolling, found: RollingResult, meeting: int, points: int = 60) -> tuple[float, float]:
+    """Friction between two balls over Hertz's circle, as a share of that at a point: force and loss.
+
+    All of the contact slides, so that tractions are mu p against the sliding there, whatever the elasticity.
+    """
+    m, force = scene.meetings[meeting], float(found.force[meeting])
+    circle = hertz(force, 0.5 * scene.radius, 0.5 * scene.radius, scene.young, scene.poisson)
+    unit, weight = quadrature(points)
+    local = unit * circle.semi_x
+    normal = circle.pressure(local[:, 0], local[:, 1]) * weight * circle.semi_x**2
+    slide = np.zeros((len(local), 2))
+    for ball, sign, half in ((m.one, 1.0, m.columns[:MOTIONS]), (m.two, -1.0, m.columns[MOTIONS:])):
+        own = m.axes @ scene.balls[ball].frame.T
+        at = sign * scene.radius * own[0] + local @ own[1:]
+        speeds = motion_rows(scene.track, scene.radius, at) @ found.friction.motions[half]
+        slide += sign * speeds @ own[1:].T
+    pull = full_slip(scene.mu_balls * normal, slide.T.ravel())
+    whole = scene.mu_balls * force
+    point = whole * float(np.linalg.norm((m.rows @ found.friction.motions[m.columns])[1:]))
+    total = float(np.linalg.norm(pull.reshape(2, -1).sum(axis=1)))
+    return total / whole, -float(pull @ slide.T.ravel()) / point
 
 
 # --- Kalker's linear theory

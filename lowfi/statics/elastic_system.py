@@ -253,9 +253,8 @@ def ready(
     if N >= MODES_FROM:
         modes = [soft_modes(G, contact_compliance(problem, typical_force(problem))) for G in (flanks.first, flanks.second)]
     bodies = Bodies(flanks.first, flanks.second, flanks.R, flanks.v0, flanks.work, *modes)
-    contacts = BallContacts(
-        problem.geometry, problem.closure, local, problem.drawn.ball_radius, problem.drawn.profile, rows, NO_ROLLERS
-    )
+    profile = np.repeat(problem.drawn.profile[None], N, axis=0)
+    contacts = BallContacts(problem.geometry, problem.closure, local, problem.drawn.ball_radius, profile, rows, NO_ROLLERS)
     state = BodyState(
         np.zeros(flanks.v0.shape), np.zeros(flanks.work.size), np.zeros((N, 3)), np.zeros((N, 1 if pair else 4, 5))
     )

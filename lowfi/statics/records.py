@@ -269,7 +269,7 @@ class BallContacts(NamedTuple):
     local: Array
     #: Radii of the balls (N,) [m].
     r_ball: Array
-    #: Deviation of the flanks' profile (4, d) [m], ascending powers of the contact angle.
+    #: Deviation of the flanks' profile (N, 4, d) [m], ascending powers of the contact angle.
     profile: Array
     #: Rows (N, 7) of balls between two opposite arcs, see `lowfi.statics.kernel.elastic_balls.pair_balls`.
     pair: Array

@@ -115,6 +115,7 @@ def _inputs(e: Entries) -> None:
         e.number(f"{key}_mm", 1e3 * value)
     e.numbers({"Z": float(b.balls), "F": SHEET_LOAD / POUND, "F_p": PRELOAD / POUND, "stretch": 2000.0})
     e.numbers({"B": b.centre_distance / b.ball_diameter, "alpha_0": degrees(b.free_angle)})
+    e.number("alpha_nominal", degrees(b.free_angle), f"{degrees(float(state(SHEET_LOAD).angle)):.2f} deg under 2040 lbf")
 
 
 def _cells(e: Entries) -> None:
@@ -225,6 +226,8 @@ def section_2_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     e.number("F_kg", BALL_TORQUE_LOAD / 9.80665, "1 kg taken as 2.2 lb", as_printed=1000.0 / 2.2)
     viscous = viscous_torque(2.0, b.pitch_diameter, VISCOSITY, SPEED) / INCH_POUND
     e.number("M_0", viscous)
+    product = 1e6 * VISCOSITY * SPEED / RPM
+    e.claim("form", product >= 2000.0, f"v n = {product:.0f} cSt rpm")
     s = state(BALL_TORQUE_LOAD)
     (across, along), _ = curvatures(b, s.angle)
     rating = static_rating(1, b.balls, b.ball_diameter, float(s.angle), float(across), float(along))

@@ -118,6 +118,8 @@ def section_4_2(study: Study) -> tuple[Evidence, ...]:
     e.numbers({"screw": least / POUND_PER_INCH / 1e6, "nut": NUT / POUND_PER_INCH / 1e6})
     e.number("package_ball", end_state("ball", "left", "stretch").stiffness / POUND_PER_INCH / 1e6)
     e.number("package_taper", 2.0 * e.printed("taper_left_stiffness_1"))
+    for kind in KINDS:
+        e.number(f"rows_{kind}", 2.0 * sum(len(rows) for rows in DIRECTIONS[kind].values()))
     _total(e, "ball", layouts.words(study, layouts.TRIPLEX))
     _total(e, "taper", layouts.words(study, layouts.TAPERED))
     places = np.linspace(0.0, a.length, 53)[1:-1]

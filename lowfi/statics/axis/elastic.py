@@ -64,8 +64,8 @@ class Housings:
 class ElasticAxis:
     """An assembly ready for `lowfi.statics.kernel.elastic.solve_forces`.
 
-    rows (4 N, 6 m): motion of the nut's flanks by the housings; local: compliance of each set's own screw and nut, ball by
-    ball (4 N_s, 4 N_s); assumed: statements on the bodies.
+    rows (4 N, 6 m): motion of the nut's flanks by the housings, carried (4 N, 6 m): of inner flanks on them; local:
+    compliance of each set's own screw and nut, ball by ball (4 N_s, 4 N_s); assumed: statements on the bodies.
     """
 
     system: System
@@ -73,6 +73,7 @@ class ElasticAxis:
     shaft: Shaft
     housings: Housings
     rows: Array
+    carried: Array
     local: list[tuple[Array, Array]]
     bodies: Bodies
     contacts: BallContacts
@@ -113,9 +114,15 @@ def housings_of(structure: Structure, arm: float) -> Housings:
     return replace(found, given=given + found.solve((load - K @ given)[:, None])[:, 0])
 
 
+def on_shaft(b: BallSet) -> Problem:
+    """The set's problem, whose inner flanks are on the shaft, or nowhere where a housing carries them."""
+    p = b.problem
+    return p if b.of.carrier is None else replace(p, node=np.zeros_like(p.node), B=np.zeros_like(p.B))
+
+
 def combined(system: System, rollers: RollerElements, backend: Backend) -> Problem:
     """All balls of all sets, then all rollers, as one problem on one shaft, for the beam alone."""
-    s, problems = system.structure, [b.problem for b in system.balls]
+    s, problems = system.structure, [on_shaft(b) for b in system.balls]
     sections, thread = list(s.sections), threaded(system.assembly)
     if backend.section == "cell" and thread is not None:
         base, cell = screw_section(thread), grooved_section(geometry_only(thread), True)
@@ -149,7 +156,8 @@ def own_bodies(
     e, h, found, assumed = np.zeros((N, 4)), np.zeros((N, 4)), [], []
     for screw in (True, False):
         sides = (0, 1) if screw else (2, 3)
-        body = body_compliance(scene, layout, screw, backend, axes)
+        carried = screw and b.of.carrier is not None
+        body = body_compliance(scene, layout, screw, replace(backend, screw="beam") if carried else backend, axes)
         assumed += [x for x in body.assumed if x not in assumed]
         slope = body.slope + ball.slope
         e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[list(sides)] + slope / size
@@ -172,41 +180,56 @@ def outer_rows(system: System, rollers: RollerElements) -> Array:
     return rows.reshape(4 * (balls + rollers.count), 6 * m)
 
 
+def inner_rows(system: System, rollers: RollerElements) -> Array:
+    """Motion (4 N, 6 m) of the inner flanks that m housings carry, by these."""
+    n, m, balls = system.structure.nodes.size, system.structure.at.size, system.contacts.r_ball.size
+    rows = np.zeros((balls + rollers.count, 2, 2, 6 * m))
+    for b in system.balls:
+        if b.of.carrier is not None:
+            j = 6 * (int(b.problem.node[0, 0]) - n)
+            rows[b.balls, :, :, j : j + 6] = b.B[:, :2]
+    return rows.reshape(4 * (balls + rollers.count), 6 * m)
+
+
 def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
     """Arrays for the kernels.
 
-    Some set has balls. Raises ValueError for inner rings on housings, uneven flanks, too many elements, or bodies that the
-    dimensions make impossible.
+    Some set has balls. Raises ValueError for inner rings on housings that stand on springs, too many elements, or bodies
+    that the dimensions make impossible.
     """
-    if any(b.of.carrier is not None for b in system.balls):
-        raise ValueError(
-            "an inner ring on a housing: elastic inner bodies are stretches of the shaft, and housings are rigid: use the "
-            "model lin"
-        )
     rollers = roller_elements(system.rollers)
     balls = system.contacts.r_ball.size
     N = balls + rollers.count
     if N > LARGEST:
         raise ValueError(f"{N} balls and rollers: elastic bodies are limited to {LARGEST}; use the model lin")
-    if system.contacts.profile.shape[2]:
-        raise ValueError("groove profiles of varying shape on several sets: use the model lin")
     whole, s = combined(system, rollers, backend), system.structure
     shaft, housings = shaft_of(whole), housings_of(s, system.arm)
     order = by_ball(N, (0, 1))
     beam, moved, rigid = flank_response(shaft, [0, 1])
-    stretches = [stretch_of(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.balls) for b in system.balls]
+    stretches = [
+        stretch_of(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.balls)
+        for b in system.balls
+        if b.of.carrier is None
+    ]
     squeeze = squeezed(shaft, [0, 1], [x for x in stretches if x is not None], system.assembly.thermal_strain)
     if squeeze is not None:
         beam, moved = beam + squeeze.added, moved + squeeze.moved
     forces = [typical_force(system, b) for b in system.balls]
     parts = [own_bodies(b, backend, x) for b, x in zip(system.balls, forces, strict=True)]
-    flat = outer_rows(system, rollers)
+    flat, carried = outer_rows(system, rollers), inner_rows(system, rollers)
+    if np.any(carried @ housings.solve(carried.T)):
+        raise ValueError(
+            "an inner ring on a housing that stands on springs: its motion couples inner and outer flanks, which elastic "
+            "bodies keep apart: use the model lin"
+        )
     rigid_rings = np.zeros((4 * rollers.count,) * 2)
     first, low = positive(beam[np.ix_(order, order)] + block_diag(*(p[0][0] for p in parts), rigid_rings))
     second, high = positive(flat @ housings.solve(flat.T) + block_diag(*(p[0][1] for p in parts), rigid_rings))
     v0, k = np.zeros((N, 4, 2)), shaft.work.size
     R = np.zeros((N, 4, 2, k + housings.work.size))
     v0[:, :2], R[:, :2, :, :k] = moved[order].reshape(N, 2, 2), rigid[order].reshape(N, 2, 2, -1)
+    v0[:, :2] += (carried @ housings.given).reshape(N, 2, 2)
+    R[:, :2, :, k:] = (carried @ housings.motions).reshape(N, 2, 2, -1)
     v0[:, 2:] = (flat @ housings.given).reshape(N, 2, 2)
     v0[:balls, 2:] += system.contacts.v0[:, 2:]
     R[:, 2:, :, k:] = (flat @ housings.motions).reshape(N, 2, 2, -1)
@@ -230,7 +253,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
         system.contacts.closure,
         local,
         system.contacts.r_ball,
-        np.zeros((4, 0)),
+        system.contacts.profile,
         np.zeros((balls, 7)),
         rollers.contacts,
     )
@@ -245,6 +268,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
         shaft,
         housings,
         flat,
+        carried,
         [p[0] for p in parts],
         bodies,
         contacts,

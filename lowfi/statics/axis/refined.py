@@ -38,6 +38,9 @@ ASSUMPTIONS = (
 #: What a row of rollers leaves out.
 RIGID_RINGS = "elastic rings: cone and cup are rigid beyond the line contacts, whose law holds both to their depth"
 
+#: What an inner ring on a housing leaves out.
+RIGID_INNER = "elastic inner ring: as the housing that it sits on, it is rigid beyond its contacts"
+
 
 def solve_refined(
     assembly: Assembly, *, engine: Engine = "auto", member: int = 0, backend: Backend = REFINED, name: str = "refined"
@@ -45,7 +48,7 @@ def solve_refined(
     """Loads, stiffness and motions of an assembly with elastic bodies; arguments as for `solve_assembly`.
 
     Rollers alone leave nothing but the beam and their line contacts to be elastic: the model lin. Raises ValueError
-    for inner rings on housings, uneven flanks, more than `LARGEST` balls and rollers, or bodies that cannot be.
+    for inner rings on housings that stand on springs, more than `LARGEST` balls and rollers, or bodies that cannot be.
     """
     if not assembly.ball_count:
         found = solve_assembly(assembly, engine=engine, member=member)
@@ -91,13 +94,15 @@ def _solve(assembly: Assembly, engine: Engine, member: int, backend: Backend, na
     sets = [own_stiffness(elastic, i, b, S) for i, b in enumerate(system.balls)]
     whole = elastic_stiffness(elastic, S)
     rigid = rigid_rings(assembly)
-    ending = Ending(status, report, loose.text, held, sets, whole, name, (*ASSUMPTIONS, *elastic.assumed), rigid)
+    words = *ASSUMPTIONS, *elastic.assumed
+    ending = Ending(status, report, loose.text, held, sets, whole, name, words, rigid, flank_shifts(elastic))
     return assemble_axis(elastic.system, state, ending)
 
 
 def rigid_rings(assembly: Assembly) -> tuple[str, ...]:
-    """What rows of rollers leave out, a sentence each."""
-    return tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
+    """What rows of rollers and inner rings on housings leave out, a sentence each."""
+    rollers = tuple(f"{s.name}: {RIGID_RINGS}" for s in assembly.sets if isinstance(s.parts, RollerRow))
+    return rollers + tuple(f"{s.name}: {RIGID_INNER}" for s in assembly.sets if s.carrier is not None)
 
 
 def round_off(elastic: ElasticAxis, scale: float) -> float:
@@ -117,6 +122,16 @@ def flank_forces(elastic: ElasticAxis) -> Array:
     return np.asarray(contact[..., 0, None] * contact[..., 1:3])
 
 
+def flank_shifts(elastic: ElasticAxis) -> Array:
+    """Motions (N, 4, 2) [m] of all flanks."""
+    bodies, forces = elastic.bodies, flank_forces(elastic)
+    N = len(forces)
+    out = (bodies.v0 + bodies.R @ elastic.state.a).reshape(N, 4, 2)
+    for G, half in ((bodies.first, slice(2)), (bodies.second, slice(2, 4))):
+        out[:, half] += (G @ forces[:, half].ravel()).reshape(N, 2, 2)
+    return np.asarray(out)
+
+
 def state_of(elastic: ElasticAxis) -> tuple[AxisState, Array]:
     """Motions of all rows with the contacts there, and the forces (r, 6) of what holds them."""
     system, shaft = elastic.system, elastic.shaft
@@ -128,7 +143,7 @@ def state_of(elastic: ElasticAxis) -> tuple[AxisState, Array]:
     if elastic.squeeze is not None:
         by_flanks += elastic.squeeze.node_loads(pushes.ravel())
     q[:n] = node_motions(shaft, by_flanks, elastic.state.a[:k])
-    on_outer = elastic.rows.T @ forces[:, 2:].ravel()
+    on_outer = elastic.rows.T @ forces[:, 2:].ravel() + elastic.carried.T @ forces[:, :2].ravel()
     h = elastic.housings
     outer = h.given + h.solve(on_outer[:, None])[:, 0] + h.motions @ elastic.state.a[k:]
     q[n:] = outer.reshape(-1, 6)

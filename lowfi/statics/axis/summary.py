@@ -42,7 +42,7 @@ APEX = 1e-6
 class Ending:
     """How a solve ended: status, report, words for what was held because nothing resists it; held (r, 6): forces of what
     holds the rows [N, N m]; stiffness: of each set of balls (6, 6), and of the whole; model, what it assumes
-    and leaves out."""
+    and leaves out; shifts (N, 4, 2): of the flanks of all balls [m], None where they are those of the rows."""
 
     status: str
     report: SolverReport
@@ -53,13 +53,14 @@ class Ending:
     model: str
     assumed: tuple[str, ...]
     left_out: tuple[str, ...] = ()
+    shifts: Array | None = None
 
 
 def assemble_axis(system: System, state: AxisState, end: Ending) -> AxisResult:
     """Result of a finished solve."""
     assembly, structure = system.assembly, system.structure
     r, n = structure.stations.size, structure.nodes.size
-    found = {b.of.name: ball_result(system, b, state, end.report, K) for b, K in zip(system.balls, end.sets, strict=True)}
+    found = {b.of.name: ball_result(system, b, state, end, K) for b, K in zip(system.balls, end.sets, strict=True)}
     found |= {x.of.name: roller_result(x, state, structure.stations) for x in system.rollers}
     sets = tuple(found[s.name] for s in assembly.sets)
     held = (f"{end.loose}: held where it is, since nothing drives or resists it",) if end.loose else ()
@@ -88,13 +89,15 @@ def crossed_row(system: System, sets: Sequence[SetResult]) -> str:
     return ""
 
 
-def ball_result(system: System, b: BallSet, state: AxisState, report: SolverReport, stiffness: Array) -> SetResult:
+def ball_result(system: System, b: BallSet, state: AxisState, end: Ending, stiffness: Array) -> SetResult:
     """Contacts and sums of a set of balls."""
     problem = b.problem
     contact = state.contact[b.balls]
     force, normal, p = contact[..., 0].copy(), contact[..., 1:3].copy(), state.p[b.balls].copy()
     shifts = None
-    if problem.drawn.profile.shape[1]:
+    if problem.drawn.profile.shape[1] and end.shifts is not None:
+        shifts = end.shifts[b.balls]
+    elif problem.drawn.profile.shape[1]:
         rows = np.column_stack([problem.node, np.full((len(p), 2), b.outer)])
         moved = np.where((rows >= 0)[..., None], np.einsum("nsak,nsk->nsa", b.B, state.q[rows]), 0.0)
         shifts = b.v0 + moved
@@ -119,7 +122,7 @@ def ball_result(system: System, b: BallSet, state: AxisState, report: SolverRepo
         centreline_z=problem.nodes,
         centreline=state.q[: problem.nodes.size],
         equilibrium=None,
-        solver=report,
+        solver=end.report,
         assumed=(),
         left_out=(),
         warnings=notes,

@@ -261,7 +261,7 @@ def solve_forces(
     residual = mismatch(bodies, phi, f, arms, scale)
     history[0] = residual
     evaluations, stalled, factor, best = 1, 0, 1e-3, residual
-    status, it, stuck, fresh = ITERATIONS, 0, 0, True
+    status, it, stuck, fresh = ITERATIONS, 0, 0, bool(np.bool_(True))
     if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
         status = CONVERGED
         return Outcome(status, it, evaluations, residual, energy, scale)
@@ -338,7 +338,9 @@ def start_forces(bodies: Bodies, state: BodyState, springs: Array, options: Body
     factors = room_for_factors(bodies, width * balls)
     u = np.empty(width * balls)
     apply_rows(springs, counts, starts, v0, u)
-    if not solve_rows(bodies, springs, counts, starts, factors, True, work, 1e-9 * options.stiffness, 0.01, u, amplitude):
+    if not solve_rows(
+        bodies, springs, counts, starts, factors, bool(np.bool_(True)), work, 1e-9 * options.stiffness, 0.01, u, amplitude
+    ):
         return False
     phi[:, :] = 0.0
     forces_of_rows(springs, counts, starts, u, phi)

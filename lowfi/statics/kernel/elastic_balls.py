@@ -293,7 +293,7 @@ def full_balls(
     balls = r_ball.shape[0]
     for i in range(balls):
         energy += rest(
-            inner[i], v[i].reshape(4, 2), geometry[i], closure[i], local[i], r_ball[i], profile, tiny, contact[i], work
+            inner[i], v[i].reshape(4, 2), geometry[i], closure[i], local[i], r_ball[i], profile[i], tiny, contact[i], work
         )
         for s in range(4):
             force = contact[i, s, FORCE]

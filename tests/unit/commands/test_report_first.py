@@ -63,3 +63,9 @@ def test_the_live_check_compares_a_run_with_the_shipped_one(
 def test_nothing_is_checked_where_no_run_is_stored(tmp_path: Path) -> None:
     assert live_check((tmp_path,), lambda _: None) is None
     assert not LiveCheck("x", 1, float(np.inf), 1.0).agrees
+
+
+def test_packages_of_single_files_are_named_with_what_installs_them(monkeypatch):
+    monkeypatch.setattr(report_first, "find_spec", lambda name: None if name == "typst" else name)
+    (gap,) = report_first.lacking()
+    assert gap.line() == "left out: the PDF of the first pages: typst is not installed; pip install typst"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+
 import pytest
 
 from compare.commands import report_halves
-from compare.commands.report_halves import build, make, split
+from compare.commands.report_halves import Made, build, make, split
 from compare.commands.report_parts import PARTS, Part
 from compare.models.study import Study
 
@@ -30,6 +32,20 @@ def test_sections_of_both_processes_are_those_of_one():
     assert halves == whole
     assert list(study.used) == list(alone.used) != []
     assert told == ["crosscheck", "tolerances", "tolerances", "what is left of crosscheck"]
+
+
+def test_scenes_of_both_processes_are_noted(monkeypatch):
+    there = Study()
+    there.uses(["two-balls", "lin-pair-a"])
+
+    @contextmanager
+    def another(*_):
+        yield iter([Made({"aside": None}, there)])
+
+    monkeypatch.setattr(report_halves, "_another", another)
+    study = Study()
+    assert set(build([ASIDE], [OWN], lambda _: None, lambda _: None, study, abs)) == {"aside", "tolerances"}
+    assert {"two-balls", "lin-pair-a"} <= set(study.used)
 
 
 def test_a_fault_of_the_second_process_is_told():

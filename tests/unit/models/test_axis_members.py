@@ -83,4 +83,6 @@ def test_the_command_gives_statistics_of_each_set(tmp_path, capsys):
     assert data["sets"][1]["statistics"]["mean_load_N"]["mean"] == pytest.approx(np.mean(values), rel=1e-12)
     with pytest.raises(SystemExit, match="0"):
         main([*command, "--seed", "7"])
-    assert "set 2: axial force" in " ".join(capsys.readouterr().out.split())
+    said = capsys.readouterr().out
+    assert "seed [7, 8]" in said
+    assert "set 2, nut 2" in said

@@ -33,6 +33,14 @@ def test_only_one_is_computed_where_they_are_kept(tmp_path, solved, monkeypatch)
     assert "differs by up to 0.1 %" in sizes([tmp_path], fresh=False).words
 
 
+def test_kept_ones_of_other_sources_are_not_taken(tmp_path, solved, monkeypatch):
+    sizes([tmp_path], fresh=True)
+    solved.clear()
+    monkeypatch.setattr(kept_sizes, "key", lambda: "of other sources")
+    assert sizes([tmp_path], fresh=False).words == "Computed for this report."
+    assert solved == list(variants())
+
+
 @pytest.mark.parametrize("text", ["", "{}", '{"key": "of other sources", "variants": []}'])
 def test_all_are_computed_where_the_key_does_not_hold(text, tmp_path, solved):
     (tmp_path / kept_sizes.FILE).write_text(text)

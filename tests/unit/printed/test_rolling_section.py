@@ -58,6 +58,9 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     assert forces["lin-pair-a"]["ansys"] == 3.96
     assert forces["lin-screw-pair-b"]["ansys"] == 2.71
     assert abs(forces["lin-pair-a"]["error"]) < 2.0
+    states = {name: row["state"] for name, row in forces.items() if "screw" in name}
+    assert states == {name: "inferred" if "inferred" in name else "plain" for name in LOW if "screw" in name}
+    assert forces["lin-pair-a"]["state"] is None
     assert {row["scene"] for row in tables["rolling-ring"].rows} == {"lin-rotary-1", "lin-rotary-2", "lin-rotary-3"}
     assert made.headline
     finite = {row["scene"]: row for row in tables["rolling-bodies"].rows if row["quantity"] in ("force 1-2", "torque")}

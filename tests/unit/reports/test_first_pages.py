@@ -13,7 +13,7 @@ from reports.records import Column, Figure, Panel, Report, Section, Series, Summ
 
 FIGURE = Figure("error-time", "Error against run time", (Panel("", "s", "%", (Series("lin", [1.0], [2.0]),)),), "In um.")
 COLUMNS = (Column("name", "name", "", "s"), Column("x", "largest error", "% of mean", ".2f"), Column("gone", "empty"))
-TABLE = Table("models", "Models over all scenes", COLUMNS, ({"name": 'a "b" #c *d* [e] \\', "x": 1.234},), "A note.")
+TABLE = Table("models", "Models over all scenes", COLUMNS, ({"name": 'a "b" #c *d* [e] \\ um', "x": 1.234},), "A note.")
 NARROW = replace(FIGURE, name="narrow")
 SUMMARY = Summary("How far?", "Up to 2 um.", FIGURE, NARROW, ["covers #this"], ["limits *that*"], TABLE)
 OVERVIEW = Section("overview", "Overview", (), summary=SUMMARY)
@@ -24,7 +24,7 @@ def test_pages_hold_question_answer_table_and_limits_as_they_are_written():
     data = first_pages._data(REPORT, SUMMARY)
     assert (data["question"], data["answer"], data["origin"]) == ("How far?", "Up to 2 µm.", "rollbench 1.0, date a day")
     assert [c["label"] for c in data["columns"]] == ["name", "largest error"]
-    assert data["rows"] == [['a "b" #c *d* [e] \\', "1.23"]]
+    assert data["rows"] == [['a "b" #c *d* [e] \\ µm', "1.23"]]
     assert (data["coverage"], data["limits"], data["caption"]) == (
         ["covers #this"],
         ["limits *that*"],

@@ -18,7 +18,7 @@ class TestReplacing:
 
     @pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
     def test_failure_while_drawing_leaves_the_earlier_report(self, tmp_path, monkeypatch, error):
-        html.write(report(), tmp_path / "out")
+        html.write(report(table()), tmp_path / "out")
         before = contents(tmp_path)
 
         def fail(_):
@@ -32,7 +32,7 @@ class TestReplacing:
 
     @pytest.mark.parametrize(("error", "raised"), [(KeyboardInterrupt, KeyboardInterrupt), (OSError, ValueError)])
     def test_failure_while_swapping_brings_the_earlier_report_back(self, tmp_path, monkeypatch, error, raised):
-        html.write(report(), tmp_path / "out")
+        html.write(report(table()), tmp_path / "out")
         before = contents(tmp_path)
         rename = Path.rename
 
@@ -48,29 +48,29 @@ class TestReplacing:
 
     def test_an_empty_directory_is_taken(self, tmp_path):
         (tmp_path / "out").mkdir()
-        assert html.write(report(), tmp_path / "out").is_file()
+        assert html.write(report(table()), tmp_path / "out").is_file()
 
     @pytest.mark.parametrize("name", ["notes.txt", "index.html"])
     def test_a_foreign_directory_is_refused(self, tmp_path, name):
         (tmp_path / name).write_text("<html>mine</html>", encoding="utf-8")
         with pytest.raises(ValueError, match="holds no rollbench report"):
-            html.write(report(), tmp_path)
+            html.write(report(table()), tmp_path)
         assert contents(tmp_path) == {name: b"<html>mine</html>"}
 
     @pytest.mark.parametrize("name", ["notes.txt", "mine.html", "tables/mine.xlsx", "figures/more/a.svg"])
     def test_a_report_with_foreign_files_in_it_is_refused(self, tmp_path, name):
-        html.write(report(), tmp_path / "out")
+        html.write(report(table()), tmp_path / "out")
         mine = tmp_path / "out" / name
         mine.parent.mkdir(exist_ok=True)
         mine.write_text("mine", encoding="utf-8")
         with pytest.raises(ValueError, match="would be lost"):
-            html.write(report(), tmp_path / "out")
+            html.write(report(table()), tmp_path / "out")
         assert mine.read_text(encoding="utf-8") == "mine"
 
     def test_a_file_is_refused(self, tmp_path):
         (tmp_path / "out").write_text("mine", encoding="utf-8")
         with pytest.raises(ValueError, match="is a file"):
-            html.write(report(), tmp_path / "out")
+            html.write(report(table()), tmp_path / "out")
 
     @pytest.mark.parametrize(
         ("items", "words"), [((table(), table("Printed")), "given twice"), ((figure("../up"),), "letters, digits")]

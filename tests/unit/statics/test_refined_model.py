@@ -24,6 +24,13 @@ from meshes.helix import ball_layout
 QUIET = Options(discretisation=False, engine="interpreted")
 
 
+@pytest.fixture(autouse=True)
+def kept_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a climb times from nothing is kept here from one rung to the next, and compiled kernels serve."""
+    monkeypatch.setattr(ladder, "forget", lambda: None)
+    monkeypatch.setattr(ladder, "Options", lambda **_: Options(discretisation=False, engine="compiled"))
+
+
 def run(capsys: pytest.CaptureFixture[str], *tokens: str) -> tuple[int, str, str]:
     with pytest.raises(SystemExit) as stop:
         main(list(tokens))

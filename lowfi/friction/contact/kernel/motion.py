@@ -32,7 +32,7 @@ def holds(shape: Array, force: Array) -> bool:
     maps = np.zeros((1, 3, 3))
     for j in range(3):
         maps[0, j, j] = 1.0
-    _, _, left, _ = descend(shape, maps, drives, force, 1.0, q, 1e-9, 100, 1e9)
+    _, _, left, _ = descend(shape, maps, drives, force, 1.0, q, 1e-9, int(np.int64(100)), 1e9)
     return bool(left <= 1e-6 * shape[0, 2])
 
 
@@ -76,7 +76,7 @@ def free_motion(slipping: Array, maps: Array, drives: Array, push: Array, basis:
                 for r in range(3):
                     part[i, r, k] += maps[i, r, j] * basis[k, j]
     motion, _ = speeds_at(slipping, maps, drives, q)
-    _, _, _, count = descend(slipping, part, motion, pull, 0.0, y, 1e-13, 60, reach)
+    _, _, _, count = descend(slipping, part, motion, pull, 0.0, y, 1e-13, int(np.int64(60)), reach)
     for k in range(f):
         for j in range(n):
             q[j] += basis[k, j] * y[k]
@@ -212,7 +212,9 @@ def least_dissipation(
     while part > 1e-10:
         at_end = part <= 1.0001e-6
         goal = 1e-11 if at_end else 1e-3
-        value, excess, balance, steps = descend(shape, maps, drives, push, part * top, q, goal, 200, 1e9 * top)
+        value, excess, balance, steps = descend(
+            shape, maps, drives, push, part * top, q, goal, int(np.int64(200)), 1e9 * top
+        )
         count += steps
         if at_end:
             bounds[0] = value - excess
@@ -240,7 +242,7 @@ def least_dissipation_many(
 
     Writes q (N, n), forces (N, m, 3), rest (N, m), outcome (N, 2): status and largest force out of balance [N].
     """
-    none, bounds = np.zeros(q.shape[1]), np.empty(2)
+    none, bounds, cold = np.zeros(q.shape[1]), np.empty(2), bool(np.bool_(False))
     for k in range(q.shape[0]):
-        status, left, _ = least_dissipation(shape[k], maps[k], drives[k], none, False, q[k], forces[k], rest[k], bounds)
+        status, left, _ = least_dissipation(shape[k], maps[k], drives[k], none, cold, q[k], forces[k], rest[k], bounds)
         outcome[k, 0], outcome[k, 1] = status, left

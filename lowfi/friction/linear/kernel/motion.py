@@ -2,6 +2,8 @@
 
 from math import sqrt
 
+import numpy as np
+
 from lowfi.friction.linear.records import Array, ChainArrays, ChainPoint, ChainState, Smoothing, Work
 from lowfi.jit import kernel
 
@@ -108,7 +110,7 @@ def solve(
     if not good:
         restore(point, first)
         without = ChainArrays(contacts, shapes, nodes, closed, 0.0, hold, nominal)
-        used, good = _descend_eps(without, point, work, eps, MANY)
+        used, good = _descend_eps(without, point, work, eps, int(np.int64(MANY)))
         total += used
         good = good and _pressed(z) == 0
     if not good:
@@ -117,7 +119,7 @@ def solve(
         total += used
         reopen(point, eps)
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
-    used, residual = settle(chain, point, exact, work, tolerance, 100, FIRMEST)
+    used, residual = settle(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     total += used
     if residual > tolerance:
         used, residual = leap(chain, point, exact, work, tolerance, LEAPS)

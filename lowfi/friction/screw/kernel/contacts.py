@@ -108,7 +108,7 @@ def meeting(
 @kernel
 def alone(balls: BallArrays, x: Array) -> None:
     """Overwrites the motions (N, 4) of loaded balls by those of least dissipation without neighbours."""
-    forces, rest, bounds, none = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4)
+    forces, rest, bounds, none, cold = np.empty((4, 3)), np.empty(4), np.empty(2), np.zeros(4), bool(np.bool_(False))
     for k in range(x.shape[0]):
         if np.sum(balls.shape[k, :, 2]) > 0.0:
-            least_dissipation(balls.shape[k], balls.maps[k], balls.drives[k], none, False, x[k], forces, rest, bounds)
+            least_dissipation(balls.shape[k], balls.maps[k], balls.drives[k], none, cold, x[k], forces, rest, bounds)
