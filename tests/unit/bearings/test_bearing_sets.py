@@ -124,7 +124,6 @@ def test_the_source_s_sharing_balances_twice_the_force():
     assert np.array(TRIPLEX) @ loads == pytest.approx(600.0)
 
 
-
 def test_state_at_a_displacement():
     rows = BearingSet((Power(1.0), Power(1.0)), (1, -1), (2e-6, 5e-6))
     s = state_at(rows, 1e-6)

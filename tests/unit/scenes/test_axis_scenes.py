@@ -211,7 +211,9 @@ def test_result_has_the_keys_of_one_set(capsys, small):
     assert two["sets"][0]["summary"]["preload"]["axial_N"] == pytest.approx(
         -two["sets"][1]["summary"]["preload"]["axial_N"], rel=1e-9
     )
-    assert two["summary"]["axial"]["force_N"] == 2000.0
+    axial = two["summary"]["axial"]
+    assert axial["force_N"] == 2000.0
+    assert axial["lost_motion_um_per_100N"] == pytest.approx(200.0 / axial["tangent_N_per_um"], rel=1e-9)
 
 
 def test_tables_files_and_stations_of_several_sets(capsys, small, tmp_path):
