@@ -41,8 +41,8 @@ EXAMPLE_FORCE, EXAMPLE_MOMENT = -0.6074, -48.21
 REACH = (0.5, 0.5, 0.1, 2.0, 3.0, 5.0)
 #: The same of grids alone whose spin pole lies inside a cell: what differencing against the rigid limit takes out.
 ALONE = 2.0
-#: A contact at rest beside the static reference: quantities, errors to reach [%], cells of that one's zone; where. What is to
-#: be reached is what that one's own grid leaves open: its peak falls by 2.3 % from 6 x 6 to 10 x 10 cells, and goes on.
+#: A contact at rest beside the static reference: quantities, errors to reach [%], cells of that one's zone; where.
+#: What is to be reached is what that one's grid leaves open: its peak falls by 2.3 % from 6 x 6 to 10 x 10 cells.
 AT_REST = ("approach [um]", "semi-axis along [um]", "semi-axis across [um]", "peak pressure [MPa]")
 STATIC_REACH, STATIC_CELLS = (0.5, 1.5, 2.0, 2.5), (10, 10)
 SCREW, LINEAR = "lin-screw-pair-a-inferred", "lin-pair-a"
