@@ -260,7 +260,7 @@ def solve_forces(
     scale = max(scale, floor)
     residual = mismatch(bodies, phi, f, arms, scale)
     history[0] = residual
-    evaluations, stalled, factor, best = 1, 0, 1e-3, residual
+    evaluations, stalled, flat, factor, best = 1, 0, 0, 1e-3, residual
     status, it, stuck, fresh = ITERATIONS, 0, 0, bool(np.bool_(True))
     if residual <= tolerance and unbalanced(state, scale) <= BALANCED:
         status = CONVERGED
@@ -310,8 +310,9 @@ def solve_forces(
             status = NOT_HELD
             break
         stalled = stalled + 1 if residual >= 0.5 * best else 0
+        flat = flat + 1 if residual >= 0.9 * best else 0
         best = min(best, residual)
-        if (stalled >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
+        if (flat >= 2 and residual <= 1e-9) or stalled >= PATIENCE or stuck >= 2:
             break
         fresh = residual > 1e-7 or stalled > 0
     place_flanks(bodies, state, g, v)
