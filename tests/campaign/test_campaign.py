@@ -40,6 +40,11 @@ def test_scenes_that_were_wrong_once_are_right(number):
     assert scenes.judge(1, number, "lin").verdict == scenes.RIGHT
 
 
+def test_contacts_that_all_but_part_converge_in_the_refined_model():
+    """Their residual falls by less than half a step: that is no stall."""
+    assert scenes.judge(1, 118, "refined").verdict == scenes.RIGHT
+
+
 def test_an_interrupted_campaign_goes_on(tmp_path):
     part = Part(tmp_path / "kept.part", 7, "lin")
     first = scenes.judge_scenes(7, 2, "lin", keep=part.add)
