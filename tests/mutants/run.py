@@ -38,6 +38,7 @@ def passes(tests: Sequence[str], folder: Path) -> bool:
         [sys.executable, "-P", "-m", "pytest", "-n", "0", "-x", "-q", *tests],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"},
+        stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
         check=False,
