@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 
 from compare.scenes import catalogue
+from meshes.helix import ball_layout
 from meshes.parts import Scene
 from meshes.solid import dimensions
 
@@ -40,6 +41,15 @@ def _preload(scene: Scene) -> float:
     return 1e3 * scene.errors.balls.oversize / (2.0 * scene.balls.radius)
 
 
+def _beyond_balls(scene: Scene) -> float:
+    """Least length of nut or outer ring beyond the outermost balls' centres, over the ball's radius; 4 where it is more.
+
+    Where balls run to the nut's face, their flanks have a thin land behind them, which no smooth body has.
+    """
+    z, half = ball_layout(scene).z - scene.nut.position, scene.nut.length / 2.0
+    return min(float(half - np.abs(z).max()) / scene.balls.radius, 4.0)
+
+
 #: What describes a scene. Margins are of the order of the steps between the compared scenes: a choice, not a result.
 DESCRIPTORS = (
     Descriptor("length of the nut over the pitch diameter", "", 0.8, lambda s: s.nut.length / (2.0 * s.track.pitch_radius)),
@@ -60,6 +70,7 @@ DESCRIPTORS = (
         lambda s: min(s.screw.groove_radius, s.nut.groove_radius) / (2.0 * s.balls.radius),
     ),
     Descriptor("misalignment of the supports", "um", 300.0, _misalignment),
+    Descriptor("nut beyond the last balls over the ball's radius", "", 0.5, _beyond_balls),
 )
 
 

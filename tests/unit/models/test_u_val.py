@@ -143,3 +143,14 @@ def test_a_scene_s_place_is_drawn() -> None:
     assert len(range_figure(scene).panels[0].series) == 2
     assert len(range_figure().panels[0].series) == 1
     assert all(p.low <= p.value <= p.high for p in places(scene))
+
+
+def test_balls_at_the_face_of_the_nut_are_not_covered() -> None:
+    """Liu's screw: 3D finds the refined model beyond what its kind promises there (table liu-solid)."""
+    scene = STUDY.scene("liu-screw")
+    assert [place.descriptor.name for place in places(scene) if place.outside] == [
+        "nut beyond the last balls over the ball's radius"
+    ]
+    longer = replace(scene, nut=replace(scene.nut, length=scene.nut.length + 4.0 * scene.balls.radius))
+    assert not outside(longer)
+    assert estimate(scene, run_model(scene, "lin", Options())).percent is None
