@@ -7,12 +7,12 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, app, cache_folder, print_json, show, text_width
+from compare.commands.arguments.terminal import Flag, Json, Word, app, cache_folder, print_json, show, text_width
 from compare.errors import InputError
 
 
 @app.command(name="list")
-def list_(*, trace: Annotated[bool, Parameter(negative="")] = False, as_json: Json = False) -> None:
+def list_(*, trace: Flag = False, as_json: Json = False) -> None:
     """List the scenes, the models and the printed tables that are shipped.
 
     Parameters
@@ -39,7 +39,7 @@ def schema() -> None:
 
 
 @app.command
-def new(file: Path, *, kind: str = "", like: str = "") -> None:
+def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
     """Write a commented scene to edit.
 
     Parameters
@@ -69,13 +69,13 @@ def new(file: Path, *, kind: str = "", like: str = "") -> None:
 def solve(
     scene: str,
     *,
-    model: str = "",
+    model: Word = "",
     as_json: Json = False,
-    everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
+    everything: Annotated[Flag, Parameter(name="--all")] = False,
     member: int = 0,
     condensed: Path | None = None,
-    balls: Annotated[bool, Parameter(negative="")] = False,
-    stiffness_at: str = "",
+    balls: Flag = False,
+    stiffness_at: Word = "",
     matrix: Path | None = None,
     curve: Path | None = None,
     members: int | None = None,
@@ -143,11 +143,11 @@ def solve(
 def friction(
     scene: str,
     *,
-    model: str = "",
+    model: Word = "",
     mu: Annotated[list[float] | None, Parameter(negative="")] = None,
     member: int = 0,
     condensed: Path | None = None,
-    balls: Annotated[bool, Parameter(negative="")] = False,
+    balls: Flag = False,
     time_limit: float | None = None,
     as_json: Json = False,
 ) -> int:
