@@ -9,15 +9,23 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from compare.commands.compare_output import Beside, beside, contact_rows, is_itself, verdict, write_files
+from compare.commands.compare_output import (
+    Beside,
+    answers_json,
+    answers_table,
+    compared,
+    contact_rows,
+    verdict,
+    write_files,
+)
 from compare.commands.compare_output import table as compared_table
 from compare.errors import InputError, Refusal
-from compare.models.comparison import compared_models, from_model, from_run, reference_answers, rows, suited
+from compare.models.comparison import compared_models, finest_bodies, rows, suited
 from compare.models.mesh_study import study_table
 from compare.reference.estimate import Reference, reference
 from compare.reference.jobs import Engine, all_variants, ensure, plan
 from compare.reference.levels import LEVELS, SOURCE_LEVEL, STUDIED
-from compare.reference.store import Run, load, shipped_store
+from compare.reference.store import Run, shipped_store
 from compare.scenes import catalogue
 from compare.writing import replace_file
 from meshes.parts import Scene
@@ -126,9 +134,10 @@ def run_compare(
     fresh: bool = False,
     balls: bool = False,
 ) -> int:
-    """Verdict, table and files of every scene, models beside the reference; what is not stored is computed first.
+    """Verdict, answers, table and files of every scene, models beside the reference; what is not stored is computed first.
 
-    JSON: rows of every quantity and model, the reference's coarser runs among them. balls: also print every contact.
+    JSON: verdict and answers of every scene, and rows of every quantity and model, the reference's coarser runs among
+    them. balls: also print every contact.
     levels: None for the best stored reference (levels `STUDIED` are computed where there is none); else just those. fresh:
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
@@ -141,26 +150,26 @@ def run_compare(
         wanted = levels or STUDIED
         tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
         failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh)
-    out = []
-    for scene in scenes:
+    told, out = [], []
+    for name, scene in zip(names, scenes, strict=True):
         found = reference(scene, stores)
         if found is None:
             raise unconverged(scene.name, failed)
-        answers = [from_model(m, scene) for m in (own or suited(scene))]
-        others = reference_answers(found, load(scene, SOURCE_LEVEL, stores=stores))
-        answers += [answer for answer in others if not is_itself(answer, found)]
+        whole = compared(scene, own or suited(scene), found, stores)
         if json_out:
-            for answer in answers:
-                out += rows(scene, answer, found)
+            told.append(answers_json(whole, found))
+            out += [row.as_json() for b in whole.models for row in rows(scene, b.answer, found)]
             continue
-        set_beside = [beside(scene, answer, found) for answer in answers]
-        itself = beside(scene, from_run(found.best, "3D reference"), None)
-        show(f"{scene.name}: {verdict(set_beside, found)}", "", compared_table(set_beside, itself), "")
+        show(f"{scene.name}: {verdict(whole, found)}", "", answers_table(whole), "")
+        show(compared_table(whole.models, whole.itself), "")
         if balls:
-            show(_contacts(scene, set_beside, found), "")
-        show(write_files(scene, set_beside, found, store))
+            show(_contacts(scene, whole.models, found), "")
+        bodies = finest_bodies(scene, found, stores)
+        if bodies is not None:
+            show(f"preload, 6 x 6 stiffness, friction by the 3D bodies: rollbench solve {name} --condensed {bodies}")
+        show(write_files(scene, whole.models, found, store))
     if json_out:
-        print_json([row.as_json() for row in out])
+        print_json({"scenes": told, "rows": out})
     return 0
 
 

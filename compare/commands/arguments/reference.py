@@ -102,7 +102,8 @@ def compare(
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
 
-    A verdict and one table; every contact goes to <scene>-compare.csv and .svg in the store. For a page to send: rollbench
+    A verdict, ten answers beside the reference's, a table of models; every contact goes to <scene>-compare.csv and .svg in
+    the store. For a page to send: rollbench
     report SCENE.
 
     Parameters
@@ -110,8 +111,9 @@ def compare(
     scenes
         Names of shipped scenes, or scene files.
     model
-        Low-order models of rollbench list, but for condensed. Unless given: refined, the default of every command, whose
-        error is the verdict, and beside it the others that the report compares.
+        Low-order models of rollbench list; condensed takes the bodies of the reference's finest level. Unless given:
+        refined, the default of every command, whose error is the verdict, and beside it the others that the report
+        compares.
     levels
         Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given.
     store

@@ -7,7 +7,7 @@ import pytest
 
 from compare.gate import gate
 from compare.models import comparison
-from compare.models.comparison import from_model, gate_points, reference_answers, rows
+from compare.models.comparison import from_result, gate_points, reference_answers, rows, solved
 from compare.models.mesh_study import study_table
 from compare.models.registry import MODELS
 from compare.models.study import Study
@@ -80,7 +80,7 @@ def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatc
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     scene = catalogue.scene("lin-case1")
     found = _found("lin-case1")
-    own = rows(scene, from_model(MODELS["lin"], scene), found)
+    own = rows(scene, from_result(solved(MODELS["lin"], scene, found, None)[0]), found)
     loads = [r for r in own if r.quantity == "load"]
     assert len(loads) == 64
     assert all(r.reference_error is not None and 0.0 <= r.reference_error < 10.0 for r in loads)
