@@ -12,7 +12,8 @@ from pydantic import ConfigDict
 from compare.scenes import units
 
 #: Materials by name: Young's modulus and Poisson's ratio, rounded values within the ranges of makers' data sheets
-#: (steels of bearings and of hardened shafts: 205 to 212 GPa; silicon nitride balls: 300 to 315 GPa; zirconia balls: 205 to 210 GPa).
+#: (steels of bearings and of hardened shafts: 205 to 212 GPa; silicon nitride balls: 300 to 315 GPa; zirconia balls: 205
+#: to 210 GPa).
 STANDARD: dict[str, tuple[str, float]] = {
     "bearing steel": ("210 GPa", 0.3),
     "silicon nitride": ("310 GPa", 0.26),
