@@ -21,7 +21,7 @@ from compare.commands.compare_output import (
 from compare.commands.compare_output import table as compared_table
 from compare.errors import InputError, Refusal
 from compare.models.comparison import compared_models, finest_bodies, rows, suited
-from compare.models.mesh_study import study_table
+from compare.models.mesh_study import closing, level_rows, studied, study_table
 from compare.reference.estimate import Reference, reference
 from compare.reference.jobs import Engine, all_variants, ensure, plan
 from compare.reference.levels import LEVELS, SOURCE_LEVEL, STUDIED
@@ -62,21 +62,24 @@ def run_mesh_study(
     tasks = plan(scenes, range(1, levels + 1), source=source)
     if spread:
         tasks += [t for s in scenes for t in plan([s], (), all_variants())]
-    failed = ensure(tasks, store, engine, on_terminal, fresh=fresh)
-    tables = {scene.name: study_table(scene, (store,), levels) for scene in scenes}
-    for name, table in tables.items():
-        if not table:
+    stores = (store,) if fresh else (store, shipped_store())
+    failed = ensure(tasks, store, engine, on_terminal, stores[1:], fresh=fresh)
+    found = {scene.name: studied(scene, stores, levels) for scene in scenes}
+    tables = {scene.name: study_table(scene, stores, levels) for scene in scenes}
+    for name, whole in found.items():
+        if whole is None:
             raise unconverged(name, failed)
-    for name, table in tables.items():
+        table = tables[name]
         columns = list(dict.fromkeys(k for row in table for k in row))
         text = io.StringIO()
         writer = csv.DictWriter(text, columns)
         writer.writeheader()
         writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in table)
         replace_file(store / f"{name}-mesh-study.csv", text.getvalue())
-        _figure(name, table, store)
+        _figure(name, table, whole, store)
         if not json_out:
-            show(_terminal(name, columns, table), f"{store / name}-mesh-study.csv and .svg written")
+            show(f"mesh study of {name}", "", _aligned(level_rows(whole)), "", _aligned(_extremes(table)), "")
+            show(closing(whole), f"every contact: {store / name}-mesh-study.csv and .svg written")
     if json_out:
         print_json(tables)
     return 0
@@ -89,23 +92,36 @@ def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
     return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
 
 
-def _figure(name: str, table: Sequence[dict[str, Any]], store: Path) -> None:
+def _figure(name: str, table: Sequence[dict[str, Any]], found: Reference, store: Path) -> None:
     from compare.sections.study_figure import study_figure
     from reports.figures import draw
 
-    figure = study_figure(name, table)
+    figure = study_figure(name, table, found)
     if figure is not None:
         replace_file(store / f"{name}-mesh-study.svg", draw(figure))
 
 
-def _terminal(name: str, columns: Sequence[str], table: Sequence[dict[str, Any]]) -> Any:
+def _extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows and columns of the terminal: no single balls, uncertainty in the quantity's unit alone."""
+    return [
+        {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
+        for row in table
+        if "load of ball" not in row["quantity"]
+    ]
+
+
+def _aligned(rows: Sequence[dict[str, Any]]) -> Any:
+    """Rows as a table, numbers flush right; no column without a value."""
     from rich.table import Table
 
-    out = Table(title=f"mesh study of {name}", title_justify="left")
-    for column in columns:
-        out.add_column(column)
-    for row in table:
-        out.add_row(*(f"{v:.4g}" if isinstance(v, float) else str(v or "–") for v in (row.get(c) for c in columns)))
+    out = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    kept = [column for column in rows[0] if any(row[column] is not None for row in rows)]
+    for column in kept:
+        words = isinstance(rows[0][column], str)
+        out.add_column(column.replace("_", " ").replace("percent", "%"), justify="left" if words else "right")
+    for row in rows:
+        values = [row[column] for column in kept]
+        out.add_row(*("–" if v is None else f"{v:.4g}" if isinstance(v, float) else str(v) for v in values))
     return out
 
 

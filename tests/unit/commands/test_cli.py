@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -248,3 +249,14 @@ def test_no_line_is_wider_than_the_terminal(
     with pytest.raises(SystemExit):
         main([token.format(loads=loads) for token in tokens])
     assert max(map(len, out.getvalue().splitlines())) <= 80
+
+
+def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    code, out, err = run(capsys, "mesh-study", "unseen-four-point", "--levels", "4", "--store", str(tmp_path))
+    assert (code, err) == (0, "")
+    assert "seconds" in out.splitlines()[2]
+    assert "load of ball" not in out
+    assert re.search(r"\nLevel 1 is enough for [0-9.]+ % of the mean contact load \([0-9]+ s\), level 2 for", out)
+    assert "load of ball 12, NR" in (tmp_path / "unseen-four-point-mesh-study.csv").read_text(encoding="utf-8")
