@@ -145,6 +145,7 @@ def test_curve_and_matrix_from_the_command_line(tmp_path: Path, capsys: pytest.C
     assert (tmp_path / "curve.svg").read_text().startswith("<?xml")
     assert mmread(matrix).shape == (6, 6)
     assert "tangent stiffness" in out
+    assert "no torque: the scene has no coefficient of friction" in " ".join(out.split())
     assert max(map(len, out.splitlines())) <= 100
 
 
