@@ -77,12 +77,12 @@ def print_json(value: Any) -> None:
 
 
 def show(*parts: Any) -> None:
-    """Print texts and tables of rich: texts wrapped to a terminal's width; where standard output is none, as they are, and
-    tables 160 columns wide and without rules. Raises OutputLost."""
+    """Print texts and tables of rich: on a terminal texts wrapped, and tables taken apart, to its width; elsewhere texts as
+    they are, and tables 160 columns wide and without rules. Raises OutputLost."""
     from rich.console import Console
     from rich.table import Table
 
-    from compare.commands.wrapping import wrapped
+    from compare.commands.wrapping import fitted, wrapped
 
     terminal = sys.stdout.isatty()
     console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
@@ -90,7 +90,10 @@ def show(*parts: Any) -> None:
         for part in parts:
             if isinstance(part, Table) and not terminal:
                 part.box, part.pad_edge = None, False
-            console.print(wrapped(part, text_width()) if terminal and isinstance(part, str) else part)
+            if terminal and isinstance(part, Table):
+                console.print(*fitted(part, text_width()), sep="\n")
+            else:
+                console.print(wrapped(part, text_width()) if terminal and isinstance(part, str) else part)
 
 
 def text_width() -> int:
