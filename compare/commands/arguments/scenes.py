@@ -109,7 +109,8 @@ def solve(
     curve
         File (.csv) for displacement, stiffness, largest load and torque at 0 to 1.5 times the loads; a figure beside it.
     members
-        Solve so many members: bands of every ball, distributions of the largest load, stiffness, lost contacts, life.
+        Solve so many members: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
+        every ball.
     csv
         With --members: file of one row a member.
     seed
@@ -126,13 +127,12 @@ def solve(
         from compare.commands import members as ensembles
         from compare.reference.jobs import Engine
 
-        if balls or stiffness_at or matrix is not None or curve is not None:
-            named = "--balls, --stiffness-at, --matrix, --curve"
+        if stiffness_at or matrix is not None or curve is not None:
+            named = "--stiffness-at, --matrix, --curve"
             raise InputError("command line", named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
-        return ensembles.run(
-            scene, model, members, csv_out=csv, seed=seed, engine=how, json_out=as_json, show=show, print_json=print_json
-        )
+        out = {"csv_out": csv, "json_out": as_json, "show": show, "print_json": print_json, "balls": balls}
+        return ensembles.run(scene, model, members, seed=seed, engine=how, **out)  # type: ignore[arg-type]
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
     choices = Choices(model, everything, member, condensed, balls, stiffness_at, matrix, curve, time_limit)
