@@ -30,7 +30,7 @@ def run_bench_command(*, as_json: bool, show: Callable[..., None], print_json: C
 
     table = Table(title="bench", title_justify="left")
     for heading in ("job", "seconds", "ratio", "unknowns", "peak MB", "what is included"):
-        table.add_column(heading)
+        table.add_column(heading, justify="left" if heading in ("job", "what is included") else "right")
 
     def cell(value: float | None, form: str) -> str:
         return "–" if value is None else format(value, form)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from compare.commands.study import on_terminal
+from compare.commands.wrapping import aligned
 from compare.errors import InputError, Refusal
 from compare.reference.store import shipped_store
 from compare.rolling.rows import RollingRow, load_state, rows
@@ -120,7 +121,7 @@ def _table(name: str, own: Sequence[RollingRow]) -> Any:
         "3D rigid",
         "3D half space",
     ):
-        table.add_column(column)
+        table.add_column(column, justify="left" if column == "quantity" else "right")
 
     def cell(value: float | None, form: str = ".5g") -> str:
         return "–" if value is None or abs(value) == float("inf") else format(value, form)
@@ -169,16 +170,9 @@ def run_rolling_study(
     if json_out:
         print_json(out)
         return 0
-    from rich.table import Table
-
     for name in dict.fromkeys(row["scene"] for row in out):
-        own = [row for row in out if row["scene"] == name]
-        table = Table(title=f"mesh study of {name}", title_justify="left")
-        for column in own[0]:
-            table.add_column(column)
-        for row in own:
-            table.add_row(*(f"{v:.6g}" if isinstance(v, float) else "–" if v is None else str(v) for v in row.values()))
-        show(table)
+        own = [{k: v for k, v in row.items() if k != "scene"} for row in out if row["scene"] == name]
+        show(f"mesh study of {name}", "", aligned(own, ".6g"))
     return 0
 
 

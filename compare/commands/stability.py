@@ -32,7 +32,7 @@ def run_stability(*, as_json: bool, show: Callable[..., None], print_json: Calla
 
     out = Terminal(title="stability: cases by formulations", title_justify="left")
     for heading in ("case", *FORMULATIONS, "residual"):
-        out.add_column(heading)
+        out.add_column(heading, justify="right" if heading == "residual" else "left")
     for line in wide_rows(rows):
         residual = line["residual"]
         out.add_row(

@@ -19,6 +19,7 @@ from compare.commands.compare_output import (
     write_files,
 )
 from compare.commands.compare_output import table as compared_table
+from compare.commands.wrapping import aligned
 from compare.errors import InputError, Refusal
 from compare.models.comparison import compared_models, finest_bodies, rows, suited
 from compare.models.mesh_study import closing, level_rows, studied, study_table
@@ -78,7 +79,7 @@ def run_mesh_study(
         replace_file(store / f"{name}-mesh-study.csv", text.getvalue())
         _figure(name, table, whole, store)
         if not json_out:
-            show(f"mesh study of {name}", "", _aligned(level_rows(whole)), "", _aligned(_extremes(table)), "")
+            show(f"mesh study of {name}", "", aligned(level_rows(whole)), "", aligned(_extremes(table)), "")
             show(closing(whole), f"every contact: {store / name}-mesh-study.csv and .svg written")
     if json_out:
         print_json(tables)
@@ -108,21 +109,6 @@ def _extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
         for row in table
         if "load of ball" not in row["quantity"]
     ]
-
-
-def _aligned(rows: Sequence[dict[str, Any]]) -> Any:
-    """Rows as a table, numbers flush right; no column without a value."""
-    from rich.table import Table
-
-    out = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
-    kept = [column for column in rows[0] if any(row[column] is not None for row in rows)]
-    for column in kept:
-        words = isinstance(rows[0][column], str)
-        out.add_column(column.replace("_", " ").replace("percent", "%"), justify="left" if words else "right")
-    for row in rows:
-        values = [row[column] for column in kept]
-        out.add_row(*("–" if v is None else f"{v:.4g}" if isinstance(v, float) else str(v) for v in values))
-    return out
 
 
 def parse_levels(text: str) -> tuple[int, ...]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.table import Column, Table
@@ -33,6 +33,21 @@ def _wrapped(line: str, width: int) -> str:
     return textwrap.fill(line, width, subsequent_indent=" " * indent, break_on_hyphens=False)
 
 
+def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g") -> Table:
+    """Rows as a table, numbers flush right; no column without a value."""
+    from rich.table import Table as Made
+
+    out = Made(box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    kept = [column for column in rows[0] if any(row[column] is not None for row in rows)]
+    for column in kept:
+        words = isinstance(rows[0][column], str)
+        out.add_column(column.replace("_", " ").replace("percent", "%"), justify="left" if words else "right")
+    for row in rows:
+        values = [row[column] for column in kept]
+        out.add_row(*("–" if v is None else format(v, digits) if isinstance(v, float) else str(v) for v in values))
+    return out
+
+
 def fitted(table: Table, width: int) -> list[Table]:
     """A table of texts as one or several that are no wider than ``width``, no number cut: columns that do not fit go to a
     further one, with those that tell its rows apart repeated."""
@@ -47,7 +62,9 @@ def fitted(table: Table, width: int) -> list[Table]:
         if groups[-1] and sum(limits[i][0] for i in groups[-1]) + limits[k][0] > room:
             groups.append([])
         groups[-1].append(k)
-    return [_part(table, [*range(keys), *group], rows, limits, width, first=not n) for n, group in enumerate(groups)]
+    parts = [_part(table, [*range(keys), *group], rows, limits, width) for group in groups]
+    parts[0].title, parts[-1].caption = table.title, table.caption
+    return parts
 
 
 def _around(table: Table) -> int:
@@ -65,13 +82,7 @@ def _limits(column: Column, around: int) -> tuple[int, int]:
 
 
 def _part(
-    table: Table,
-    columns: Sequence[int],
-    rows: Sequence[tuple[str, ...]],
-    limits: Sequence[tuple[int, int]],
-    width: int,
-    *,
-    first: bool,
+    table: Table, columns: Sequence[int], rows: Sequence[tuple[str, ...]], limits: Sequence[tuple[int, int]], width: int
 ) -> Table:
     """Some columns of a table, each as wide as its words need, the widest texts given what is left of the width."""
     from rich.table import Table as Made
@@ -81,8 +92,7 @@ def _part(
         at = max(range(len(wide)), key=lambda n: limits[columns[n]][1] - wide[n])
         wide[at] += limits[columns[at]][1] > wide[at]
     heads = [replace(table.columns[k].copy(), width=w - _around(table)) for k, w in zip(columns, wide, strict=True)]
-    title = table.title if first else None
-    out = Made(*heads, title=title, title_justify="left", box=table.box, padding=table.padding, pad_edge=table.pad_edge)
+    out = Made(*heads, title_justify="left", box=table.box, padding=table.padding, pad_edge=table.pad_edge)
     for row in rows:
         out.add_row(*(row[k] for k in columns))
     return out

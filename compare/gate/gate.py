@@ -293,7 +293,7 @@ def as_table(rows: list[GateRow]) -> Table:
 
     table = Table(title="gate", title_justify="left")
     for heading in ("", "check", "kind", "value", "reference", "error %", "limit %"):
-        table.add_column(heading)
+        table.add_column(heading, justify="left" if heading in ("", "check", "kind") else "right")
 
     def show(x: float | None, form: str) -> str:
         return "–" if x is None else format(x, form)
@@ -305,7 +305,7 @@ def as_table(rows: list[GateRow]) -> Table:
             row.kind,
             show(row.value, ".6g"),
             show(row.reference, ".6g"),
-            show(row.error_percent, ".2e"),
-            show(row.limit_percent, ".2e"),
+            show(row.error_percent, ".3g"),
+            show(row.limit_percent, ".3g"),
         )
     return table

@@ -7,7 +7,7 @@ from rich.box import HEAVY_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from compare.commands.wrapping import fitted, wrapped
+from compare.commands.wrapping import aligned, fitted, wrapped
 
 
 def balls(*, ruled: bool) -> Table:
@@ -52,3 +52,12 @@ def test_what_follows_stands_below_the_text() -> None:
         "  other      short",
     ]
     assert wrapped("FAIL: a verdict that goes on for more than forty columns", 40).splitlines()[1].startswith("  ")
+
+
+def test_numbers_are_flush_right_and_empty_columns_left_out() -> None:
+    rows = [{"name": "a", "order": None, "value": 1.0}, {"name": "longer", "order": None, "value": -12.345678}]
+    assert [line.rstrip() for line in shown(aligned(rows), 80).splitlines()] == [
+        "name    value",
+        "a           1",
+        "longer -12.35",
+    ]
