@@ -181,7 +181,7 @@ def make_report(
     facts["computed in"] = f"{perf_counter() - start:.0f} s"
     computed = "computed, coarse meshes only" if quick else "computed" if fresh else "of the package where their key holds"
     facts["3D reference"] = "stored runs of the package" if stored or not meshing else computed
-    missed += lacking()
+    missed += lacking(made.values())
     if missed:
         facts["left out"] = "; ".join(gap.line().removeprefix("left out: ") for gap in missed)
     if checked is not None:

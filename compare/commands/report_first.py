@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,6 +18,8 @@ from compare.reference.tasks import Task
 from compare.scenes import catalogue
 from compare.system import cores, gmsh_fault
 from meshes.libraries import EXTRAS, MESHING, PICTURES, install
+from reports.offscreen import fault as drawing_fault
+from reports.records import FieldPicture, LoadedScrew, Section
 
 #: Sections that take most of a report's time: they come with ``--all``, with ``--fresh``, and by name.
 COSTLY = frozenset({"pictures", "friction", "friction-screw", "verification", "stability", "timing"})
@@ -57,13 +59,19 @@ def kept_parts(parts: Sequence[Part], *, named: bool, everything: bool) -> tuple
     return [part for part in parts if part.name not in out], left
 
 
-def lacking() -> list[LeftOut]:
-    """What a report leaves out because a package that nothing else needs is not installed."""
-    return [
+def lacking(sections: Iterable[Section]) -> list[LeftOut]:
+    """What a report leaves out because a package that nothing else needs is not installed, and the 3D pictures of its
+    sections where this machine cannot draw them."""
+    left = [
         LeftOut((what,), f"{name} is not installed", remedy)
         for name, (what, remedy) in EXTRAS.items()
         if find_spec(name) is None
     ]
+    if any(isinstance(item, LoadedScrew | FieldPicture) for section in sections for item in section.items) and (
+        why := drawing_fault()
+    ):
+        left.append(LeftOut(("3D pictures",), why.split(";")[0].removeprefix("3D picture: "), install(PICTURES)))
+    return left
 
 
 @dataclass(frozen=True)

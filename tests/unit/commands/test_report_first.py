@@ -15,6 +15,8 @@ from compare.reference.store import Run, load, shipped_store
 from compare.reference.tasks import Task
 from compare.scenes import catalogue
 from compare.sections import rolling
+from compare.sections.loaded_screw import loaded_screw
+from reports.records import Section
 
 
 def test_costly_sections_come_by_name_or_all_together(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -84,5 +86,16 @@ def test_nothing_is_checked_where_no_run_is_stored(tmp_path: Path) -> None:
 
 def test_packages_of_single_files_are_named_with_what_installs_them(monkeypatch):
     monkeypatch.setattr(report_first, "find_spec", lambda name: None if name == "typst" else name)
-    (gap,) = report_first.lacking()
+    (gap,) = report_first.lacking([])
     assert gap.line() == "left out: the PDF of the first pages: typst is not installed; pip install typst"
+
+
+def test_pictures_that_cannot_be_drawn_are_named_with_what_installs_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(report_first, "find_spec", lambda name: name)
+    monkeypatch.setattr(report_first, "drawing_fault", lambda: "3D picture: no off-screen OpenGL on this machine; advice")
+    scene = catalogue.scene("two-balls")
+    screw = loaded_screw(scene, ("picture", "Loads"), np.ones((2, 4)), (np.zeros((1, 3)), np.ones((1, 3))), "")
+    plain, drawn = Section("a", "No picture", ()), Section("b", "One", (screw,))
+    assert report_first.lacking([plain]) == []
+    (gap,) = report_first.lacking([plain, drawn])
+    assert gap.line().startswith("left out: 3D pictures: no off-screen OpenGL on this machine; apt-get install libegl1")
