@@ -13,10 +13,13 @@ if TYPE_CHECKING:
 
 #: Width below which lines are not wrapped, and that of a column whose words may be broken.
 LEAST, FOLDED = 40, 8
+#: A command at the end of a line, to be copied.
+COMMAND = re.compile(r"(?<= )(rollbench solve .*--condensed \S+|(apt-get|pip) install [\w .+-]+)$")
 
 
 def wrapped(text: str, width: int) -> str:
     """A text whose lines are wrapped at words; what follows stands below the text behind a label, or is indented by two.
+    Paths, and a command at the end, stay whole for who copies them.
 
     >>> print(wrapped("ok    a sentence that is too long for a terminal of forty", 40))
     ok    a sentence that is too long for a
@@ -30,7 +33,11 @@ def _wrapped(line: str, width: int) -> str:
         return line
     label = re.match(r" *\S+  +(?=\S)", line)
     indent = len(label[0]) if label and len(label[0]) <= width // 2 else len(line) - len(line.lstrip()) + 2
-    return textwrap.fill(line, width, subsequent_indent=" " * indent, break_on_hyphens=False)
+    command = COMMAND.search(line)
+    words = line if command is None else line[: command.start()]
+    own = {"subsequent_indent": " " * indent, "break_on_hyphens": False, "break_long_words": False}
+    parts = textwrap.wrap(words, width, **own)  # type: ignore[arg-type]
+    return "\n".join([*parts, *([] if command is None else [" " * indent + command[0]])])
 
 
 def aligned(rows: Sequence[Mapping[str, Any]], digits: str = ".4g") -> Table:

@@ -25,7 +25,7 @@ from compare.commands.compare_output import (
 )
 from compare.errors import InputError
 from compare.models.comparison import Loads, compared_models, options_for
-from compare.models.model_form import estimate
+from compare.models.model_form import estimate, shipped_points
 from compare.models.registry import MODELS, run_model
 from compare.reference.estimate import Reference, reference
 from compare.reference.store import shipped_store
@@ -112,7 +112,8 @@ def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path: Pa
     refined, condensed = whole.models[:2]
     result = run_model(scene, "refined")
     assert refined.force == pytest.approx(axial_force(result), rel=1e-6)
-    assert whole.expected == estimate(scene, result)
+    assert whole.expected == estimate(scene, result, [p for p in shipped_points() if p.scene != scene.name])
+    assert whole.expected.distance > estimate(scene, result).distance, "not expected of itself"
     assert f"expected: {whole.expected.percent:.2f} %" in verdict(whole, found)
     assert condensed.error is not None
     assert refined.error is not None

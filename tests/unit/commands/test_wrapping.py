@@ -61,3 +61,11 @@ def test_numbers_are_flush_right_and_empty_columns_left_out() -> None:
         "a           1",
         "longer -12.35",
     ]
+
+
+def test_paths_and_commands_stay_whole() -> None:
+    command = f"apt-get install {' '.join(f'lib{n}' for n in range(20))}"
+    lines = wrapped(f"missing   meshing: a library is not there; {command}", 50).splitlines()
+    assert lines == ["missing   meshing: a library is not there;", " " * 10 + command]
+    path = f"/{'x' * 60}.csv"
+    assert path in wrapped(f"every contact: {path} and .svg written", 50).splitlines()[1]
