@@ -47,7 +47,7 @@ def _low(monkeypatch):
 def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     proof = (Proof("Carter", "force", (0.51, 0.505, 0.501), 0.5, 0.5, 0.501),)
     series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
-    monkeypatch.setattr(rolling, "proofs", lambda: proof)
+    monkeypatch.setattr(rolling, "proofs", lambda **_: proof)
     monkeypatch.setattr(rolling, "from_rest", lambda: series)
     values = dict.fromkeys(NAMES, 1.0)
     monkeypatch.setattr(rolling, "body_sizes", lambda _, **__: Sizes((Variant("as shipped", values),), "Kept."))
