@@ -1,4 +1,4 @@
-"""What pytest loads where rollbench is installed: the fixture ``rollbench``, which judges scenes against their 3D reference.
+"""What pytest loads where rollbench is installed: the fixture ``rollbench`` judges scenes against their 3D reference.
 
 def test_my_screw(rollbench):
     rollbench.check("my.toml", max_error=7)
