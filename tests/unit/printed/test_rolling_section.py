@@ -18,7 +18,7 @@ from compare.rolling.rows import KNOWN
 from compare.rolling.runs import FINITE
 from compare.sections import rolling
 from reports.figures import draw_map
-from reports.records import PressureMap
+from reports.records import PressureMap, Text
 
 #: Ball-to-ball forces and torques of the low-order models.
 LOW = {
@@ -45,7 +45,10 @@ def _low(monkeypatch):
 
 @pytest.mark.usefixtures("_low")
 def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
-    proof = (Proof("Carter", "force", (0.51, 0.505, 0.501), 0.5, 0.5, 0.501),)
+    proof = (
+        Proof("Carter", "force", (0.51, 0.505, 0.501), 0.5, 0.5, 0.501),
+        Proof("balls that touch, over a patch", "loss", (1.0, 1.0, 0.9), 1.0, 20.0, 0.9),
+    )
     series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
     monkeypatch.setattr(rolling, "proofs", lambda: proof)
     monkeypatch.setattr(rolling, "from_rest", lambda: series)
@@ -66,6 +69,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     assert states == {name: "inferred" if "inferred" in name else "plain" for name in LOW if "screw" in name}
     assert forces["lin-pair-a"]["state"] is None
     assert {row["scene"] for row in tables["rolling-ring"].rows} == {"lin-rotary-1", "lin-rotary-2", "lin-rotary-3"}
+    assert any("the same to 10 %" in line for item in made.items if isinstance(item, Text) for line in item.paragraphs)
     assert made.headline
     finite = {row["scene"]: row for row in tables["rolling-bodies"].rows if row["quantity"] in ("force 1-2", "torque")}
     assert set(finite) == set(LOW)
