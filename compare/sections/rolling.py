@@ -14,6 +14,7 @@ from compare.measure import error_percent
 from compare.models.study import Study
 from compare.reference.store import shipped_store
 from compare.rolling.body_sizes import NAMES
+from compare.rolling.changes import Change, changes
 from compare.rolling.from_rest import GAP, Series, from_rest
 from compare.rolling.kept_sizes import Sizes
 from compare.rolling.kept_sizes import sizes as body_sizes
@@ -87,6 +88,14 @@ REST = (
     Column("meet", "balls meet at", "ms", ".1f"),
     Column("seconds", "processor time", "s", "g3"),
 )
+CHOICES = (
+    Column("scene", "scene", "", "s"),
+    Column("choice", "choice", "", "s"),
+    Column("tried", "tried", "", "s"),
+    Column("change", "largest change of the force", "%", "g2"),
+    Column("uncertainty", "stated uncertainty", "%", "g2"),
+    Column("verdict", "verdict", "", "s"),
+)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
@@ -101,6 +110,8 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     step("slip and traction; finite bodies of other sizes")
     sizes = Sizes((), "Left out of a quick report.") if study.quick else body_sizes(stores, fresh=study.timed)
     patches = fields()
+    step("other grids, steps and paths")
+    changed = changes(stores, series, sizes.variants)
     missing = [name for name, own in found.items() if not own]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_words(found, proof)),
@@ -125,6 +136,14 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         Table("rolling-grids", "What the grids do", GRIDS, _grid_rows(stores)),
         Table("rolling-from-rest", "Linear bearing, case (a), from rest", REST, [_rest(s) for s in series]),
         _figure(series),
+        Table(
+            "rolling-choices",
+            "Ball-to-ball force when a numerical choice changes",
+            CHOICES,
+            [_choice(c) for c in changed],
+            "The grid is finer than all behind the uncertainty; that of finite bodies holds their own choices. Runs from "
+            "rest are compared with steady rolling on their grid.",
+        ),
     ]
     times = _times(stores)
     if times is not None:
@@ -339,6 +358,17 @@ def _rest(s: Series) -> dict[str, float | int | None]:
         "error": float(error_percent(s.force[-1], s.steady)),
         "meet": None if meet is None else 1e3 * meet,
         "seconds": s.seconds,
+    }
+
+
+def _choice(c: Change) -> dict[str, str | float | None]:
+    return {
+        "scene": c.scene,
+        "choice": c.choice,
+        "tried": c.tried,
+        "change": c.change,
+        "uncertainty": c.uncertainty,
+        "verdict": "within" if c.within else "beyond",
     }
 
 
