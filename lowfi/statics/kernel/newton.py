@@ -14,7 +14,7 @@ from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle
 from .banded import factor_band, substitute_band
 from .beam import force_of, positions
-from .pair import add_pairs, pair_alone
+from .pair import add_pairs, even_pairs, pair_alone
 from .search import TRIALS, first_trial, next_trial
 
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
@@ -236,7 +236,22 @@ def line_search(
 
 @kernel
 def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array) -> Outcome:
-    """Minimise the energy from the given state; history (most + 1,): residual per step.
+    """Minimise the energy from the given state; history (most + 1,): residual per step."""
+    band = np.empty((6 * state.q.shape[0], options.half_band + 1))
+    return iterate(beam, contacts, state, options, history, band, False)
+
+
+@kernel
+def iterate(
+    beam: BeamArrays,
+    contacts: BeamContacts,
+    state: BeamState,
+    options: BeamOptions,
+    history: Array,
+    band: Array,
+    known: bool,
+) -> Outcome:
+    """The same; band (6 n, half bandwidth + 1): room, or, ``known``, the factor of a stiffness that serves the first step.
 
     The regularisation is proportional to the residual, so it vanishes at the solution and convergence stays fast.
     """
@@ -252,7 +267,6 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
         for k in range(3, 6):
             floor = max(floor, abs(f[k]) / arm)
     out = BeamSlopes(np.empty((n, 6)), np.zeros((contacts.node.shape[0], 4, 4)))
-    band = np.empty((6 * n, options.half_band + 1))
     energy, scale = evaluate(beam, contacts, state, out)
     if floor == 0.0:
         floor = 1e-3 * scale  # only displacements are given, and they may meet no resistance in the end
@@ -261,7 +275,7 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
     history[0] = residual
     least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
     evaluations, stalled, factor, furthest = 1, 0, 1e-3, contacts.r_ball.max()
-    status, it, stuck, fresh = ITERATIONS, 0, 0, True
+    status, it, stuck, fresh = ITERATIONS, 0, 0, not known
     best, lowest = residual, energy
     if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
         return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
@@ -327,12 +341,17 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
 
 
 @kernel
-def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions) -> bool:
-    """Start of the iteration: equilibrium of the screw on linear springs (reference stiffness) in place of contacts.
+def linear_start(
+    beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, band: Array
+) -> bool:
+    """Start of the iteration: equilibrium of the screw on linear springs in place of contacts; band (6 n, half bandwidth +
+    1): room.
 
-    Overwrites the motions and element deformations of ``state``; False (state untouched) where they cannot be found. No
-    flank goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn
-    first, as those of a contact angle near zero under an axial load.
+    Balls that one pair alone can hold have their tangent stiffness under even loads; else flanks have the reference
+    stiffness. Overwrites the motions and element deformations of ``state`` (untouched where they cannot be found), and
+    returns whether the band holds the factor of a stiffness near that of the contacts there. No flank goes further than the
+    largest ball's radius: springs of fixed direction say nothing of contacts that must turn first, as those of a contact
+    angle near zero under an axial load.
     """
     lengths, fixed, load = beam.lengths, beam.fixed, beam.load
     geometry, limit = contacts.geometry, contacts.r_ball.max()
@@ -340,17 +359,6 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
     stiffness, arm = options.stiffness, options.arm
     n, count = q.shape[0], contacts.node.shape[0]
     hessians = np.zeros((count, 4, 4))
-    for i in range(count):
-        for s in range(2):
-            if geometry[i, s, USE] != 0.0:
-                wx, wz = geometry[i, s, WX], geometry[i, s, WZ]
-                size = max(geometry[i, s, SIZE], 1e-30)
-                hessians[i, 2 * s, 2 * s] = stiffness * wx * wx / (size * size)
-                hessians[i, 2 * s, 2 * s + 1] = stiffness * wx * wz / (size * size)
-                hessians[i, 2 * s + 1, 2 * s] = hessians[i, 2 * s, 2 * s + 1]
-                hessians[i, 2 * s + 1, 2 * s + 1] = stiffness * wz * wz / (size * size)
-    band = np.empty((6 * n, options.half_band + 1))
-    assemble(band, beam, contacts, hessians, 1e-9 * stiffness, arm)
     step = np.zeros((n, 6))
     f = np.empty(6)
     for i in range(n):
@@ -364,6 +372,18 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
             step[e + 1, k] -= f[k]
         step[e, 3] -= lengths[e] * f[1]
         step[e, 4] += lengths[e] * f[0]
+    pair = pair_alone(contacts) if contacts.B.shape[3] == 6 else -1
+    even = pair >= 0 and even_pairs(contacts, pair, load, q.ravel(), hessians, step.ravel())
+    for i in range(0 if even else count):
+        for s in range(2):
+            if geometry[i, s, USE] != 0.0:
+                wx, wz = geometry[i, s, WX], geometry[i, s, WZ]
+                size = max(geometry[i, s, SIZE], 1e-30)
+                hessians[i, 2 * s, 2 * s] = stiffness * wx * wx / (size * size)
+                hessians[i, 2 * s, 2 * s + 1] = stiffness * wx * wz / (size * size)
+                hessians[i, 2 * s + 1, 2 * s] = hessians[i, 2 * s, 2 * s + 1]
+                hessians[i, 2 * s + 1, 2 * s + 1] = stiffness * wz * wz / (size * size)
+    assemble(band, beam, contacts, hessians, 1e-9 * stiffness, arm)
     for i in range(n):
         for k in range(6):
             if fixed[i, k]:
@@ -373,7 +393,7 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
     substitute_band(band, step.ravel())
     reach = flank_reach(contacts, step.ravel())
     advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0 if reach <= limit else limit / reach)
-    return True
+    return even and reach <= limit
 
 
 @kernel
@@ -381,8 +401,9 @@ def start_and_solve(
     beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array
 ) -> Outcome:
     """Linear start, then Newton: one call, because handing over the arrays takes as long as evaluating the contacts."""
-    linear_start(beam, contacts, state, options)
-    return solve(beam, contacts, state, options, history)
+    band = np.empty((6 * state.q.shape[0], options.half_band + 1))
+    known = linear_start(beam, contacts, state, options, band)
+    return iterate(beam, contacts, state, options, history, band, known)
 
 
 @kernel
