@@ -121,41 +121,57 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
 
 
 @kernel
-def add_stiffness(
-    band: Array, B: Array, hessians: Array, i: int, s: int, t: int, m: int, rows: int, columns: int, hb: Array
-) -> None:
-    """Add ball i's stiffness between the flanks s and t to the lower band; hb (2, m): room."""
+def add_own(band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, room: Array) -> None:
+    """Add b^T h b, of one flank's motion b (2, m) and its stiffness h (xx, xz, zz), to the lower band; room (2, m)."""
+    for k in range(m):
+        room[0, k] = h[0] * b[0, k] + h[1] * b[1, k]
+        room[1, k] = h[1] * b[0, k] + h[2] * b[1, k]
+    for k in range(m):
+        x, z = room[0, k], room[1, k]
+        for j in range(k, m):
+            band[start + k, j - k] += x * b[0, j] + z * b[1, j]
+
+
+@kernel
+def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, room: Array) -> None:
+    """Add b^T h c, of the motions b, c (2, m) of a ball's two flanks and the stiffness h (2, 2) between them, to the lower
+    band from ``rows`` and ``columns`` on; room (2, m)."""
+    m = b.shape[1]
     for a in range(2):
-        x, z = hessians[i, 2 * s + a, 2 * t], hessians[i, 2 * s + a, 2 * t + 1]
         for k in range(m):
-            hb[a, k] = x * B[i, t, 0, k] + z * B[i, t, 1, k]
+            room[a, k] = h[a, 0] * c[0, k] + h[a, 1] * c[1, k]
     for j in range(m):
-        x, z = B[i, s, 0, j], B[i, s, 1, j]
+        x, z = b[0, j], b[1, j]
         for k in range(min(m, rows - columns + j + 1)):
-            band[columns + k, rows - columns + j - k] += x * hb[0, k] + z * hb[1, k]
+            band[columns + k, rows - columns + j - k] += x * room[0, k] + z * room[1, k]
 
 
 @kernel
 def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float) -> None:
     """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
     fixed, node, B = beam.fixed, contacts.node, contacts.B
-    band[:, :] = beam.band
+    whole, given = band.ravel(), beam.band.ravel()
+    for i in range(whole.size):
+        whole[i] = given[i]
     m = B.shape[3]
-    hb = np.empty((2, m))
+    room = np.empty((2, m))
     for i in range(node.shape[0]):
         for s in range(2):
-            for t in range(2):
-                if hessians[i, 2 * s, 2 * t] == 0.0 and hessians[i, 2 * s + 1, 2 * t + 1] == 0.0:
-                    continue
-                rows, columns = 6 * node[i, s], 6 * node[i, t]
-                if m == 6 and rows == columns:
-                    add_stiffness(band, B, hessians, i, s, t, 6, rows, rows, hb)
-                else:
-                    add_stiffness(band, B, hessians, i, s, t, m, rows, columns, hb)
-    n, width = band.shape
-    for i in range(n):
-        band[i, 0] += shift * (1.0 if i % 6 < 3 else arm * arm)
-    for i in range(n):
+            h = hessians[i, 2 * s : 2 * s + 2]
+            own = h[0, 2 * s], h[0, 2 * s + 1], h[1, 2 * s + 1]
+            if own[0] == 0.0 and own[2] == 0.0:
+                continue
+            if m == 6:  # by its number: the compiler then unrolls the loops
+                add_own(band, B[i, s], own, 6 * node[i, s], 6, room)
+            else:
+                add_own(band, B[i, s], own, 6 * node[i, s], m, room)
+            t = 1 - s
+            between = h[:, 2 * t : 2 * t + 2]
+            if between[0, 0] != 0.0 or between[1, 1] != 0.0:
+                add_between(band, B[i, s], B[i, t], between, 6 * node[i, s], 6 * node[i, t], room)
+    width, turn = band.shape[1], shift * arm * arm
+    for i in range(band.shape[0]):
+        band[i, 0] += shift if i % 6 < 3 else turn
         if fixed[i // 6, i % 6]:
             for w in range(width):
                 band[i, w] = 0.0
