@@ -1,13 +1,13 @@
 """Symmetric positive definite banded systems, A[i, j] = band[j, i - j] for i >= j: the lower band, column by column.
 
-Compiled: the LDL^T below. A band of 12 is that of a chain: nodes of six unknowns, each coupled to the next one only, and
-what the band has room for beyond is taken as zero. Its D has blocks of three, the displacements and the rotations of a node:
-a third of the divisions and of the passes over the rows. Interpreted: LAPACK through scipy. A test compares them.
+Compiled: the LDL^T below. A band of 12 is that of a chain: nodes of six unknowns, each coupled to the next one only; what
+the band has room for beyond is taken as zero. Its D has blocks of three, the displacements and the rotations of a node: a
+third of the divisions and of the passes over the rows. Interpreted: LAPACK through scipy. A test compares them.
 """
 
 import numpy as np
 
-from lowfi.jit import is_compiled, kernel
+from lowfi.jit import is_compiled, kernel, summing
 from lowfi.statics.records import Array
 
 #: Width of the band of a chain of nodes.
@@ -31,7 +31,7 @@ def eliminate(band: Array, column: Array, j: int, m: int) -> None:
 
 @kernel
 def eliminate_three(band: Array, u: Array, v: Array, w: Array, j: int, m: int) -> bool:
-    """Eliminate the unknowns j to j + 2 from the m - 3 that follow them; u, v, w (12,): room. False where their block is not
+    """Eliminate the unknowns j to j + 2 from the m - 3 that follow; u, v, w (12,): room. False where their block is not
     positive definite."""
     a, b, c, d, e, f = band[j, 0], band[j, 1], band[j, 2], band[j + 1, 0], band[j + 1, 1], band[j + 2, 0]
     xx, xy, xz = d * f - e * e, c * e - b * f, b * e - c * d
@@ -122,26 +122,20 @@ def substitute_chain(band: Array, b: Array) -> None:
 
 
 @kernel
-def forward_wide(band: Array, b: Array, j: int, m: int) -> None:
-    """Take unknown j from the m - 1 that follow it, by rows that the compiler knows to begin at zero."""
-    x, row, y = b[j], band[j, 1:m], b[j + 1 : j + m]
-    for i in range(m - 1):
-        y[i] -= row[i] * x
+def take_two(y: Array, first: Array, second: Array, a: float, b: float) -> None:
+    """Take a first + b second from y, all of a length."""
+    for i in range(y.size):
+        y[i] -= first[i] * a + second[i] * b
 
 
-@kernel
-def product(band: Array, b: Array, j: int, m: int) -> float:
-    """Sum of the unknowns that follow j, times its factors: four sums side by side, so that none waits for the other."""
-    w, x, y, z = 0.0, 0.0, 0.0, 0.0
-    whole = m - (m - 1) % 4
-    for i in range(1, whole, 4):
-        w += band[j, i] * b[j + i]
-        x += band[j, i + 1] * b[j + i + 1]
-        y += band[j, i + 2] * b[j + i + 2]
-        z += band[j, i + 3] * b[j + i + 3]
-    for i in range(whole, m):
-        w += band[j, i] * b[j + i]
-    return (w + x) + (y + z)
+@summing
+def two_products(first: Array, second: Array, y: Array) -> tuple[float, float]:
+    """Products of two rows with y, all of a length."""
+    p, q = 0.0, 0.0
+    for i in range(y.size):
+        p += first[i] * y[i]
+        q += second[i] * y[i]
+    return p, q
 
 
 @kernel
@@ -151,10 +145,22 @@ def ldl_substitute(band: Array, b: Array) -> None:
     if width == CHAIN:
         substitute_chain(band, b)
         return
-    for j in range(n):
-        forward_wide(band, b, j, min(width, n - j))
-    for j in range(n - 1, -1, -1):
-        b[j] = b[j] * band[j, 0] - product(band, b, j, min(width, n - j))
+    pairs = n - n % 2  # unknowns by twos: half as many passes over those that follow
+    for j in range(0, pairs, 2):
+        m = min(width, n - j)
+        b[j + 1] -= band[j, 1] * b[j]
+        take_two(b[j + 2 : j + m], band[j, 2:m], band[j + 1, 1 : m - 1], b[j], b[j + 1])
+        if j + width < n:
+            b[j + width] -= band[j + 1, width - 1] * b[j + 1]
+    for j in range(pairs, n):
+        b[j] *= band[j, 0]
+    for j in range(pairs - 2, -1, -2):
+        m = min(width, n - j)
+        p, q = two_products(band[j, 2:m], band[j + 1, 1 : m - 1], b[j + 2 : j + m])
+        if j + width < n:
+            q += band[j + 1, width - 1] * b[j + width]
+        b[j + 1] = b[j + 1] * band[j + 1, 0] - q
+        b[j] = b[j] * band[j, 0] - p - band[j, 1] * b[j + 1]
 
 
 def _lapack_factor(band: Array) -> bool:
