@@ -13,7 +13,7 @@ from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, 
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle
 from .banded import factor_band, substitute_band
-from .beam import force_of, positions
+from .beam import force_of
 from .pair import add_pairs, even_pairs, pair_alone
 from .search import TRIALS, first_trial, next_trial
 
@@ -58,28 +58,30 @@ def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: floa
 @kernel
 def evaluate_beam(beam: BeamArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
     """Fill the nodes' motions q (n, 6) from the first node's and the element deformations d, and the gradient (n, 6) of the
-    energy of beam and loads; returns that energy and the largest force of either."""
-    lengths, load, constants = beam.lengths, beam.load, beam.constants
-    positions(q, d, lengths)
-    energy, scale = 0.0, 0.0
-    for i in range(q.shape[0]):
-        for k in range(6):
-            gradient[i, k] = -load[i, k]
-            energy -= load[i, k] * q[i, k]
-            if k < 3:
-                scale = max(scale, abs(load[i, k]))
-    f = np.empty(6)
-    for e in range(lengths.shape[0]):
-        c = constants[e]
-        force_of(d[e], (c[0], c[1], c[2], c[3], c[4]), f)
-        for k in range(6):
-            energy += 0.5 * f[k] * d[e, k]
-            gradient[e, k] -= f[k]
-            gradient[e + 1, k] += f[k]
-            if k < 3:
-                scale = max(scale, abs(f[k]))
-        gradient[e, 3] += lengths[e] * f[1]
-        gradient[e, 4] -= lengths[e] * f[0]
+    energy of beam and loads; returns that energy and the largest force of either.
+
+    ``beam.positions`` and ``beam.force_of`` in one pass, whose numbers the compiler keeps in registers.
+    """
+    last, energy, scale = d.shape[0], 0.0, 0.0
+    fx, fy, fz, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    x, y, z, a, b, c = q[0, 0], q[0, 1], q[0, 2], q[0, 3], q[0, 4], q[0, 5]
+    for i in range(last + 1):
+        p, g = beam.load[i], gradient[i]
+        energy -= p[0] * x + p[1] * y + p[2] * z + p[3] * a + p[4] * b + p[5] * c
+        scale = max(scale, abs(p[0]), abs(p[1]), abs(p[2]))
+        g[0], g[1], g[2], g[3], g[4], g[5] = fx - p[0], fy - p[1], fz - p[2], mx - p[3], my - p[4], mz - p[5]
+        if i < last:
+            e, k, length = d[i], beam.constants[i], beam.lengths[i]
+            dx, dy, dz, da, db, dc = e[0], e[1], e[2], e[3], e[4], e[5]
+            fx, fy, fz = k[0] * dx - k[1] * db, k[0] * dy + k[1] * da, k[3] * dz
+            mx, my, mz = k[2] * da + k[1] * dy, k[2] * db - k[1] * dx, k[4] * dc
+            energy += 0.5 * (fx * dx + fy * dy + fz * dz + mx * da + my * db + mz * dc)
+            scale = max(scale, abs(fx), abs(fy), abs(fz))
+            g[0], g[1], g[2] = g[0] - fx, g[1] - fy, g[2] - fz
+            g[3], g[4], g[5] = g[3] - mx + length * fy, g[4] - my - length * fx, g[5] - mz
+            x, y, z, a, b, c = x + length * b + dx, y - length * a + dy, z + dz, a + da, b + db, c + dc
+            r = q[i + 1]
+            r[0], r[1], r[2], r[3], r[4], r[5] = x, y, z, a, b, c
     return energy, scale
 
 
@@ -357,9 +359,7 @@ def iterate(
 
 
 @kernel
-def linear_start(
-    beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, band: Array
-) -> bool:
+def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, band: Array) -> bool:
     """Start of the iteration: equilibrium of the screw on linear springs in place of contacts; band (6 n, half bandwidth +
     1): room.
 
