@@ -159,27 +159,33 @@ def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Ar
     room = np.empty((2, m))
     for i in range(node.shape[0]):
         for s in range(2):
-            h = hessians[i, 2 * s : 2 * s + 2]
-            own = h[0, 2 * s], h[0, 2 * s + 1], h[1, 2 * s + 1]
+            o, t = 2 * s, 2 - 2 * s
+            own = hessians[i, o, o], hessians[i, o, o + 1], hessians[i, o + 1, o + 1]
             if own[0] == 0.0 and own[2] == 0.0:
                 continue
             if m == 6:  # by its number: the compiler then unrolls the loops
                 add_own(band, B[i, s], own, 6 * node[i, s], 6, room)
             else:
                 add_own(band, B[i, s], own, 6 * node[i, s], m, room)
-            t = 1 - s
-            between = h[:, 2 * t : 2 * t + 2]
-            if between[0, 0] != 0.0 or between[1, 1] != 0.0:
-                add_between(band, B[i, s], B[i, t], between, 6 * node[i, s], 6 * node[i, t], room)
-    width, turn = band.shape[1], shift * arm * arm
-    for i in range(band.shape[0]):
-        band[i, 0] += shift if i % 6 < 3 else turn
-        if fixed[i // 6, i % 6]:
-            for w in range(width):
-                band[i, w] = 0.0
-            for w in range(1, min(width, i + 1)):
-                band[i - w, w] = 0.0
-            band[i, 0] = 1.0
+            if hessians[i, o, t] != 0.0 or hessians[i, o + 1, t + 1] != 0.0:
+                between, rows, columns = hessians[i, o : o + 2, t : t + 2], 6 * node[i, s], 6 * node[i, 1 - s]
+                add_between(band, B[i, s], B[i, 1 - s], between, rows, columns, room)
+    for i in range(fixed.shape[0]):
+        for k in range(6):
+            band[6 * i + k, 0] += shift if k < 3 else shift * arm * arm
+            if fixed[i, k]:
+                hold(band, 6 * i + k)
+
+
+@kernel
+def hold(band: Array, i: int) -> None:
+    """Take the unknown i out of the equations."""
+    width = band.shape[1]
+    for w in range(width):
+        band[i, w] = 0.0
+    for w in range(1, min(width, i + 1)):
+        band[i - w, w] = 0.0
+    band[i, 0] = 1.0
 
 
 @kernel
