@@ -44,7 +44,7 @@ def mesh_study(
     fresh
         Compute runs even where they are stored.
     bodies
-        Of scenes of friction: half-space, or finite (a ball and grooved bars from finite elements: minutes).
+        Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     backend
         joblib (this machine) or dask (a cluster).
     scheduler
@@ -52,17 +52,18 @@ def mesh_study(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.commands.rolling import all_rolling, known_bodies, run_rolling_study
+    from compare.commands.rolling import all_rolling, known_bodies, refuse_options, run_rolling_study
     from compare.commands.study import run_mesh_study
 
     rolling = all_rolling(scenes)
     bodies = known_bodies(bodies, rolling=rolling)
     if rolling:
+        refuse_options({"--spread": spread})
         return run_rolling_study(
             scenes,
             levels,
             store,
-            workers,
+            engine(backend, scheduler, workers, tls),
             source=source_mesh,
             json_out=as_json,
             show=show,
@@ -123,7 +124,7 @@ def compare(
     balls
         Also print every contact.
     bodies
-        Of scenes of friction: half-space, or finite (a ball and grooved bars from finite elements: minutes).
+        Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     backend
         joblib (this machine) or dask (a cluster).
     scheduler
@@ -131,15 +132,24 @@ def compare(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.commands.rolling import all_rolling, known_bodies, run_rolling_compare
+    from compare.commands.rolling import all_rolling, known_bodies, refuse_options, run_rolling_compare
     from compare.commands.study import parse_levels, run_compare
 
     wanted = None if levels is None else parse_levels(levels)
     rolling = all_rolling(scenes)
     bodies = known_bodies(bodies, rolling=rolling)
     if rolling:
+        refuse_options({"--model": model is not None, "--balls": balls})
         return run_rolling_compare(
-            scenes, wanted, store, workers, json_out=as_json, show=show, print_json=print_json, fresh=fresh, bodies=bodies
+            scenes,
+            wanted,
+            store,
+            engine(backend, scheduler, workers, tls),
+            json_out=as_json,
+            show=show,
+            print_json=print_json,
+            fresh=fresh,
+            bodies=bodies,
         )
     return run_compare(
         scenes,
