@@ -17,7 +17,7 @@ from compare.rolling.rows import stored_rows
 from compare.rolling.runs import FINITE, LEVELS, load
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
-from hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
+from hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, solve_rolling
 from hifi.rolling.friction import PATH
 
 #: A grid beyond those of the uncertainty, and other paths: creeping speeds over the largest slip.
@@ -65,7 +65,8 @@ def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes:
         yield Change(name, "finite bodies", tried, _largest(own[1:], own[0]), finite)
     if name == LINEAR:
         tried = f"{', '.join(str(s.steps) for s in series)} steps from rest"
-        yield Change(name, "time step", tried, max(_largest(s.force[-1:], s.steady) for s in series), half)
+        ends = [s.force[-1] / s.steady if s.status == "converged" else np.nan for s in series]
+        yield Change(name, "time step", tried, _largest(ends, 1.0), half)
     first, *others = (_force(case, Choices(SHAPE), path) for path in (PATH, *PATHS.values()))
     yield Change(name, "path of regularisation", ", ".join(PATHS), _largest(others, first), half)
 
