@@ -89,8 +89,8 @@ class Drawn:
     def at(self, scene: Scene, on_screw: Array, on_nut: Array, ball_radius: Array) -> Specimen:
         """What balls of these radii (n,) [m] meet at azimuths (n,) [rad] on the screw and from the nut's axis of errors."""
         n = ball_radius.size
-        centre = np.broadcast_to(nominal_groove_centres(scene), (n, 4, 2)).copy()
-        slopes = np.zeros((2, n, 4, 2))
+        centre, slopes = np.empty((n, 4, 2)), np.zeros((2, n, 4, 2))
+        centre[...] = nominal_groove_centres(scene)
         for s, name in enumerate(SIDES):
             if not self.pitch[s] and not self.roundness[s]:
                 continue

@@ -68,17 +68,24 @@ def layout_at(track: Track, azimuth: Array, z: Array) -> BallLayout:
 
 def groove_radii(scene: Scene) -> Array:
     """Nominal groove radius of each side, shape ``(4,)`` [m]."""
-    return np.array([scene.screw.groove_radius] * 2 + [scene.nut.groove_radius] * 2)
+    return np.array(_radii(scene))
+
+
+def _radii(scene: Scene) -> list[float]:
+    return [scene.screw.groove_radius] * 2 + [scene.nut.groove_radius] * 2
 
 
 def nominal_groove_centres(scene: Scene) -> Array:
     """Groove centres in the section frame, shape ``(4, 2)`` [m]: (r_G - r_B) opposite to the contact (Lin 2.4)."""
-    beta = scene.track.contact_angle
-    direction = np.array(SIDE_SIGNS) * np.array([cos(beta), sin(beta)])
-    return np.asarray(-(groove_radii(scene) - scene.balls.radius)[:, None] * direction)
+    return _along_contacts(scene, [-(r - scene.balls.radius) for r in _radii(scene)])
 
 
 def nominal_contact_points(scene: Scene) -> Array:
     """Nominal contact points in the section frame, shape ``(4, 2)`` [m]: r_B along the contact direction."""
-    beta = scene.track.contact_angle
-    return np.asarray(scene.balls.radius * np.array(SIDE_SIGNS) * np.array([cos(beta), sin(beta)]))
+    return _along_contacts(scene, [scene.balls.radius] * 4)
+
+
+def _along_contacts(scene: Scene, distance: list[float]) -> Array:
+    """Points ``(4, 2)`` [m] so far along the contact direction of each side."""
+    c, s = cos(scene.track.contact_angle), sin(scene.track.contact_angle)
+    return np.array([(d * (x * c), d * (z * s)) for d, (x, z) in zip(distance, SIDE_SIGNS, strict=True)])

@@ -105,7 +105,7 @@ def run_rolling_compare(
         beside = None if bodies == HALF_SPACE else runs_of(scene, wanted[-1:], store, Engine(), fresh=False)[0]
         out += rows(scene, found, beside)
     if json_out:
-        print_json([finite(row.as_json()) for row in out])
+        print_json({"rows": [finite(row.as_json()) for row in out]})
         return 0
     for name in dict.fromkeys(row.scene for row in out):
         show(_table(name, [row for row in out if row.scene == name]))

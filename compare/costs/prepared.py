@@ -9,7 +9,7 @@ from lowfi.as_source import static as lin
 from lowfi.compliance.bodies import REFINED
 from lowfi.statics.elastic import run as run_elastic
 from lowfi.statics.elastic_system import Rebuild
-from lowfi.statics.problem import Problem, build
+from lowfi.statics.problem import Problem, build, distances
 from lowfi.statics.records import Outcome
 from lowfi.statics.selection import choose_sides
 from lowfi.statics.static import Prepared, pick_engine, prepare, run
@@ -31,8 +31,9 @@ class Ours:
         """Build the system; ``everything``: all four sides."""
         layout = ball_layout(scene)
         drawn = specimen(scene, layout)
-        use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
-        problem = build(scene, drawn, layout, use)
+        known = distances(scene, drawn)
+        use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn, known)
+        problem = build(scene, drawn, layout, use, known=known)
         self.prepared: Prepared = prepare(problem, pick_engine("compiled", scene.ball_count), tolerance=tolerance)
         self.begin = [a.copy() for a in self.prepared.state]
         self.unknowns = problem.unknowns

@@ -23,6 +23,7 @@ from compare.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_st
 from compare.rolling.runs import FINITE, LEVELS, SOURCE_LEVEL, RollingRun, load
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
+from compare.system import gmsh_fault
 from reports.records import Column, Figure, Panel, PressureMap, PressurePanel, Section, Table, Text
 from reports.records import Series as Curve
 
@@ -102,13 +103,15 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report. Runs of scenes come from the stores; the report says which are missing."""
     stores = study.stores or (shipped_store(),)
     step("rolling contacts with known answers")
-    proof = proofs()
+    meshing = not gmsh_fault()
+    proof = proofs(meshing=meshing)
     found = {name: stored_rows(name, stores) for name in (*PAIRS, *RINGS)}
     study.uses([name for name, own in found.items() if own])
     step("linear bearing from rest")
     series = from_rest()
     step("slip and traction; finite bodies of other sizes")
-    sizes = Sizes((), "Left out of a quick report.") if study.quick else body_sizes(stores, fresh=study.timed)
+    left = "Left out of a quick report." if study.quick else "" if meshing else "Left out: gmsh cannot be loaded."
+    sizes = Sizes((), left) if left else body_sizes(stores, fresh=study.timed)
     patches = fields()
     step("other grids, steps and paths")
     changed = changes(stores, series, sizes.variants)

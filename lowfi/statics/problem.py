@@ -76,8 +76,8 @@ class Problem:
         used = [s for s in range(2) if self.use[s]]
         if used:
             reach = self.B.shape[3] - 1
-            low, high = self.node[:, used].min(axis=1), self.node[:, used].max(axis=1)
-            width = max(width, int((6 * (high - low)).max()) + reach)
+            apart = int(np.abs(self.node[:, 0] - self.node[:, 1]).max()) if len(used) == 2 else 0
+            width = max(width, 6 * apart + reach)
         return width
 
 
@@ -195,14 +195,13 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     own = drawn.ball_radius if ball_radius is None else ball_radius
     kind = scene.ingredients.hertz
     if kind in ("as printed", "error-free"):
-        row = printed_constants(scene) if kind == "as printed" else nominal_hertz(scene).C
-        return np.array(np.broadcast_to(row, (*own.shape, 4)))
+        return _repeated(printed_constants(scene) if kind == "as printed" else nominal_hertz(scene).C, own.shape)
     if own.ndim == 1:
-        exact = not drawn.profile.size and np.array_equal(drawn.radius, groove_radii(scene))
-        if exact and np.all(own == scene.balls.radius):
-            return np.array(np.broadcast_to(nominal_hertz(scene).C, (own.size, 4)))
-        same = own[:1] if np.all(own == own[0]) else own  # equal balls have equal constants
-        return np.array(np.broadcast_to(drawn_hertz(scene, drawn, same).C, (own.size, 4)))
+        exact = not drawn.profile.size and (drawn.radius == groove_radii(scene)).all()
+        if exact and (own == scene.balls.radius).all():
+            return _repeated(nominal_hertz(scene).C, own.shape)
+        same = own[:1] if (own == own[0]).all() else own  # equal balls have equal constants
+        return _repeated(drawn_hertz(scene, drawn, same).C, own.shape)
     # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
     middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
     series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
@@ -213,9 +212,19 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     return np.stack([values[k] for k in of_side.ravel()], axis=-1)
 
 
-def pack_geometry(scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Geometry ``(N, 4, 9)`` and pair closures ``(N, 2)`` of the kernels (see ``kernel.ball``) for a specimen."""
-    offset, closure = distances(scene, drawn)
+def _repeated(row: Array, shape: tuple[int, ...]) -> Array:
+    """Values ``(4,)`` of the sides, or ``(*shape, 4)``, for every ball."""
+    values = np.empty((*shape, 4))
+    values[...] = row
+    return values
+
+
+def pack_geometry(
+    scene: Scene, drawn: Specimen, C: Array, use: NDArray[np.bool_], known: tuple[Array, Array] | None = None
+) -> tuple[Array, Array]:
+    """Geometry ``(N, 4, 9)`` and pair closures ``(N, 2)`` of the kernels (see ``kernel.ball``) for a specimen; known: its
+    ``distances``, where they have been computed."""
+    offset, closure = known or distances(scene, drawn)
     n = offset.shape[0]
     rows = np.empty((n, 4, 9))
     rows[..., :4] = offset
@@ -231,10 +240,10 @@ def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
 
     Built from differences, so that a nominal contact has an approach of zero to round-off of its errors only.
     """
-    centre, slack = drawn.centre, groove_radii(scene) - scene.balls.radius
+    centre, radii, nominal = drawn.centre, groove_radii(scene), nominal_groove_centres(scene)
     size = np.hypot(centre[..., 0], centre[..., 1])
-    nominal = np.hypot(*nominal_groove_centres(scene).T)
-    wider = (drawn.radius - groove_radii(scene)) + (slack - nominal)
+    nominal = np.hypot(nominal[:, 0], nominal[:, 1])
+    wider = (drawn.radius - radii) + (radii - scene.balls.radius - nominal)
     offset = np.empty((*drawn.ball_radius.shape, 4, 4))
     np.negative(centre, out=offset[..., :2])
     offset[..., 2] = size
@@ -256,7 +265,8 @@ def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: in
         point = np.broadcast_to(nominal_contact_points(scene)[side], (layout.z.size, 2))
     else:
         point = drawn.centre[..., side, :] + (more[:, side] if more is not None else 0.0)
-    x = layout.centre + point[..., :1] * layout.radial + point[..., 1:] * layout.binormal
+    x = layout.centre + point[..., :1] * layout.radial
+    x += point[..., 1:] * layout.binormal
     x[..., 2] -= origin_z
     return wrench_rows(layout, x)
 
@@ -293,15 +303,17 @@ def _supports(scene: Scene, nodes: Array) -> tuple[NDArray[np.bool_], Array, Arr
     fixed = np.zeros((nodes.size, 6), dtype=bool)
     prescribed, load = np.zeros((nodes.size, 6)), np.zeros((nodes.size, 6))
     for support in scene.supports:
-        j = int(np.argmin(np.abs(nodes - support.at)))
+        j = int(np.abs(nodes - support.at).argmin())
         for name, value in support.fixed:
             if fixed[j, FREEDOMS.index(name)]:
                 raise ValueError(f"two supports hold {name} at {1e3 * support.at:g} mm, less than {1e6 * MERGE:g} um apart")
             fixed[j, FREEDOMS.index(name)] = True
             prescribed[j, FREEDOMS.index(name)] = value
     for x in scene.loads:
-        j = int(np.argmin(np.abs(nodes - x.at)))
-        load[j] += rigid_transport(x.at - nodes[j]).T @ np.concatenate([x.force, x.moment])
+        j = int(np.abs(nodes - x.at).argmin())
+        load[j] += (*x.force, *x.moment)
+        load[j, 3] -= (x.at - nodes[j]) * x.force[1]
+        load[j, 4] += (x.at - nodes[j]) * x.force[0]
     return fixed, prescribed, load
 
 
@@ -315,13 +327,14 @@ def build(
     refine: int = 1,
     more: Array | None = None,
     section: BeamSection | None = None,
+    known: tuple[Array, Array] | None = None,
 ) -> Problem:
     """Arrays of the static problem with the sides ``use`` (4,); ``refine`` splits every element into that many.
 
-    more: see ``flank_rows``; section: of the screw, instead of the scene's (Lin C.8).
+    more: see ``flank_rows``; section: of the screw, instead of the scene's (Lin C.8); known: see ``pack_geometry``.
     """
     parts = (scene, drawn, layout, more)
-    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use)
+    geometry, closure = pack_geometry(scene, drawn, hertz_C(scene, drawn), use, known)
     section = section or screw_section(scene)
     stations = contact_stations(scene, layout)
     used = [s for s in range(2) if use[s]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import hypot
 from types import ModuleType
 
 import numpy as np
@@ -19,21 +20,22 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def choose_sides(scene: Scene, drawn: Specimen) -> Mask:
+def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | None = None) -> Mask:
     """Sides (4,) worth building: a diagonal pair is left out when no ball is tight in it and the axial load opens it.
 
     A guess: after the solution every ball is tested against all four flanks, and the pair is built if one touches.
-    The energy is convex, so a pair that carries nothing at the solution of the smaller problem changes nothing.
+    The energy is convex, so a pair that carries nothing at the solution of the smaller problem changes nothing. known: the
+    specimen's ``distances``, where they have been computed.
     """
     use = np.ones(4, dtype=bool)
-    _, closure = distances(scene, drawn)
     force = sum(load.force[2] for load in scene.loads)
-    lateral = sum(float(np.hypot(*load.force[:2])) for load in scene.loads)
-    moment = sum(float(np.hypot(*load.moment[:2])) for load in scene.loads)
+    lateral = sum(hypot(*load.force[:2]) for load in scene.loads)
+    moment = sum(hypot(*load.moment[:2]) for load in scene.loads)
     bent = any(value != 0.0 for s in scene.supports for name, value in s.fixed if name != "uz")
     if force == 0.0 or bent or lateral > 0.5 * abs(force) or moment > 0.5 * abs(force) * scene.track.pitch_radius:
         return use
     idle = (1, 2) if force > 0.0 else (0, 3)
+    _, closure = known or distances(scene, drawn)
     if float(closure[:, min(idle)].max()) <= 0.0:
         use[list(idle)] = False
     return use

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lowfi import jit
 from lowfi.statics.mechanism import Mechanism, free_motions
-from lowfi.statics.problem import SIGNS, Problem, actual_hertz, build
+from lowfi.statics.problem import SIGNS, Problem, actual_hertz, build, distances
 from lowfi.statics.proof import opening_motion, words_of
 from lowfi.statics.records import BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 from lowfi.statics.result import SolverReport, StaticResult
@@ -76,37 +76,39 @@ def pick_engine(engine: Engine, balls: int, uneven: bool = False) -> ModuleType:
 def reference_scale(problem: Problem) -> tuple[float, float]:
     """Force [N] of a typical loaded contact and its secant stiffness [N/m], from loads, interference, or else an
     approach of a micrometre."""
-    count = max(1, problem.C.shape[0])
-    pair = float(np.mean(problem.C[:, 0] + problem.C[:, 3]))
-    arm = problem.scene.track.pitch_radius
-    applied = float(np.abs(problem.load[:, :3]).sum() + np.abs(problem.load[:, 3:]).sum() / arm)
-    squeeze = max(0.0, float(problem.closure.max(initial=0.0)))
-    force = max(applied / count, (squeeze / pair) ** 1.5)
+    pair, squeeze = _squeeze(problem)
+    load = np.abs(problem.load).sum(axis=0)
+    applied = load[:3].sum() + load[3:].sum() / problem.scene.track.pitch_radius
+    force = max(float(applied) / max(1, problem.C.shape[0]), squeeze)
     if force == 0.0:  # given motions, or errors that squeeze a ball by three flanks
         force = (1e-6 / pair) ** 1.5
     return force, float(np.cbrt(force) / pair)
 
 
+def _squeeze(problem: Problem) -> tuple[float, float]:
+    """Mean C_a + C_b [m/N^(2/3)] of the balls' pairs, and force [N] by which the tightest one is pressed without load."""
+    pair = float((problem.C[:, 0] + problem.C[:, 3]).sum()) / problem.C.shape[0] if problem.C.size else float("nan")
+    return pair, (max(0.0, float(problem.closure.max(initial=0.0))) / pair) ** 1.5
+
+
 def force_floor(problem: Problem) -> float:
     """Least force [N] that residuals are measured by: the largest load, moments over the arm, or initial squeeze."""
-    pair = float(np.mean(problem.C[:, 0] + problem.C[:, 3]))
-    squeeze = max(0.0, float(problem.closure.max(initial=0.0)))
-    arm = problem.scene.track.pitch_radius
-    loads = float(np.abs(problem.load[:, :3]).max()), float(np.abs(problem.load[:, 3:]).max()) / arm
-    return max(*loads, float((squeeze / pair) ** 1.5))
+    load = np.abs(problem.load).max(axis=0)
+    return max(float(load[:3].max()), float(load[3:].max()) / problem.scene.track.pitch_radius, _squeeze(problem)[1])
 
 
 def prepare(problem: Problem, engine: ModuleType, *, tolerance: float = TOLERANCE) -> Prepared:
     """Arrays for the kernels, with a start that meets the prescribed displacements."""
     nodes = problem.nodes
-    lengths = np.diff(nodes)
+    lengths = nodes[1:] - nodes[:-1]
     s = problem.section
-    sections = np.tile([s.EA, s.EI, s.GJ, s.kGA], (lengths.size, 1)).reshape(lengths.size, 4)
+    sections = np.empty((lengths.size, 4))
+    sections[:] = s.EA, s.EI, s.GJ, s.kGA
     force, stiffness = reference_scale(problem)
     count, half_band = problem.C.shape[0], problem.half_bandwidth
-    q = _lift(problem)
-    d = np.zeros((lengths.size, 6))
-    if lengths.size:
+    q, d = np.zeros((nodes.size, 6)), np.zeros((lengths.size, 6))
+    if problem.prescribed.any():
+        q = _lift(problem)
         moved = q[:-1].copy()
         moved[:, 0] += lengths * q[:-1, 4]
         moved[:, 1] -= lengths * q[:-1, 3]
@@ -193,10 +195,11 @@ def solve_static(
     layout = ball_layout(scene) if layout is None else layout
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
-    use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn)
+    known = distances(scene, drawn)
+    use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn, known)
     notes: tuple[str, ...] = ()
     while True:
-        problem = build(scene, drawn, layout, use, everything=everything, refine=refine)
+        problem = build(scene, drawn, layout, use, everything=everything, refine=refine, known=known)
         mechanism = free_motions(problem)
         if mechanism.driven:
             return failed_result(problem, "lin", f"not held: {mechanism.text}", perf_counter() - start)

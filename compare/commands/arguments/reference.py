@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, Tls, app, cache_folder, engine, print_json, show
+from compare.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine, print_json, show
 from compare.errors import InputError
 
 
@@ -17,9 +17,9 @@ def mesh_study(
     *,
     levels: int = 3,
     store: Path = Path("rollbench-reference"),
-    spread: Annotated[bool, Parameter(negative="")] = False,
-    source_mesh: Annotated[bool, Parameter(negative="")] = False,
-    fresh: Annotated[bool, Parameter(negative="")] = False,
+    spread: Flag = False,
+    source_mesh: Flag = False,
+    fresh: Flag = False,
     bodies: str = "half-space",
     as_json: Json = False,
     backend: str = "joblib",
@@ -92,8 +92,8 @@ def compare(
     model: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
     levels: str | None = None,
     store: Path = Path("rollbench-reference"),
-    fresh: Annotated[bool, Parameter(negative="")] = False,
-    balls: Annotated[bool, Parameter(negative="")] = False,
+    fresh: Flag = False,
+    balls: Flag = False,
     bodies: str = "half-space",
     as_json: Json = False,
     backend: str = "joblib",
@@ -103,7 +103,8 @@ def compare(
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
 
-    A verdict and one table; every contact goes to <scene>-compare.csv and .svg in the store. For a page to send: rollbench
+    A verdict, ten answers beside the reference's, a table of models; every contact goes to <scene>-compare.csv and .svg in
+    the store. For a page to send: rollbench
     report SCENE.
 
     Parameters
@@ -111,8 +112,9 @@ def compare(
     scenes
         Names of shipped scenes, or scene files.
     model
-        Low-order models of rollbench list, but for condensed. Unless given: refined, the default of every command, whose
-        error is the verdict, and beside it the others that the report compares.
+        Low-order models of rollbench list; condensed takes the bodies of the reference's finest level. Unless given:
+        refined, the default of every command, whose error is the verdict, and beside it the others that the report
+        compares.
     levels
         Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given.
     store
@@ -166,15 +168,15 @@ def compare(
 @app.command
 def export(
     scene: str,
-    part: str = "",
+    part: Word = "",
     *,
     out: Path | None = None,
-    format: Annotated[str, Parameter(name="--format")] = "",
+    format: Annotated[Word, Parameter(name="--format")] = "",
     level: int = 1,
     ball: int | None = None,
-    deck: str = "",
+    deck: Word = "",
     unit: str = "mm",
-    balls: str = "",
+    balls: Word = "",
     b_over_h: float = 1.5,
     growth: float = 0.4,
     stiffness: float = 2e8,
@@ -232,8 +234,8 @@ def export(
 def crosscheck(
     scene: str,
     *,
-    run: Annotated[bool, Parameter(negative="")] = False,
-    fresh: Annotated[bool, Parameter(negative="")] = False,
+    run: Flag = False,
+    fresh: Flag = False,
     data: Path | None = None,
     work: Path = Path("rollbench-crosscheck"),
     store: Path = Path("rollbench-reference"),

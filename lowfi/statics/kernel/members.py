@@ -106,13 +106,16 @@ def follow(
         else:
             scale, loose = glance(beam, contacts, state, out.gradient, room)
         scale = max(scale, options.floor)
-        residual = max(residual_of(out.gradient, fixed, scale, options.arm), loose / scale)
+        unbalanced = residual_of(out.gradient, fixed, scale, options.arm)
+        residual = max(unbalanced, loose / scale)
         if residual <= options.tolerance:
             status = CONVERGED
             break
         if tried > FREE and not residual <= LEFT * before:
             break
         before, last = last, residual
+        if unbalanced <= options.tolerance:  # the screw is where it has to be: what is left are steps of the balls
+            continue
         for i in range(q.shape[0]):
             for k in range(6):
                 step[i, k] = 0.0 if fixed[i, k] else -out.gradient[i, k]

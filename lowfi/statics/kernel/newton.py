@@ -13,8 +13,8 @@ from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, 
 
 from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle
 from .banded import factor_band, substitute_band
-from .beam import force_of, positions
-from .pair import add_pairs, pair_alone
+from .beam import force_of
+from .pair import add_pairs, even_pairs, pair_alone
 from .search import TRIALS, first_trial, next_trial
 
 CONVERGED, ITERATIONS, NOT_HELD, SINGULAR = 0, 1, 2, 3
@@ -58,28 +58,30 @@ def pull(gradient: Array, B: Array, i: int, s: int, m: int, start: int, fx: floa
 @kernel
 def evaluate_beam(beam: BeamArrays, q: Array, d: Array, gradient: Array) -> tuple[float, float]:
     """Fill the nodes' motions q (n, 6) from the first node's and the element deformations d, and the gradient (n, 6) of the
-    energy of beam and loads; returns that energy and the largest force of either."""
-    lengths, load, constants = beam.lengths, beam.load, beam.constants
-    positions(q, d, lengths)
-    energy, scale = 0.0, 0.0
-    for i in range(q.shape[0]):
-        for k in range(6):
-            gradient[i, k] = -load[i, k]
-            energy -= load[i, k] * q[i, k]
-            if k < 3:
-                scale = max(scale, abs(load[i, k]))
-    f = np.empty(6)
-    for e in range(lengths.shape[0]):
-        c = constants[e]
-        force_of(d[e], (c[0], c[1], c[2], c[3], c[4]), f)
-        for k in range(6):
-            energy += 0.5 * f[k] * d[e, k]
-            gradient[e, k] -= f[k]
-            gradient[e + 1, k] += f[k]
-            if k < 3:
-                scale = max(scale, abs(f[k]))
-        gradient[e, 3] += lengths[e] * f[1]
-        gradient[e, 4] -= lengths[e] * f[0]
+    energy of beam and loads; returns that energy and the largest force of either.
+
+    ``beam.positions`` and ``beam.force_of`` in one pass, whose numbers the compiler keeps in registers.
+    """
+    last, energy, scale = d.shape[0], 0.0, 0.0
+    fx, fy, fz, mx, my, mz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    x, y, z, a, b, c = q[0, 0], q[0, 1], q[0, 2], q[0, 3], q[0, 4], q[0, 5]
+    for i in range(last + 1):
+        p, g = beam.load[i], gradient[i]
+        energy -= p[0] * x + p[1] * y + p[2] * z + p[3] * a + p[4] * b + p[5] * c
+        scale = max(scale, abs(p[0]), abs(p[1]), abs(p[2]))
+        g[0], g[1], g[2], g[3], g[4], g[5] = fx - p[0], fy - p[1], fz - p[2], mx - p[3], my - p[4], mz - p[5]
+        if i < last:
+            e, k, length = d[i], beam.constants[i], beam.lengths[i]
+            dx, dy, dz, da, db, dc = e[0], e[1], e[2], e[3], e[4], e[5]
+            fx, fy, fz = k[0] * dx - k[1] * db, k[0] * dy + k[1] * da, k[3] * dz
+            mx, my, mz = k[2] * da + k[1] * dy, k[2] * db - k[1] * dx, k[4] * dc
+            energy += 0.5 * (fx * dx + fy * dy + fz * dz + mx * da + my * db + mz * dc)
+            scale = max(scale, abs(fx), abs(fy), abs(fz))
+            g[0], g[1], g[2] = g[0] - fx, g[1] - fy, g[2] - fz
+            g[3], g[4], g[5] = g[3] - mx + length * fy, g[4] - my - length * fx, g[5] - mz
+            x, y, z, a, b, c = x + length * b + dx, y - length * a + dy, z + dz, a + da, b + db, c + dc
+            r = q[i + 1]
+            r[0], r[1], r[2], r[3], r[4], r[5] = x, y, z, a, b, c
     return energy, scale
 
 
@@ -121,47 +123,69 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
 
 
 @kernel
-def add_stiffness(
-    band: Array, B: Array, hessians: Array, i: int, s: int, t: int, m: int, rows: int, columns: int, hb: Array
-) -> None:
-    """Add ball i's stiffness between the flanks s and t to the lower band; hb (2, m): room."""
+def add_own(band: Array, b: Array, h: tuple[float, float, float], start: int, m: int, room: Array) -> None:
+    """Add b^T h b, of one flank's motion b (2, m) and its stiffness h (xx, xz, zz), to the lower band; room (2, m)."""
+    for k in range(m):
+        room[0, k] = h[0] * b[0, k] + h[1] * b[1, k]
+        room[1, k] = h[1] * b[0, k] + h[2] * b[1, k]
+    for k in range(m):
+        x, z = room[0, k], room[1, k]
+        for j in range(k, m):
+            band[start + k, j - k] += x * b[0, j] + z * b[1, j]
+
+
+@kernel
+def add_between(band: Array, b: Array, c: Array, h: Array, rows: int, columns: int, room: Array) -> None:
+    """Add b^T h c, of the motions b, c (2, m) of a ball's two flanks and the stiffness h (2, 2) between them, to the lower
+    band from ``rows`` and ``columns`` on; room (2, m)."""
+    m = b.shape[1]
     for a in range(2):
-        x, z = hessians[i, 2 * s + a, 2 * t], hessians[i, 2 * s + a, 2 * t + 1]
         for k in range(m):
-            hb[a, k] = x * B[i, t, 0, k] + z * B[i, t, 1, k]
+            room[a, k] = h[a, 0] * c[0, k] + h[a, 1] * c[1, k]
     for j in range(m):
-        x, z = B[i, s, 0, j], B[i, s, 1, j]
+        x, z = b[0, j], b[1, j]
         for k in range(min(m, rows - columns + j + 1)):
-            band[columns + k, rows - columns + j - k] += x * hb[0, k] + z * hb[1, k]
+            band[columns + k, rows - columns + j - k] += x * room[0, k] + z * room[1, k]
 
 
 @kernel
 def assemble(band: Array, beam: BeamArrays, contacts: BeamContacts, hessians: Array, shift: float, arm: float) -> None:
     """Hessian of the energy in the lower band, plus ``shift`` [N/m] (times arm^2 for rotations) on the diagonal."""
     fixed, node, B = beam.fixed, contacts.node, contacts.B
-    band[:, :] = beam.band
+    whole, given = band.ravel(), beam.band.ravel()
+    for i in range(whole.size):
+        whole[i] = given[i]
     m = B.shape[3]
-    hb = np.empty((2, m))
+    room = np.empty((2, m))
     for i in range(node.shape[0]):
         for s in range(2):
-            for t in range(2):
-                if hessians[i, 2 * s, 2 * t] == 0.0 and hessians[i, 2 * s + 1, 2 * t + 1] == 0.0:
-                    continue
-                rows, columns = 6 * node[i, s], 6 * node[i, t]
-                if m == 6 and rows == columns:
-                    add_stiffness(band, B, hessians, i, s, t, 6, rows, rows, hb)
-                else:
-                    add_stiffness(band, B, hessians, i, s, t, m, rows, columns, hb)
-    n, width = band.shape
-    for i in range(n):
-        band[i, 0] += shift * (1.0 if i % 6 < 3 else arm * arm)
-    for i in range(n):
-        if fixed[i // 6, i % 6]:
-            for w in range(width):
-                band[i, w] = 0.0
-            for w in range(1, min(width, i + 1)):
-                band[i - w, w] = 0.0
-            band[i, 0] = 1.0
+            o, t = 2 * s, 2 - 2 * s
+            own = hessians[i, o, o], hessians[i, o, o + 1], hessians[i, o + 1, o + 1]
+            if own[0] == 0.0 and own[2] == 0.0:
+                continue
+            if m == 6:  # by its number: the compiler then unrolls the loops
+                add_own(band, B[i, s], own, 6 * node[i, s], 6, room)
+            else:
+                add_own(band, B[i, s], own, 6 * node[i, s], m, room)
+            if hessians[i, o, t] != 0.0 or hessians[i, o + 1, t + 1] != 0.0:
+                between, rows, columns = hessians[i, o : o + 2, t : t + 2], 6 * node[i, s], 6 * node[i, 1 - s]
+                add_between(band, B[i, s], B[i, 1 - s], between, rows, columns, room)
+    for i in range(fixed.shape[0]):
+        for k in range(6):
+            band[6 * i + k, 0] += shift if k < 3 else shift * arm * arm
+            if fixed[i, k]:
+                hold(band, 6 * i + k)
+
+
+@kernel
+def hold(band: Array, i: int) -> None:
+    """Take the unknown i out of the equations."""
+    width = band.shape[1]
+    for w in range(width):
+        band[i, w] = 0.0
+    for w in range(1, min(width, i + 1)):
+        band[i - w, w] = 0.0
+    band[i, 0] = 1.0
 
 
 @kernel
@@ -236,7 +260,22 @@ def line_search(
 
 @kernel
 def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array) -> Outcome:
-    """Minimise the energy from the given state; history (most + 1,): residual per step.
+    """Minimise the energy from the given state; history (most + 1,): residual per step."""
+    band = np.empty((6 * state.q.shape[0], options.half_band + 1))
+    return iterate(beam, contacts, state, options, history, band, False)
+
+
+@kernel
+def iterate(
+    beam: BeamArrays,
+    contacts: BeamContacts,
+    state: BeamState,
+    options: BeamOptions,
+    history: Array,
+    band: Array,
+    known: bool,
+) -> Outcome:
+    """The same; band (6 n, half bandwidth + 1): room, or, ``known``, the factor of a stiffness that serves the first step.
 
     The regularisation is proportional to the residual, so it vanishes at the solution and convergence stays fast.
     """
@@ -252,7 +291,6 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
         for k in range(3, 6):
             floor = max(floor, abs(f[k]) / arm)
     out = BeamSlopes(np.empty((n, 6)), np.zeros((contacts.node.shape[0], 4, 4)))
-    band = np.empty((6 * n, options.half_band + 1))
     energy, scale = evaluate(beam, contacts, state, out)
     if floor == 0.0:
         floor = 1e-3 * scale  # only displacements are given, and they may meet no resistance in the end
@@ -261,7 +299,7 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
     history[0] = residual
     least = ROUND_OFF * max(0.0, beam.band[:, 0].max())
     evaluations, stalled, factor, furthest = 1, 0, 1e-3, contacts.r_ball.max()
-    status, it, stuck, fresh = ITERATIONS, 0, 0, True
+    status, it, stuck, fresh = ITERATIONS, 0, 0, not known
     best, lowest = residual, energy
     if residual <= tolerance and ball_mismatch(state.contact, scale) <= BALANCED:
         return Outcome(CONVERGED, it, evaluations, residual, energy, scale)
@@ -327,12 +365,15 @@ def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: B
 
 
 @kernel
-def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions) -> bool:
-    """Start of the iteration: equilibrium of the screw on linear springs (reference stiffness) in place of contacts.
+def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, band: Array) -> bool:
+    """Start of the iteration: equilibrium of the screw on linear springs in place of contacts; band (6 n, half bandwidth +
+    1): room.
 
-    Overwrites the motions and element deformations of ``state``; False (state untouched) where they cannot be found. No
-    flank goes further than the largest ball's radius: springs of fixed direction say nothing of contacts that must turn
-    first, as those of a contact angle near zero under an axial load.
+    Balls that one pair alone can hold have their tangent stiffness under even loads; else flanks have the reference
+    stiffness. Overwrites the motions and element deformations of ``state`` (untouched where they cannot be found), and
+    returns whether the band holds the factor of a stiffness near that of the contacts there. No flank goes further than the
+    largest ball's radius: springs of fixed direction say nothing of contacts that must turn first, as those of a contact
+    angle near zero under an axial load.
     """
     lengths, fixed, load = beam.lengths, beam.fixed, beam.load
     geometry, limit = contacts.geometry, contacts.r_ball.max()
@@ -340,17 +381,6 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
     stiffness, arm = options.stiffness, options.arm
     n, count = q.shape[0], contacts.node.shape[0]
     hessians = np.zeros((count, 4, 4))
-    for i in range(count):
-        for s in range(2):
-            if geometry[i, s, USE] != 0.0:
-                wx, wz = geometry[i, s, WX], geometry[i, s, WZ]
-                size = max(geometry[i, s, SIZE], 1e-30)
-                hessians[i, 2 * s, 2 * s] = stiffness * wx * wx / (size * size)
-                hessians[i, 2 * s, 2 * s + 1] = stiffness * wx * wz / (size * size)
-                hessians[i, 2 * s + 1, 2 * s] = hessians[i, 2 * s, 2 * s + 1]
-                hessians[i, 2 * s + 1, 2 * s + 1] = stiffness * wz * wz / (size * size)
-    band = np.empty((6 * n, options.half_band + 1))
-    assemble(band, beam, contacts, hessians, 1e-9 * stiffness, arm)
     step = np.zeros((n, 6))
     f = np.empty(6)
     for i in range(n):
@@ -364,6 +394,18 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
             step[e + 1, k] -= f[k]
         step[e, 3] -= lengths[e] * f[1]
         step[e, 4] += lengths[e] * f[0]
+    pair = pair_alone(contacts) if contacts.B.shape[3] == 6 else -1
+    even = pair >= 0 and even_pairs(contacts, pair, load, q.ravel(), hessians, step.ravel())
+    for i in range(0 if even else count):
+        for s in range(2):
+            if geometry[i, s, USE] != 0.0:
+                wx, wz = geometry[i, s, WX], geometry[i, s, WZ]
+                size = max(geometry[i, s, SIZE], 1e-30)
+                hessians[i, 2 * s, 2 * s] = stiffness * wx * wx / (size * size)
+                hessians[i, 2 * s, 2 * s + 1] = stiffness * wx * wz / (size * size)
+                hessians[i, 2 * s + 1, 2 * s] = hessians[i, 2 * s, 2 * s + 1]
+                hessians[i, 2 * s + 1, 2 * s + 1] = stiffness * wz * wz / (size * size)
+    assemble(band, beam, contacts, hessians, 1e-9 * stiffness, arm)
     for i in range(n):
         for k in range(6):
             if fixed[i, k]:
@@ -373,7 +415,7 @@ def linear_start(beam: BeamArrays, contacts: BeamContacts, state: BeamState, opt
     substitute_band(band, step.ravel())
     reach = flank_reach(contacts, step.ravel())
     advance(q, d, lengths, q[0].copy(), d.copy(), step, 1.0 if reach <= limit else limit / reach)
-    return True
+    return even and reach <= limit
 
 
 @kernel
@@ -381,8 +423,9 @@ def start_and_solve(
     beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array
 ) -> Outcome:
     """Linear start, then Newton: one call, because handing over the arrays takes as long as evaluating the contacts."""
-    linear_start(beam, contacts, state, options)
-    return solve(beam, contacts, state, options, history)
+    band = np.empty((6 * state.q.shape[0], options.half_band + 1))
+    known = linear_start(beam, contacts, state, options, band)
+    return iterate(beam, contacts, state, options, history, band, known)
 
 
 @kernel

@@ -7,8 +7,10 @@ by v.
 
 from math import sqrt
 
+import numpy as np
+
 from lowfi.jit import kernel
-from lowfi.statics.records import BeamContacts, BeamSlopes, BeamState
+from lowfi.statics.records import Array, BeamContacts, BeamSlopes, BeamState
 
 from .ball import APPROACH, FORCE, HERTZ, KN, KT, MX, MZ, SIZE, USE, WX, WZ
 
@@ -116,3 +118,51 @@ def add_pairs(
         for k in range(6):
             gradient[start + k] += fx * B[i, a, 0, k] + fz * B[i, a, 1, k]
     return energy, scale
+
+
+@kernel
+def even_pairs(contacts: BeamContacts, a: int, load: Array, motion: Array, hessians: Array, step: Array) -> bool:
+    """Pairs a linearised where all balls carry the same force, the one that balances most of the forces of load (n, 6).
+
+    Fills the stiffness hessians (N, 4, 4) [N/m] and takes what the linear law has at motion (6 n,) from step (6 n,). False,
+    and nothing done, where that force would be none. Six freedoms a flank.
+    """
+    node, B, geometry, b, o = contacts.node, contacts.B, contacts.geometry, 3 - a, 2 * a
+    count = node.shape[0]
+    line, whole, applied = np.empty((count, 3)), np.zeros(3), np.zeros(3)
+    for i in range(count):
+        dx, dz = geometry[i, b, WX] - geometry[i, a, WX], geometry[i, b, WZ] - geometry[i, a, WZ]
+        line[i, 2] = sqrt(dx * dx + dz * dz)
+        line[i, 0], line[i, 1] = dx / line[i, 2], dz / line[i, 2]
+        for k in range(3):
+            whole[k] += line[i, 0] * B[i, a, 0, k] + line[i, 1] * B[i, a, 1, k]
+    for j in range(load.shape[0]):
+        for k in range(3):
+            applied[k] += load[j, k]
+    force, size = 0.0, 0.0
+    for k in range(3):
+        force += applied[k] * whole[k]
+        size += whole[k] * whole[k]
+    if not force > 0.0:
+        return False
+    force /= size
+    root = np.cbrt(force)
+    for i in range(count):
+        nx, nz, start = line[i, 0], line[i, 1], 6 * node[i, a]
+        total = (geometry[i, a, HERTZ] + geometry[i, b, HERTZ]) * root * root
+        along, across = 1.5 * force / total, force / line[i, 2]
+        h = hessians[i]
+        h[o, o], h[o + 1, o + 1] = along * nx * nx + across * nz * nz, along * nz * nz + across * nx * nx
+        h[o, o + 1] = (along - across) * nx * nz
+        h[o + 1, o] = h[o, o + 1]
+        fx, fz = force * nx, force * nz
+        given = contacts.closure[i, a] - total
+        vx, vz = given * nx, given * nz
+        for k in range(6):
+            vx += B[i, a, 0, k] * motion[start + k]
+            vz += B[i, a, 1, k] * motion[start + k]
+        fx += h[o, o] * vx + h[o, o + 1] * vz
+        fz += h[o + 1, o] * vx + h[o + 1, o + 1] * vz
+        for k in range(6):
+            step[start + k] -= fx * B[i, a, 0, k] + fz * B[i, a, 1, k]
+    return True

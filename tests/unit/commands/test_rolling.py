@@ -28,7 +28,8 @@ def call(capsys, *tokens):
 
 
 def test_compare_sets_low_order_printed_and_3d_side_by_side(capsys, tmp_path):
-    code, rows = call(capsys, "compare", "lin-pair-a", "--levels", "2", "--store", str(tmp_path))
+    code, data = call(capsys, "compare", "lin-pair-a", "--levels", "2", "--store", str(tmp_path))
+    rows = data["rows"]
     assert code == 0
     (force,) = (r for r in rows if r["quantity"] == "force 1-2")
     assert (force["printed"], force["printed_ansys"]) == (4.01, 3.96)
@@ -128,7 +129,8 @@ def test_one_grid_has_no_uncertainty(tmp_path):
 
 def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(capsys, tmp_path, monkeypatch):
     monkeypatch.setitem(runs.BODIES, "finite", Sizes(cells=(2, 2), growth=3.0, degree=2))
-    code, rows = call(capsys, "compare", "lin-pair-a", "--levels", "1", "--bodies", "finite", "--store", str(tmp_path))
+    code, data = call(capsys, "compare", "lin-pair-a", "--levels", "1", "--bodies", "finite", "--store", str(tmp_path))
+    rows = data["rows"]
     assert code == 0
     (force,) = (r for r in rows if r["quantity"] == "force 1-2")
     assert force["half_space"] == pytest.approx(force["reference"], rel=0.02)

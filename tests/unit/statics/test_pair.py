@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compare.scenes import catalogue
 from lowfi import jit
 from lowfi.statics.problem import build
 from lowfi.statics.records import BeamSlopes
-from lowfi.statics.static import prepare
+from lowfi.statics.static import prepare, run
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, Errors
@@ -118,3 +119,53 @@ def test_other_flanks_or_profiles_are_left_to_the_general_ball():
     same = held.geometry.copy()
     same[4, 3, :2] = same[4, 0, :2]
     assert alone(held._replace(geometry=same)) == -1
+
+
+@pytest.mark.parametrize("engine", ["interpreted", "compiled"])
+@pytest.mark.parametrize("name", PAIRS)
+def test_even_pairs_are_the_tangent_where_all_carry_the_same(name, engine):
+    """Force and stiffness are those of the energy where every ball has the interference of the even force, which balances
+    the applied one; beside it the law is linear. A load that opens the pairs has none."""
+    pair, use = PAIRS[name]
+    prepared = system(use, engine)
+    contacts, kernels = prepared.contacts, jit.kernels(jit.STATICS, compiled=engine == "compiled")
+    B, geometry = contacts.B[:, pair], contacts.geometry
+    line = geometry[:, 3 - pair, :2] - geometry[:, pair, :2]
+    normal = line / np.hypot(*line.T)[:, None]
+    one = np.einsum("nk,nkc->c", normal, B[:, :, :3])
+    force, size = 130.0, prepared.state.q.size
+    load = np.zeros((size // 6, 6))
+    load[0, :3], load[1, :3] = 0.25 * force * one, 0.75 * force * one
+    contacts.closure[:, pair] = (geometry[:, pair, 4] + geometry[:, 3 - pair, 4]) * force ** (2.0 / 3.0)
+    prepared.state.q[:], prepared.state.d[:], prepared.beam.load[:] = 0.0, 0.0, 0.0
+    _, scale, out = evaluated(prepared)
+    assert scale == pytest.approx(force, rel=1e-12)
+    step, hessians = np.zeros(size), np.zeros_like(out.hessians)
+    assert kernels.pair.even_pairs(contacts, pair, load, np.zeros(size), hessians, step)
+    np.testing.assert_allclose(hessians, out.hessians, rtol=1e-12, atol=1e-12 * out.hessians.max())
+    np.testing.assert_allclose(-step, out.gradient.ravel(), rtol=0, atol=1e-12 * force)
+    motion, beside = np.random.default_rng(2).normal(0.0, 1e-6, size), np.zeros(size)
+    contacts.closure[:, pair] += 2e-6
+    kernels.pair.even_pairs(contacts, pair, load, motion, hessians, beside)
+    expected = -step
+    for i, (node, own) in enumerate(zip(contacts.node[:, pair], B, strict=True)):
+        v = own @ motion[6 * node : 6 * node + 6] + 2e-6 * normal[i]
+        at = 2 * pair + np.arange(2)
+        expected[6 * node : 6 * node + 6] += (hessians[i][np.ix_(at, at)] @ v) @ own
+    np.testing.assert_allclose(-beside, expected, rtol=0, atol=1e-12 * force)
+    assert not kernels.pair.even_pairs(contacts, pair, -load, motion, np.zeros_like(hessians), beside)
+
+
+def test_a_cold_solve_takes_two_factors(monkeypatch):
+    """Even loads are within a thousandth of the solution of case 1, and their factor serves the first step."""
+    kernels = jit.kernels(jit.STATICS, compiled=False)
+    factors, factor = [], kernels.newton.factor_band
+    monkeypatch.setattr(kernels.newton, "factor_band", lambda band: factors.append(1) or factor(band))
+    scene = catalogue.scene("lin-case1")
+    layout = ball_layout(scene)
+    prepared = prepare(build(scene, specimen(scene, layout), layout, PAIRS["SL and NR"][1]), kernels, tolerance=1e-10)
+    outcome = run(prepared)
+    assert (outcome.status, len(factors), outcome.evaluations) == (0, 2, 4)
+    assert prepared.history[0] < 1e-3
+    assert prepared.history[1] < 0.1 * prepared.history[0]
+    assert outcome.residual < 1e-11
