@@ -52,7 +52,7 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
         Proof("balls that touch, over a patch", "loss", (1.0, 1.0, 0.9), 1.0, 20.0, 0.9),
     )
     series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
-    monkeypatch.setattr(rolling, "proofs", lambda: proof)
+    monkeypatch.setattr(rolling, "proofs", lambda **_: proof)
     monkeypatch.setattr(rolling, "from_rest", lambda: series)
     values = dict.fromkeys(NAMES, 1.0)
     monkeypatch.setattr(rolling, "body_sizes", lambda _, **__: Sizes((Variant("as shipped", values),), "Kept."))
