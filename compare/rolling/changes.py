@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from compare.measure import error_percent
 from compare.rolling.body_sizes import LINEAR, SCENES, SHAPE, Variant, variants
 from compare.rolling.cases import case_of
@@ -15,7 +17,7 @@ from compare.rolling.rows import stored_rows
 from compare.rolling.runs import FINITE, LEVELS, load
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
-from hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
+from hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, solve_rolling
 from hifi.rolling.friction import PATH
 
 #: A grid beyond those of the uncertainty, and other paths: creeping speeds over the largest slip.
@@ -54,7 +56,7 @@ def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes:
     if run is None or half is None:
         return
     key, case = f"{FORCE} N", case_of(scene, Choices(SHAPE)).touching
-    near, elastic = (float(solve_rolling(case, Choices(BEYOND, e)).force[0]) for e in (NEARLY_RIGID, 1.0))
+    near, elastic = (_force(case, Choices(BEYOND, share)) for share in (NEARLY_RIGID, 1.0))
     grid = _largest([run.limit[key] + elastic - near], run.values[key])
     yield Change(name, "grid", f"{BEYOND[0]} x {BEYOND[1]} cells beyond {run.shape[0]} x {run.shape[1]}", grid, half)
     own = [v.values[key] for v in sizes if variants()[v.choice][0] == name and variants()[v.choice][1] is not None]
@@ -63,13 +65,20 @@ def _changes(name: str, stores: Sequence[Path], series: Sequence[Series], sizes:
         yield Change(name, "finite bodies", tried, _largest(own[1:], own[0]), finite)
     if name == LINEAR:
         tried = f"{', '.join(str(s.steps) for s in series)} steps from rest"
-        yield Change(name, "time step", tried, max(_largest([s.force[-1]], s.steady) for s in series), half)
-    first, *others = (float(solve_rolling(case, Choices(SHAPE), path=p).force[0]) for p in (PATH, *PATHS.values()))
+        ends = [s.force[-1] / s.steady if s.status == "converged" else np.nan for s in series]
+        yield Change(name, "time step", tried, _largest(ends, 1.0), half)
+    first, *others = (_force(case, Choices(SHAPE), path) for path in (PATH, *PATHS.values()))
     yield Change(name, "path of regularisation", ", ".join(PATHS), _largest(others, first), half)
 
 
+def _force(scene: Rolling, choices: Choices, path: tuple[float, ...] = PATH) -> float:
+    """Force of the first two balls [N]; NaN, which is within nothing, of a search that ends without a solution."""
+    found = solve_rolling(scene, choices, path=path)
+    return float(found.force[0]) if found.converged else np.nan
+
+
 def _largest(values: Sequence[float], own: float) -> float:
-    return max(abs(float(error_percent(value, own))) for value in values)
+    return float(np.max([abs(float(error_percent(value, own))) for value in values]))
 
 
 def _uncertainty(name: str, stores: Sequence[Path], *bodies: str) -> float | None:
