@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from compare.errors import InputError
-from meshes.leftovers import for_group, temporary
+from meshes.leftovers import folder_for_group, for_group, temporary
 
 
 def write_new(path: Path, text: str) -> None:
@@ -38,7 +38,7 @@ def write_new(path: Path, text: str) -> None:
 def replace_file(path: Path, text: str) -> None:
     """Write ``text`` to a file, whole or not at all; an earlier file is replaced. Raises InputError if it cannot be."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        folder_for_group(path.parent)
         name = temporary(path)
         try:
             with open(name, "x", encoding="utf-8") as file:
@@ -57,7 +57,7 @@ def need_writable(path: Path) -> None:
     if path.is_dir():
         raise InputError(str(path), "file", "a folder", "a file name", "add the file's name")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        folder_for_group(path.parent)
         probe = temporary(path)
         probe.touch(exist_ok=False)
         probe.unlink()

@@ -18,7 +18,7 @@ from scipy.linalg import qr
 from skfem import Mesh
 
 from hifi import assembly
-from hifi.forms import elasticity
+from hifi.forms import elasticity, share
 from hifi.patch import CondensedPatch
 from hifi.pressures import mean_weights
 from hifi.rigid import rigid_modes
@@ -170,6 +170,15 @@ def isostatic(points: Array, avoid: Index) -> Index:
     modes = modes / np.array([1, 1, 1, size, size, size])
     _, _, order = qr(modes.T, pivoting=True)
     return np.asarray(freedoms(pick)[order[:6]])
+
+
+def rigid_loads(mesh: Mesh) -> Array:
+    """Nodal forces ``(6, 3 n)`` of body forces [N/m3] that are rigid motions, in the order of `rigid_modes`."""
+    V = assembly.cells(mesh)
+    volume = share().assemble(V)
+    loads = rigid_modes(np.stack([share(k).assemble(V) for k in range(3)], axis=1)).reshape(-1, 3, 6)
+    loads[..., :3] *= volume[:, None, None]
+    return np.asarray(loads.reshape(-1, 6).T)
 
 
 def held_transform(mesh: Mesh, *boundaries: str) -> sp.csc_matrix:

@@ -49,11 +49,12 @@ def force(density: Callable[[Array], Array] | Array) -> Any:
     return LinearForm(work)
 
 
-def share() -> Any:
-    """int N_i dA, or dV: what each node of a scalar space carries of an area or a volume."""
+def share(axis: int | None = None) -> Any:
+    """int N_i dA, or dV: what each node of a scalar space carries of an area or a volume; with an axis int x_axis N_i, of
+    its first moment."""
 
-    def weight(v: Any, _: Any) -> Any:
-        return v
+    def weight(v: Any, w: Any) -> Any:
+        return v if axis is None else w.x[axis] * v
 
     return LinearForm(weight)
 

@@ -92,7 +92,10 @@ def nested_dissection(K: sp.csc_matrix) -> IntArray:
 
 
 def _vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, IntArray]:
-    """Compressed graph of a matrix, without its diagonal, and the vertex of every freedom, shape (n,)."""
+    """Compressed graph of a matrix, without its diagonal, and the vertex of every freedom, shape (n,).
+
+    The graph is symmetric, as elimination needs it, also where round-off left an entry on one side of the diagonal alone.
+    """
     size, pointers = K.shape[0], K.indptr
     weights = np.random.default_rng(0).random(size)
     signature = np.empty(size)  # equal columns, equal sums
@@ -106,8 +109,8 @@ def _vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, IntArray]:
     pattern = sp.csr_matrix((np.ones(K.nnz, dtype=np.int8), K.indices, pointers), shape=K.shape)
     compressed = pattern[first]  # one row for each vertex
     rows = np.repeat(np.arange(count), np.diff(compressed.indptr))
-    graph = sp.csr_matrix((np.ones(len(rows)), (rows, group[compressed.indices])), shape=(count, count))
-    graph.sum_duplicates()
+    one_sided = sp.csr_matrix((np.ones(len(rows)), (rows, group[compressed.indices])), shape=(count, count))
+    graph = (one_sided + one_sided.T).tocsr()
     graph.setdiag(0)
     graph.eliminate_zeros()
     return graph, group

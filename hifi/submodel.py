@@ -23,11 +23,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from skfem import Basis, ElementVector, Mesh
+from skfem import Mesh
 
 from hifi import assembly
-from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows
-from hifi.forms import elasticity, force
+from hifi.bodies import Socket, assemble, freedoms, isostatic, mode_rows, rigid_loads
+from hifi.forms import elasticity
 from hifi.patch import CondensedPatch, PatchMesh, hat_rows
 from hifi.response import compliance
 from hifi.rigid import rigid_modes
@@ -111,18 +111,7 @@ def _supports(piece: Piece) -> tuple[Index, sp.csr_matrix]:
     if piece.held:
         return np.setdiff1d(np.arange(size), freedoms_on(piece.mesh, *piece.held)), sp.csr_matrix((0, size))
     held = isostatic(points_of(piece.mesh), piece.socket)
-    V = Basis(
-        piece.mesh, ElementVector(piece.mesh.elem()), assembly.CurvedMap(piece.mesh), quadrature=assembly.rule(piece.mesh)
-    )
-    fields = []
-    for k in range(6):
-
-        def density(x: Array, k: int = k) -> Array:
-            flat = np.asarray(x).reshape(3, -1).T
-            return np.asarray(rigid_modes(flat)[:, k].reshape(-1, 3).T.reshape(np.shape(x)))
-
-        fields.append(force(density).assemble(V))
-    return np.setdiff1d(np.arange(size), held), sp.csr_matrix(np.array(fields))
+    return np.setdiff1d(np.arange(size), held), sp.csr_matrix(rigid_loads(piece.mesh))
 
 
 def _turned_rigid(patch: PatchMesh, piece: Piece) -> Array:

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.leftovers import for_group, temporary
+from meshes.leftovers import folder_for_group, for_group, temporary
 from meshes.parts import Scene
 
 Array = NDArray[np.float64]
@@ -91,7 +91,7 @@ class CondensedBodies:
 
 
 def _write(path: Path, values: Mapping[str, Any]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
+    folder_for_group(path.parent)
     name = temporary(path)
     try:
         with open(name, "xb") as file:

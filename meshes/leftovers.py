@@ -31,6 +31,15 @@ def for_group(path: Path) -> None:
         path.chmod(path.stat().st_mode | 0o440)
 
 
+def folder_for_group(path: Path) -> None:
+    """Make a folder and those above it that are missing; what is made lets the group read in it."""
+    made = [folder for folder in (path, *path.parents) if not folder.exists()]
+    path.mkdir(parents=True, exist_ok=True)
+    for folder in made:
+        with suppress(OSError):
+            folder.chmod(folder.stat().st_mode | 0o050)
+
+
 def clean(path: Path, ending: str = "tmp") -> None:
     """Remove the temporary files and folders of ``path`` whose process is dead, or that are a day old."""
     name = re.compile(rf"\.{re.escape(path.name)}\.([0-9a-f]{{8}})-(\d+)-[0-9a-f]{{8}}\.{re.escape(ending)}")

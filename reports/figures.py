@@ -17,6 +17,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
 
+from reports.cells import micro
 from reports.labels import place_texts
 from reports.records import Figure, Panel, PressureMap, PressurePanel, Series
 
@@ -116,7 +117,7 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
                 place_texts(axes, panel.series)
         stream = io.StringIO()
         canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Title": figure.title})
-    return _own_names(stream.getvalue(), figure.name), canvas
+    return _written(stream.getvalue(), figure.name), canvas
 
 
 def draw_map(item: PressureMap) -> str:
@@ -155,7 +156,12 @@ def draw_map(item: PressureMap) -> str:
         stream = io.StringIO()
         metadata = {"Date": None, "Creator": None, "Title": item.title}
         canvas.savefig(stream, format="svg", metadata=metadata, dpi=200)
-    return _own_names(stream.getvalue(), item.name)
+    return _written(stream.getvalue(), item.name)
+
+
+def _written(svg: str, name: str) -> str:
+    """The document as it is written: identifiers of its own, micrometres with their letter."""
+    return re.sub(r">[^<]+<", lambda text: micro(text[0]), _own_names(svg, name))
 
 
 def _draw_contours(axes: Any, panel: PressurePanel, levels: Any, item: PressureMap) -> Any:

@@ -29,13 +29,21 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A table: ``name`` is its CSV file's stem; rows are mappings from column key to cell."""
+    """A table: ``name`` is its CSV file's stem; rows are mappings from column key to cell. Raises ValueError for two
+    columns of one heading and unit, which no reader of the CSV file could tell apart."""
 
     name: str
     title: str
     columns: Sequence[Column]
     rows: Sequence[Mapping[str, Cell]]
     note: str = ""
+
+    def __post_init__(self) -> None:
+        """Check the headings."""
+        heads = [(column.label, column.unit) for column in self.columns]
+        twice = {label for label, unit in heads if heads.count((label, unit)) > 1}
+        if twice:
+            raise ValueError(f"table {self.name!r}: more than one column headed {', '.join(map(repr, sorted(twice)))}")
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from reports import figures, scene3d
+from reports.cells import micro
 from reports.html import MARKER, format_cell
 from reports.manifest import sha256
 from reports.records import Figure, LoadedScrew, Section
@@ -66,6 +67,7 @@ def render(page: ScenePage) -> str:
     environment = Environment(
         loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    environment.finalize = lambda value: value if isinstance(value, Markup) else micro(str(value))
     environment.globals["cell"] = format_cell
     environment.globals["drawn"] = _drawn
     picture, missing = _picture(page.picture)

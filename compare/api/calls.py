@@ -106,9 +106,9 @@ def compare(
     the best stored reference; all levels where there is none, which takes long); store: folder of the reference's runs.
     Raises InputError, Refusal where no run of the reference converged.
     """
-    from compare.commands.compare_output import beside, is_itself, verdict
+    from compare.commands.compare_output import answers_of, compared, verdict
     from compare.commands.study import on_terminal, unconverged
-    from compare.models.comparison import compared_models, from_model, reference_answers, suited
+    from compare.models.comparison import compared_models, suited
     from compare.reference.estimate import reference
     from compare.reference.jobs import Engine, ensure, plan
     from compare.reference.levels import LEVELS
@@ -125,9 +125,7 @@ def compare(
     found = reference(own, stores)
     if found is None:
         raise unconverged(own.name, failed)
-    answers = [from_model(m, own) for m in chosen]
-    answers += [a for a in reference_answers(found, None) if not is_itself(a, found)]
-    each = [beside(own, answer, found) for answer in answers]
+    each = compared(own, chosen, found, stores)
     data = {
         "scene": own.name,
         "levels": [run.level for run in found.runs],
@@ -139,8 +137,9 @@ def compare(
                 "pressure_MPa": 1e-6 * b.pressure,
                 "displacement_um": 1e6 * b.displacement,
             }
-            for b in each
+            for b in each.models
         },
+        "answers": {b.label: answers_of(b) for b in (each.itself, *each.models)},
     }
     return Result(data, "models", (verdict(each, found),))
 

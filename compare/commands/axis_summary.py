@@ -33,7 +33,7 @@ def set_summary(s: SetResult, found: SetAnswers | None) -> dict[str, Any]:
     data: dict[str, Any] = {"sides": summary(s.balls.load)}
     if found is None:
         return data
-    data |= {"loads": loads_json(s.balls), **contacts_json(found.loads), "preload": None}
+    data |= {"loads": loads_json(s.balls.load), **contacts_json(found.loads), "preload": None}
     if found.preload is not None:
         mean, largest, loaded, axial = found.preload
         held = {"mean_N": number(mean), "max_N": number(largest), "axial_N": number(axial), "loaded_contacts": loaded}

@@ -1,23 +1,29 @@
-"""What ``rollbench compare`` says of a scene: a verdict, one table, predictions beside the reference, files."""
+"""What ``rollbench compare`` says of a scene: a verdict, answers beside the reference's, a table of models, files."""
 
 from __future__ import annotations
 
 import csv
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from compare.measure import LoadError, load_error
-from compare.models.answers import load_answers
-from compare.models.comparison import Loads
-from compare.models.registry import DEFAULT, MODELS
+from compare.commands.solve_output import number
+from compare.commands.summary import contacts_json, loads_json
+from compare.measure import LoadError, error_percent, load_error
+from compare.models.answers import LoadAnswers, load_answers
+from compare.models.comparison import Loads, from_result, from_run, reference_answers, solved
+from compare.models.model_form import ModelForm, estimate
+from compare.models.registry import DEFAULT, MODELS, Model
 from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
+from compare.reference.levels import SOURCE_LEVEL
+from compare.reference.store import load
 from compare.writing import replace_file
+from meshes.helix import lead_angle
 from meshes.parts import SIDES, Scene
 from reports.html import harmless
 from reports.records import Figure, Panel, Series
@@ -28,28 +34,120 @@ if TYPE_CHECKING:
 COLUMNS = ("model", "max err %", "at", "RMS %", "max N", "mean N", "MPa", "uz um", "s")
 
 
+#: Answers of the block: name with unit, where `answers_of` has the value, its format.
+ANSWERS = (
+    ("largest contact load / N", ("loads", "max_N"), ".1f"),
+    ("mean contact load / N", ("loads", "mean_N"), ".1f"),
+    ("axial displacement / um", ("axial", "displacement_um"), ".3f"),
+    ("axial load over it / (N/um)", ("axial", "rigidity_N_per_um"), ".1f"),
+    ("peak pressure / MPa", ("worst_contact", "pressure_MPa"), ".0f"),
+    ("approach of its contact / um", ("worst_contact", "approach_um"), ".3f"),
+    ("semi-axes' larger one / mm", ("worst_contact", "semi_axis_a_mm"), ".4f"),
+    ("ellipse to edge of groove / deg", ("truncation", "margin_deg"), ".2f"),
+    ("static safety", ("static_safety", "factor"), ".2f"),
+    ("life L10 / million revolutions", ("life", "L10_million_revolutions"), ".1f"),
+)
+
+
 @dataclass(frozen=True)
 class Beside:
-    """A model beside the reference: its answer, its errors (None for the reference itself), pole pressure [Pa] of its worst
-    contact and axial displacement [m] of the screw at the nut's centre."""
+    """A model beside the reference: its answer, its errors (None for the reference itself), what its loads answer, axial
+    displacement [m] of the screw at the nut's centre from the nominal place, axial force [N] of the screw on the nut."""
 
     answer: Loads
     error: LoadError | None
-    pressure: float
+    found: LoadAnswers
     displacement: float
+    force: float
 
     @property
     def label(self) -> str:
         """Name for tables."""
         return self.answer.model
 
+    @property
+    def pressure(self) -> float:
+        """Pole pressure [Pa] of the worst contact."""
+        return 0.0 if self.found.worst is None else self.found.worst.pressure
+
 
 def beside(scene: Scene, answer: Loads, found: Reference | None) -> Beside:
     """An answer beside a reference, or by itself."""
-    worst = load_answers(scene, answer.load, np.radians(answer.angle)).worst
+    angle = np.radians(answer.angle)
     moved = float(np.interp(scene.nut.position, answer.stations, answer.line[:, 2])) if answer.stations.size else np.nan
     error = None if found is None else load_error(answer.load, found.load)
-    return Beside(answer, error, 0.0 if worst is None else worst.pressure, moved)
+    pull = np.where(answer.load > 0.0, answer.load * np.sin(angle), 0.0).sum(axis=0) * np.cos(lead_angle(scene.track))
+    return Beside(answer, error, load_answers(scene, answer.load, angle), moved, float(pull[0] - pull[1]))
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Models and coarser meshes beside the reference of a scene; the reference itself; the error that was to be expected of
+    the model that the verdict speaks of."""
+
+    models: tuple[Beside, ...]
+    itself: Beside
+    expected: ModelForm | None
+
+    @property
+    def spoken(self) -> Beside:
+        """What the verdict speaks of: the default model, or else the first."""
+        return next((b for b in self.models if b.label == DEFAULT), self.models[0])
+
+
+def compared(scene: Scene, models: Sequence[Model], found: Reference, stores: Sequence[Path]) -> Comparison:
+    """Models, coarser meshes and the source's mesh beside the reference. Raises InputError for a model that cannot be
+    run."""
+    answers, expected = [], {}
+    for model in models:
+        result, seconds = solved(model, scene, found, stores)
+        answers.append(from_result(result, seconds))
+        if result.converged:
+            expected[model.name] = estimate(scene, result)
+    others = reference_answers(found, load(scene, SOURCE_LEVEL, stores=tuple(stores)))
+    answers += [answer for answer in others if not is_itself(answer, found)]
+    each = tuple(beside(scene, answer, found) for answer in answers)
+    whole = Comparison(each, beside(scene, from_run(found.best, "3D reference"), None), None)
+    return replace(whole, expected=expected.get(whole.spoken.label))
+
+
+def answers_of(b: Beside) -> dict[str, Any]:
+    """What the loads of a model or of the reference answer, as JSON has it; null where there is no such answer."""
+    stiff = b.force / b.displacement if b.displacement * b.force > 0.0 else None
+    axial = {"force_N": number(b.force), "displacement_um": number(1e6 * b.displacement)}
+    axial["rigidity_N_per_um"] = None if stiff is None else number(1e-6 * stiff)
+    return {"loads": loads_json(b.answer.load), "axial": axial, **contacts_json(b.found)}
+
+
+def answers_json(whole: Comparison, found: Reference) -> dict[str, Any]:
+    """Verdict, levels and uncertainty of the reference, error expected and measured, answers of models and reference."""
+    error, expected = whole.spoken.error, whole.expected
+    return {
+        "scene": found.scene,
+        "verdict": verdict(whole, found),
+        "levels": [run.level for run in found.runs],
+        "uncertainty_percent": uncertainty_percent(found),
+        "model": whole.spoken.label,
+        "expected_error_percent": None if expected is None else expected.percent,
+        "measured_error_percent": None if error is None else error.max_percent,
+        "answers": {b.label: answers_of(b) for b in (whole.itself, *whole.models)},
+    }
+
+
+def answers_table(whole: Comparison) -> RenderableType:
+    """Ten answers of the model that the verdict speaks of beside those of the reference."""
+    from rich.table import Table
+
+    own, reference = answers_of(whole.spoken), answers_of(whole.itself)
+    out = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for k, name in enumerate(("answer", whole.spoken.label, "3D reference", "difference / %")):
+        out.add_column(name, justify="left" if k == 0 else "right", no_wrap=True)
+    for name, (group, key), form in ANSWERS:
+        value, ref = (None if side[group] is None else side[group][key] for side in (own, reference))
+        off = None if value is None or not ref else float(error_percent(value, ref))
+        cells = ((value, form), (ref, form), (off, "+.2f"))
+        out.add_row(name, *("–" if x is None else format(x, f) for x, f in cells))
+    return out
 
 
 def is_itself(answer: Loads, found: Reference) -> bool:
@@ -68,17 +166,25 @@ def levels_text(found: Reference) -> str:
     return f"3D reference on levels {levels}, itself uncertain by {bar:.2f} %"
 
 
-def verdict(models: Sequence[Beside], found: Reference) -> str:
-    """The first sentence: the error of the default model, or of the first one."""
-    own = next((b for b in models if b.label == DEFAULT), models[0])
-    e = own.error
+def verdict(whole: Comparison, found: Reference) -> str:
+    """The first sentence: the error of the default model, or of the first one, and what was to be expected."""
+    own, e = whole.spoken, whole.spoken.error
     if e is None:
         return levels_text(found)
     where = f" (ball {e.ball} {e.side})" if e.ball else ""
     return (
         f"{own.label} is off by {e.max_percent:.2f} % of the mean load on the worst contact{where}, "
-        f"{e.rms_percent:.2f} % RMS; {levels_text(found)}"
+        f"{e.rms_percent:.2f} % RMS{_expected(whole.expected)}; {levels_text(found)}"
     )
+
+
+def _expected(worth: ModelForm | None) -> str:
+    """What was to be expected, as an insertion."""
+    if worth is None:
+        return ""
+    if worth.percent is None:
+        return " (expected: not covered by earlier comparisons)"
+    return f" (expected: {worth.percent:.2f} %, {worth.rms_percent:.2f} % RMS)"
 
 
 def _cells(b: Beside) -> list[str]:
@@ -91,7 +197,7 @@ def _cells(b: Beside) -> list[str]:
         f"{held.mean() if held.size else 0.0:.1f}",
         f"{1e-6 * b.pressure:.0f}",
         f"{1e6 * b.displacement:.3f}",
-        "" if b.answer.seconds is None else f"{b.answer.seconds:.2g}",
+        "" if b.answer.seconds is None else f"{b.answer.seconds:.{0 if b.answer.seconds >= 10.0 else 2}f}",
     ]
 
 

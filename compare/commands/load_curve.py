@@ -46,6 +46,8 @@ def write_rows(path: Path, name: str, rows: list[dict[str, float | None]], over:
     replace_file(picture, draw(curve_figure(name, rows, over)))
     missing = len(FACTORS) - len(rows)
     left = f"; {missing} of {len(FACTORS)} loads without a solution are left out" if missing else ""
+    if all(row["torque_Nmm"] is None for row in rows):
+        left += "; no torque: the scene has no coefficient of friction, or rollbench friction never ran here"
     return [f"wrote {path} and {picture}: {len(rows)} loads from 0 to {rows[-1]['load_factor']:g} times the scene's{left}"]
 
 

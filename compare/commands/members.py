@@ -38,8 +38,10 @@ def run(
     json_out: bool,
     show: Callable[..., None],
     print_json: Callable[[Any], None],
+    balls: bool = False,
 ) -> int:
-    """Solve, write one CSV row a member as they come, print; 1 where none converged. Raises InputError."""
+    """Solve, write one CSV row a member as they come, print (balls: the bands of every ball too); 1 where none converged.
+    Raises InputError."""
     described = catalogue.any_scene(name)
     if seed is not None and not 0 <= seed < 2**62:
         raise InputError("command line", "--seed", str(seed), f"0 to {2**62 - 1}", "leave it out for the scene's")
@@ -57,7 +59,7 @@ def run(
     if json_out:
         print_json(as_json(found))
     else:
-        show(*as_table(found), *([f"{csv_out}: one row a member"] if csv_out else []))
+        show(*as_table(found, balls=balls), *([f"{csv_out}: one row a member"] if csv_out else []))
     return 0 if len(found.failed) < count else 1
 
 
@@ -152,7 +154,8 @@ def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict
     from rich.table import Table
 
     table = Table(title=title, title_justify="left")
-    for heading in ("", "mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest"):
+    table.add_column("")
+    for heading in ("mean", "standard error", "deviation", "smallest", "5 %", "median", "95 %", "99 %", "largest"):
         table.add_column(heading, justify="right")
     for key, own in rows.items():
         if own is None:
@@ -163,10 +166,8 @@ def _statistics(title: str, headings: Mapping[str, str], rows: Mapping[str, dict
     return table
 
 
-def as_table(found: Members | AxisMembers) -> list[Any]:
-    """The same for the terminal."""
-    from rich.table import Table
-
+def as_table(found: Members | AxisMembers, *, balls: bool = False) -> list[Any]:
+    """The same for the terminal: statistics, and, where asked for, the bands of every ball."""
     data = as_json(found)
     several = isinstance(found, AxisMembers)
     parts: list[Any] = [
@@ -177,12 +178,18 @@ def as_table(found: Members | AxisMembers) -> list[Any]:
     headings = WHOLE if several else KEPT
     tables = [_statistics("members (in brackets: 95 % interval of the quantile)", headings, data["statistics"])]
     tables += [_statistics(f"set {s['set']}, {s['name']}", OF_SET, s["statistics"]) for s in data.get("sets", [])]
-    balls = Table(title=f"bands of the contact loads / N (to {found.bands.width:.2g} N)", title_justify="left")
-    keys = (*(("set",) if several else ()), "index", "side", "without_random_errors_N", "mean_N", "standard_deviation_N",
-            "smallest_N", "quantile_0.05_N", "quantile_0.95_N", "largest_N", "loaded_share")  # fmt: skip
-    for key in keys:
-        balls.add_column(key.removesuffix("_N").replace("_", " "), justify="right")
-    for row in data["balls"]:
-        balls.add_row(*(v if isinstance(v, str) else f"{v:.4g}" for v in (row[k] for k in keys)))
     stiffness = "in equilibrium, where it is asked for" if several else "tangent, by 0.1 % more load"
-    return [*parts, balls, *tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; stiffness: {stiffness}"]
+    parts += [*tables, f"life: ISO/TS 16281 equivalent loads, raceways equally strong; stiffness: {stiffness}"]
+    return [*parts, _bands(data, found.bands.width) if balls else "bands of every ball: --balls"]
+
+
+def _bands(data: dict[str, Any], width: float) -> Any:
+    from rich.table import Table
+
+    table = Table(title=f"bands of the contact loads / N (to {width:.2g} N)", title_justify="left")
+    keys = list(data["balls"][0]) if data["balls"] else []
+    for key in (key for key in keys if key != "quantile_0.5_N"):
+        table.add_column(key.removesuffix("_N").replace("_", " "), justify="right")
+    for row in data["balls"]:
+        table.add_row(*(v if isinstance(v, str) else f"{v:.4g}" for k, v in row.items() if k != "quantile_0.5_N"))
+    return table

@@ -48,11 +48,12 @@ def kept_parts(parts: Sequence[Part], *, named: bool, everything: bool) -> tuple
     if out:
         names = tuple(part.name for part in parts if part.name in out)
         left.append(LeftOut(names, "they take most of the time", "rollbench report --all makes them too"))
-    fault = gmsh_fault() if any(part.meshes and part.name not in out for part in parts) else ""
+    meshing = [part for part in parts if (part.meshes or part.meshed) and part.name not in out]
+    fault = gmsh_fault() if meshing else ""
     if fault:
-        names = tuple(part.name for part in parts if part.meshes and part.name not in out)
+        names = tuple(f"{part.name} ({part.meshed})" if part.meshed else part.name for part in meshing)
         left.append(LeftOut(names, f"gmsh cannot be loaded ({fault})", install(MESHING, PICTURES)))
-        out |= set(names)
+        out |= {part.name for part in meshing if part.meshes}
     return [part for part in parts if part.name not in out], left
 
 

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Part:
     """A section of the report by name: its module in ``compare.sections``; long: left out of a quick report; runs: shows
-    runs of the 3D reference; meshes: needs gmsh; appendix: stands after the others; beside: may be made by a second
-    process."""
+    runs of the 3D reference; meshes: needs gmsh; meshed: what of it needs gmsh, where the rest does not; appendix: stands
+    after the others; beside: may be made by a second process."""
 
     name: str
     module: str
     long: bool = False
     runs: bool = False
     meshes: bool = False
+    meshed: str = ""
     appendix: bool = False
     beside: bool = False
 
@@ -37,7 +38,7 @@ PARTS = (
     Part("tolerances", "tolerances"),
     Part("friction", "friction"),
     Part("friction-screw", "friction_screw"),
-    Part("rolling", "rolling", beside=True),
+    Part("rolling", "rolling", meshed="no motion against the static reference, sizes of bodies", beside=True),
     Part("smith", "smith"),
     Part("liu", "liu"),
     Part("external", "external", runs=True),

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from compare.commands.study import on_terminal
 from compare.errors import InputError, Refusal
+from compare.reference.jobs import Engine
+from compare.reference.parallel import as_done
 from compare.reference.store import shipped_store
-from compare.rolling.rows import RollingRow, load_state, rows
+from compare.rolling.rows import RollingRow, load_state, rows, uncertainty
 from compare.rolling.runs import BODIES, HALF_SPACE, LEVELS, SOURCE_LEVEL, SOURCE_SIZE, RollingRun, compute, load, save
 from compare.scenes import catalogue
 from compare.scenes.kinds.common import KindScene
@@ -39,7 +41,7 @@ def known_bodies(bodies: str, *, rolling: bool) -> str:
 
 
 def runs_of(
-    scene: KindScene, levels: Sequence[int], store: Path, workers: int | None, *, fresh: bool, bodies: str = HALF_SPACE
+    scene: KindScene, levels: Sequence[int], store: Path, engine: Engine, *, fresh: bool, bodies: str = HALF_SPACE
 ) -> list[RollingRun]:
     """Runs of the levels in order, stored ones where there are; each is stored when it is done.
 
@@ -48,31 +50,44 @@ def runs_of(
     stores = (store, shipped_store())
     found = {} if fresh else {k: run for k in levels if (run := load(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
-    for level, run in _computed(scene, missing, workers, bodies):
+    jobs = [(compute, (scene, k, bodies)) for k in missing]
+    for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers):
         save(store, scene, run)
-        found[level] = run
-        on_terminal(f"{scene.name}: level {level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
+        found[missing[number]] = run
+        on_terminal(f"{scene.name}: level {run.level}, {run.shape[0]} x {run.shape[1]} cells, {run.all_seconds:.1f} s")
     bad = next((found[k] for k in levels if not found[k].converged), None)
     if bad is not None:
         raise Refusal(scene.name, f"level {bad.level}", bad.status, "try another level")
     return [found[k] for k in levels]
 
 
-def _computed(scene: KindScene, levels: Sequence[int], workers: int | None, bodies: str) -> Any:
-    """Pairs of level and run, as they are done."""
-    if workers is None or workers < 2 or len(levels) < 2:
-        return ((k, compute(scene, k, bodies)) for k in levels)
-    from joblib import Parallel, delayed
+def known_levels(levels: Sequence[int]) -> list[int]:
+    """The levels as they are. Raises InputError for one that rolling balls do not have."""
+    other = [k for k in levels if k not in LEVELS]
+    if other:
+        got = ", ".join("source" if k == SOURCE_LEVEL else str(k) for k in other)
+        advice = "mesh-study --source-mesh shows the source's size"
+        raise InputError("command line", "--levels", got, f"1 to {len(LEVELS)} for scenes of friction", advice)
+    return list(levels)
 
-    done = Parallel(n_jobs=workers)(delayed(compute)(scene, k, bodies) for k in levels)
-    return zip(levels, done, strict=True)
+
+def refuse_options(given: Mapping[str, bool]) -> None:
+    """Raises InputError for an option that means nothing to rolling balls; given: whether each was."""
+    for option in (name for name, is_given in given.items() if is_given):
+        raise InputError(
+            "command line",
+            option,
+            "scenes of friction",
+            "whole screws and bearings",
+            "leave it out: it would change nothing",
+        )
 
 
 def run_rolling_compare(
     names: Sequence[str],
     levels: tuple[int, ...] | None,
     store: Path,
-    workers: int | None,
+    engine: Engine,
     *,
     json_out: bool,
     show: Show,
@@ -81,16 +96,16 @@ def run_rolling_compare(
     bodies: str = HALF_SPACE,
 ) -> int:
     """Low-order models beside the 3D model of rolling; all its levels unless given."""
-    wanted = sorted({k for k in levels or tuple(LEVELS) if k != SOURCE_LEVEL})
+    wanted = known_levels(levels or tuple(LEVELS))
     out: list[RollingRow] = []
     for name in names:
         scene = catalogue.any_scene(name)
         assert isinstance(scene, KindScene)
-        found = runs_of(scene, wanted, store, workers, fresh=fresh, bodies=bodies)
-        beside = None if bodies == HALF_SPACE else runs_of(scene, wanted[-1:], store, None, fresh=False)[0]
+        found = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        beside = None if bodies == HALF_SPACE else runs_of(scene, wanted[-1:], store, Engine(), fresh=False)[0]
         out += rows(scene, found, beside)
     if json_out:
-        print_json([finite(row.as_json()) for row in out])
+        print_json({"rows": [finite(row.as_json()) for row in out]})
         return 0
     for name in dict.fromkeys(row.scene for row in out):
         show(_table(name, [row for row in out if row.scene == name]))
@@ -147,7 +162,7 @@ def run_rolling_study(
     names: Sequence[str],
     levels: int,
     store: Path,
-    workers: int | None,
+    engine: Engine,
     *,
     source: bool,
     json_out: bool,
@@ -156,7 +171,7 @@ def run_rolling_study(
     fresh: bool,
     bodies: str = HALF_SPACE,
 ) -> int:
-    """Every quantity on every grid, as it is and on top of the rigid limit."""
+    """Every quantity on every grid, as it is and on top of the rigid limit, and its uncertainty from them all."""
     if not 1 <= levels <= len(LEVELS):
         raise InputError("command line", "--levels", str(levels), f"1 to {len(LEVELS)}", "three levels give a scatter")
     out: list[dict[str, Any]] = []
@@ -164,8 +179,11 @@ def run_rolling_study(
         scene = catalogue.any_scene(name)
         assert isinstance(scene, KindScene)
         wanted = [*([SOURCE_LEVEL] if source and scene.kind in SOURCE_SIZE else []), *range(1, levels + 1)]
-        runs = runs_of(scene, wanted, store, workers, fresh=fresh, bodies=bodies)
-        out += [study_row(scene.name, run, key) for key in runs[-1].values for run in runs]
+        runs = runs_of(scene, wanted, store, engine, fresh=fresh, bodies=bodies)
+        grids = [run for run in runs if run.level != SOURCE_LEVEL]
+        for key in runs[-1].values:
+            share = finite({"uncertainty": uncertainty(grids, key)})
+            out += [study_row(scene.name, run, key) | share for run in runs]
     if json_out:
         print_json(out)
         return 0

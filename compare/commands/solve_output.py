@@ -80,14 +80,18 @@ def _model_form(m: ModelForm | None) -> dict[str, Any] | None:
     }
 
 
+#: How the estimate's sentence begins.
+MODEL_FORM = "model-form error"
+
+
 def model_form_text(m: ModelForm) -> str:
     """The estimate in one sentence."""
     if m.percent is None or m.rms_percent is None:
         away = f" (nearest {m.nearest} at distance {m.distance:.2g}, 1 is the edge)" if m.nearest else ""
-        return f"model-form error: not covered by the comparisons with the 3D reference{away}; " + "; ".join(m.words)
+        return f"{MODEL_FORM}: not covered by the comparisons with the 3D reference{away}; " + "; ".join(m.words)
     kind = "scene of its kind" if m.compared == 1 else "scenes of its kind"
     return (
-        f"model-form error to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS "
+        f"{MODEL_FORM} to expect: {m.percent:.1f} % of the mean load on the worst contact, {m.rms_percent:.1f} % RMS "
         f"(errors against the 3D reference on {m.compared} {kind}, nearest {m.nearest} at distance {m.distance:.2g}); "
         + "; ".join(m.words)
     )

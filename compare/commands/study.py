@@ -9,15 +9,23 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from compare.commands.compare_output import Beside, beside, contact_rows, is_itself, verdict, write_files
+from compare.commands.compare_output import (
+    Beside,
+    answers_json,
+    answers_table,
+    compared,
+    contact_rows,
+    verdict,
+    write_files,
+)
 from compare.commands.compare_output import table as compared_table
 from compare.errors import InputError, Refusal
-from compare.models.comparison import compared_models, from_model, from_run, reference_answers, rows, suited
-from compare.models.mesh_study import study_table
+from compare.models.comparison import compared_models, finest_bodies, rows, suited
+from compare.models.mesh_study import closing, level_rows, studied, study_table
 from compare.reference.estimate import Reference, reference
 from compare.reference.jobs import Engine, all_variants, ensure, plan
 from compare.reference.levels import LEVELS, SOURCE_LEVEL, STUDIED
-from compare.reference.store import Run, load, shipped_store
+from compare.reference.store import Run, shipped_store
 from compare.scenes import catalogue
 from compare.writing import replace_file
 from meshes.parts import Scene
@@ -54,21 +62,24 @@ def run_mesh_study(
     tasks = plan(scenes, range(1, levels + 1), source=source)
     if spread:
         tasks += [t for s in scenes for t in plan([s], (), all_variants())]
-    failed = ensure(tasks, store, engine, on_terminal, fresh=fresh)
-    tables = {scene.name: study_table(scene, (store,), levels) for scene in scenes}
-    for name, table in tables.items():
-        if not table:
+    stores = (store,) if fresh else (store, shipped_store())
+    failed = ensure(tasks, store, engine, on_terminal, stores[1:], fresh=fresh)
+    found = {scene.name: studied(scene, stores, levels) for scene in scenes}
+    tables = {scene.name: study_table(scene, stores, levels) for scene in scenes}
+    for name, whole in found.items():
+        if whole is None:
             raise unconverged(name, failed)
-    for name, table in tables.items():
+        table = tables[name]
         columns = list(dict.fromkeys(k for row in table for k in row))
         text = io.StringIO()
         writer = csv.DictWriter(text, columns)
         writer.writeheader()
         writer.writerows({k: harmless(v) if isinstance(v, str) else v for k, v in row.items()} for row in table)
         replace_file(store / f"{name}-mesh-study.csv", text.getvalue())
-        _figure(name, table, store)
+        _figure(name, table, whole, store)
         if not json_out:
-            show(_terminal(name, columns, table), f"{store / name}-mesh-study.csv and .svg written")
+            show(f"mesh study of {name}", "", _aligned(level_rows(whole)), "", _aligned(_extremes(table)), "")
+            show(closing(whole), f"every contact: {store / name}-mesh-study.csv and .svg written")
     if json_out:
         print_json(tables)
     return 0
@@ -81,23 +92,36 @@ def unconverged(name: str, failed: Sequence[Run]) -> Refusal:
     return Refusal(name, "3D reference", reason, "change what the status names, or solve it with a low-order model")
 
 
-def _figure(name: str, table: Sequence[dict[str, Any]], store: Path) -> None:
+def _figure(name: str, table: Sequence[dict[str, Any]], found: Reference, store: Path) -> None:
     from compare.sections.study_figure import study_figure
     from reports.figures import draw
 
-    figure = study_figure(name, table)
+    figure = study_figure(name, table, found)
     if figure is not None:
         replace_file(store / f"{name}-mesh-study.svg", draw(figure))
 
 
-def _terminal(name: str, columns: Sequence[str], table: Sequence[dict[str, Any]]) -> Any:
+def _extremes(table: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows and columns of the terminal: no single balls, uncertainty in the quantity's unit alone."""
+    return [
+        {k: v for k, v in row.items() if k not in ("uncertainty_percent", "kind")}
+        for row in table
+        if "load of ball" not in row["quantity"]
+    ]
+
+
+def _aligned(rows: Sequence[dict[str, Any]]) -> Any:
+    """Rows as a table, numbers flush right; no column without a value."""
     from rich.table import Table
 
-    out = Table(title=f"mesh study of {name}", title_justify="left")
-    for column in columns:
-        out.add_column(column)
-    for row in table:
-        out.add_row(*(f"{v:.4g}" if isinstance(v, float) else str(v or "–") for v in (row.get(c) for c in columns)))
+    out = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    kept = [column for column in rows[0] if any(row[column] is not None for row in rows)]
+    for column in kept:
+        words = isinstance(rows[0][column], str)
+        out.add_column(column.replace("_", " ").replace("percent", "%"), justify="left" if words else "right")
+    for row in rows:
+        values = [row[column] for column in kept]
+        out.add_row(*("–" if v is None else f"{v:.4g}" if isinstance(v, float) else str(v) for v in values))
     return out
 
 
@@ -126,9 +150,10 @@ def run_compare(
     fresh: bool = False,
     balls: bool = False,
 ) -> int:
-    """Verdict, table and files of every scene, models beside the reference; what is not stored is computed first.
+    """Verdict, answers, table and files of every scene, models beside the reference; what is not stored is computed first.
 
-    JSON: rows of every quantity and model, the reference's coarser runs among them. balls: also print every contact.
+    JSON: verdict and answers of every scene, and rows of every quantity and model, the reference's coarser runs among
+    them. balls: also print every contact.
     levels: None for the best stored reference (levels `STUDIED` are computed where there is none); else just those. fresh:
     compute them even where they are stored. Raises Refusal for a scene of which no run converged.
     """
@@ -141,26 +166,26 @@ def run_compare(
         wanted = levels or STUDIED
         tasks = plan(without, [k for k in wanted if k != SOURCE_LEVEL], source=SOURCE_LEVEL in wanted)
         failed = ensure(tasks, store, engine, on_terminal, stores, fresh=fresh)
-    out = []
-    for scene in scenes:
+    told, out = [], []
+    for name, scene in zip(names, scenes, strict=True):
         found = reference(scene, stores)
         if found is None:
             raise unconverged(scene.name, failed)
-        answers = [from_model(m, scene) for m in (own or suited(scene))]
-        others = reference_answers(found, load(scene, SOURCE_LEVEL, stores=stores))
-        answers += [answer for answer in others if not is_itself(answer, found)]
+        whole = compared(scene, own or suited(scene), found, stores)
         if json_out:
-            for answer in answers:
-                out += rows(scene, answer, found)
+            told.append(answers_json(whole, found))
+            out += [row.as_json() for b in whole.models for row in rows(scene, b.answer, found)]
             continue
-        set_beside = [beside(scene, answer, found) for answer in answers]
-        itself = beside(scene, from_run(found.best, "3D reference"), None)
-        show(f"{scene.name}: {verdict(set_beside, found)}", "", compared_table(set_beside, itself), "")
+        show(f"{scene.name}: {verdict(whole, found)}", "", answers_table(whole), "")
+        show(compared_table(whole.models, whole.itself), "")
         if balls:
-            show(_contacts(scene, set_beside, found), "")
-        show(write_files(scene, set_beside, found, store))
+            show(_contacts(scene, whole.models, found), "")
+        bodies = finest_bodies(scene, found, stores)
+        if bodies is not None:
+            show(f"preload, 6 x 6 stiffness, friction by the 3D bodies: rollbench solve {name} --condensed {bodies}")
+        show(write_files(scene, whole.models, found, store))
     if json_out:
-        print_json([row.as_json() for row in out])
+        print_json({"scenes": told, "rows": out})
     return 0
 
 

@@ -7,8 +7,9 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from compare.commands.solve_output import model_form_text, number
+from compare.commands.solve_output import MODEL_FORM, model_form_text, number
 from compare.models.answers import Answers, LoadAnswers
 from compare.models.model_form import ModelForm
 from lowfi.rating.contacts import ALLOWED
@@ -19,17 +20,19 @@ from meshes.parts import SIDES, Scene
 if TYPE_CHECKING:
     from lowfi.friction.whole.state import FrictionState
 
+Array = NDArray[np.float64]
+
 #: Width of the labels of the block.
 LABEL = 10
 
 
-def loads_json(result: StaticResult) -> dict[str, Any] | None:
-    """Worst ball, mean and extremes of the loaded contacts; None without load."""
-    held = result.load > 0.0
+def loads_json(load: Array) -> dict[str, Any] | None:
+    """Worst ball, mean and extremes of the loaded contacts ``(n, 4)`` [N]; None without load."""
+    held = load > 0.0
     if not held.any():
         return None
-    own = result.load[held]
-    i, s = np.unravel_index(int(result.load.argmax()), result.load.shape)
+    own = load[held]
+    i, s = np.unravel_index(int(load.argmax()), load.shape)
     return {
         "worst_ball": int(i) + 1,
         "worst_side": SIDES[int(s)],
@@ -98,7 +101,7 @@ def answers_json(scene: Scene, result: StaticResult, found: Answers) -> dict[str
     if life is not None and scene.motion is not None and scene.motion.speed:
         data["life"]["L10_hours"] = number(life.hours(scene.motion.speed))
     return {
-        "loads": loads_json(result),
+        "loads": loads_json(result.load),
         "axial": {
             "force_N": number(found.force),
             "displacement_um": number(1e6 * found.displacement),
@@ -160,7 +163,7 @@ def entries(
         ("preload", _preload(data)),
         ("friction", _friction(data)),
         ("life", _life(data, speed)),
-        ("error", "not estimated" if worth is None else model_form_text(worth).removeprefix("model-form error ")),
+        ("error", "not estimated" if worth is None else model_form_text(worth).removeprefix(MODEL_FORM).lstrip(": ")),
         ("assumed", f"{len(result.assumed)} statements, {len(result.left_out)} things left out: listed below"),
     )
 

@@ -165,7 +165,7 @@ def source_run_row(run: Run) -> dict[str, Cell]:
         "groups": int(np.max(groups(touching))),
         "variation": 100.0 * float(np.ptp(torque) / torque.mean()),
         "torque": 1e3 * float(torque.mean()),
-        "steps": f"{run.steps - r.failures} of {run.steps}",
+        "steps": f"{len(r.status) - r.failures} of {len(r.status)}",
     }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from compare.extremes.static import CONVERGED, FORMULATIONS, OURS, SAME, Attempt
+from compare.extremes.static import CONVERGED, ENERGY, FORMULATIONS, SAME, Attempt
 from reports.records import Cell
 
 
@@ -14,7 +14,7 @@ def wide_rows(rows: Sequence[Attempt]) -> list[dict[str, Cell]]:
     for row in rows:
         line = by_case.setdefault(row.case, {"case": row.case, "group": row.group})
         line[row.formulation] = short(row)
-        if row.formulation == OURS:
+        if row.formulation == ENERGY:
             line |= {
                 "iterations": row.iterations,
                 "residual": row.residual,

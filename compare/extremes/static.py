@@ -36,7 +36,7 @@ from meshes.section import volume_ratio
 
 Array = NDArray[np.float64]
 
-OURS = "ours"
+ENERGY = "energy solver"
 SOURCE: dict[str, Start] = {
     "source, nominal start": "nominal",
     "source, good guess": "guess",
@@ -44,7 +44,7 @@ SOURCE: dict[str, Start] = {
 }
 #: Models with elastic bodies by label: the same scenes must be solved with their backends.
 BACKENDS = {m.label: m.name for m in MODELS.values() if m.extremes}
-FORMULATIONS = (OURS, *BACKENDS, *SOURCE)
+FORMULATIONS = (ENERGY, *BACKENDS, *SOURCE)
 CONVERGED = "converged"
 #: The source's dense Jacobian is not attempted above this many unknowns.
 DENSE_LIMIT = 2000
@@ -271,7 +271,7 @@ def attempt(case: Case, formulation: str) -> Attempt:
     """
     if formulation in BACKENDS:
         return _elastic(case, formulation)
-    return _ours(case) if formulation == OURS else _source(case, formulation, _on_source_partition(case.scene))
+    return _ours(case) if formulation == ENERGY else _source(case, formulation, _on_source_partition(case.scene))
 
 
 @cache
@@ -283,7 +283,7 @@ def _load_kernels() -> None:
 def _ours(case: Case) -> Attempt:
     _load_kernels()
     begin = perf_counter()
-    row = _row_of(case, OURS, solve_static(case.scene, engine="compiled"), begin)
+    row = _row_of(case, ENERGY, solve_static(case.scene, engine="compiled"), begin)
     return replace(row, difference_percent=0.0 if row.converged else None)
 
 
@@ -435,5 +435,5 @@ def table(
 
 def failures(rows: Sequence[Attempt]) -> list[Attempt]:
     """Rows of the solvers of this project whose status is not the expected one: converged, or the mechanism by name."""
-    own = [r for r in rows if r.formulation == OURS or r.formulation in BACKENDS]
+    own = [r for r in rows if r.formulation == ENERGY or r.formulation in BACKENDS]
     return [r for r in own if r.status != r.expected and not r.status.startswith("not attempted")]

@@ -1,8 +1,4 @@
-"""A plug-in of pytest: the fixture ``rollbench`` judges scenes against their 3D reference.
-
-def test_my_screw(rollbench):
-    rollbench.check("my.toml", max_error=7)
-"""
+"""Scenes judged against their 3D reference within a user's pytest (the fixture: `compare/toplevel/rollbench_pytest.py`)."""
 
 from __future__ import annotations
 
@@ -64,9 +60,3 @@ class Rollbench:
         if bad:
             pytest.fail("\n".join(bad), pytrace=False)
         return verdicts
-
-
-@pytest.fixture
-def rollbench(request: pytest.FixtureRequest) -> Rollbench:
-    """Judges scenes: ``rollbench.check("my.toml", max_error=7)``."""
-    return Rollbench(request.path.parent)

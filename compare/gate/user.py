@@ -9,8 +9,8 @@ from pathlib import Path
 from compare.errors import InputError, Refusal
 from compare.gate.loads_file import read_loads
 from compare.gate.verdict import LARGEST, LIMIT, Limits, Verdict, judge
-from compare.models.comparison import compared_models
-from compare.models.registry import DEFAULT, MODELS, Options, run_model
+from compare.models.comparison import compared_models, options_for
+from compare.models.registry import DEFAULT, MODELS, run_model
 from compare.reference.estimate import Reference, reference
 from compare.reference.jobs import Engine, ensure, plan
 from compare.reference.levels import LEVELS
@@ -88,7 +88,7 @@ def check_scenes(scenes: Sequence[Scene], what: Asked, engine: Engine, step: Cal
             detail = f"not judged, because not given: {', '.join(left)}" if left else ""
             out += judge(judged, given.load, found, limits, given.flanks, detail)
         else:
-            out += _model(scene, what.model, found, limits)
+            out += _model(scene, what.model, found, limits, what.stores)
     return out
 
 
@@ -98,12 +98,12 @@ def limits_of(scene: Scene, max_error: float | None) -> Limits:
     return Limits(own if max_error is None else max_error, scene.gate.rms_error)
 
 
-def _model(scene: Scene, name: str, found: Reference, limits: Limits) -> list[Verdict]:
+def _model(scene: Scene, name: str, found: Reference, limits: Limits, stores: Sequence[Path]) -> list[Verdict]:
     """Verdicts on a model's own loads; a solver that did not converge has none, and fails."""
     if not MODELS[name].suits(scene):
         advice = "rollbench list tells what each model describes"
         raise InputError("command line", "--model", f'"{name}"', f"a model that can describe {scene.name}", advice)
-    result = run_model(scene, name, Options(discretisation=False))
+    result = run_model(scene, name, options_for(MODELS[name], scene, found, stores))
     if not result.converged:
         detail = f"the model has no loads: {result.status}"
         levels = tuple(run.level for run in found.runs)

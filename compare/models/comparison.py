@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from importlib import resources
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -19,7 +20,7 @@ from compare.printed.printed_data import entry
 from compare.reference.convergence import pool
 from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.store import Run
+from compare.reference.store import Run, bodies_path, shipped_store
 from compare.scenes.catalogue import with_role
 from lowfi.statics.result import StaticResult
 from meshes.parts import SIDES, Scene
@@ -43,12 +44,35 @@ def suited(scene: Scene) -> list[Model]:
 
 
 def compared_models(names: tuple[str, ...]) -> list[Model]:
-    """Models by name. Raises InputError for another name, and for the one that needs a file of bodies."""
-    allowed = [name for name in MODELS if name != "condensed"]
+    """Models by name. Raises InputError for another name."""
     for name in names:
-        if name not in allowed:
-            raise InputError("command line", "--model", f'"{name}"', ", ".join(allowed), "name a low-order model")
+        if name not in MODELS:
+            raise InputError("command line", "--model", f'"{name}"', ", ".join(MODELS), "name a low-order model")
     return [MODELS[name] for name in names]
+
+
+def finest_bodies(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> Path | None:
+    """File of the condensed bodies on the reference's finest level, where a store has it."""
+    for store in (shipped_store(),) if stores is None else stores:
+        path = bodies_path(store, scene, found.best)
+        if path.exists():
+            return path
+    return None
+
+
+def options_for(
+    model: Model, scene: Scene, found: Reference, stores: Sequence[Path] | None, engine: str = "auto"
+) -> Options:
+    """How a model is run beside a reference: the model "condensed" by the bodies of its finest level. Raises InputError
+    where no store has them."""
+    if model.name != "condensed":
+        return Options(discretisation=False, engine=engine)
+    path = finest_bodies(scene, found, stores)
+    if path is None:
+        allowed = f"a store with the condensed bodies of its 3D reference, level {found.best.level}"
+        advice = "rollbench mesh-study with --fresh computes and keeps them"
+        raise InputError(scene.name, "model", '"condensed"', allowed, advice)
+    return Options(discretisation=False, engine=engine, condensed=path)
 
 
 @dataclass(frozen=True)
@@ -92,12 +116,13 @@ def from_result(result: StaticResult, seconds: float | None = None) -> Loads:
     return Loads(result.model, result.load, np.degrees(result.contact_angle), result.centreline_z, line, seconds)
 
 
-def from_model(model: Model, scene: Scene) -> Loads:
-    """A low-order model's answer with the seconds of the call, interpreted; bodies of a geometry solved before are known
-    then."""
+def solved(model: Model, scene: Scene, found: Reference, stores: Sequence[Path] | None) -> tuple[StaticResult, float]:
+    """A low-order model's result and the seconds of the call, interpreted; bodies of a geometry solved before are known
+    then. Raises InputError as `options_for`."""
+    options = options_for(model, scene, found, stores, "interpreted")
     start = perf_counter()
-    result = run_model(scene, model.name, Options(discretisation=False, engine="interpreted"))
-    return from_result(result, perf_counter() - start)
+    result = run_model(scene, model.name, options)
+    return result, perf_counter() - start
 
 
 def from_run(run: Run, name: str) -> Loads:

@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.measure import LoadError, error_percent, load_error
-from compare.models.comparison import REFERENCED
+from compare.models.comparison import REFERENCED, finest_bodies
 from compare.models.model_form import Point, estimate, features
 from compare.models.registry import MODELS, Options, run_model
 from compare.models.study import Study
 from compare.reference.estimate import Reference
 from compare.reference.grid_summary import uncertainty_percent
-from compare.reference.store import bodies_path, shipped_store
 from compare.scenes.catalogue import with_role
 from lowfi.compliance.ends import forget
 from lowfi.compliance.imported import PARTS, Condensed
@@ -49,15 +48,6 @@ class Rung:
     uncertainty: float | None
     bias: float
     seconds: float
-
-
-def finest_bodies(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> Path | None:
-    """File of the condensed bodies on the reference's finest level, where a store has it."""
-    for store in (shipped_store(),) if stores is None else stores:
-        path = bodies_path(store, scene, found.best)
-        if path.exists():
-            return path
-    return None
 
 
 def climb(scene: Scene, found: Reference, stores: Sequence[Path] | None) -> list[Rung]:

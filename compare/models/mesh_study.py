@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -9,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from compare.measure import error_percent
+from compare.measure import error_percent, load_error
 from compare.models.modelling import base_run
 from compare.reference import grid_order
 from compare.reference.convergence import observe
-from compare.reference.estimate import reference_of
+from compare.reference.estimate import Reference, reference_of
+from compare.reference.grid_summary import mean_load
 from compare.reference.levels import LEVELS
 from compare.reference.store import Run, load, shipped_store
 from compare.reference.variants import VARIANTS
@@ -52,18 +54,72 @@ def quantities(run: Run) -> list[tuple[str, str, Take]]:
     return out
 
 
+def studied(scene: Scene, stores: Sequence[Path] | None, levels: int = len(LEVELS)) -> Reference | None:
+    """The reference of all stored runs on levels 1 to ``levels``; None without any."""
+    runs = tuple(r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None)
+    order = grid_order.load((*(stores or ()), shipped_store()))
+    return reference_of(scene.name, runs, None if order is None else order.interval) if runs else None
+
+
+def level_rows(found: Reference) -> list[dict[str, Any]]:
+    """Per level, coarsest first: cell size over the finest's, unknowns of the equivalent monolithic mesh, own seconds,
+    largest difference of a contact load from the finest and `enough`, in per cent of the mean load."""
+    return [
+        {
+            "level": run.level,
+            "cell_size": size / found.sizes[-1],
+            "unknowns": run.unknowns,
+            "seconds": run.setup_seconds + run.solve_seconds,
+            "difference_percent": load_error(run.load, found.load).max_percent,
+            "enough_for_percent": enough(run, found),
+        }
+        for run, size in zip(found.runs, found.sizes, strict=True)
+    ]
+
+
+def enough(run: Run, found: Reference) -> float | None:
+    """What a run's contact loads are good for [% of the mean load]: the largest difference from the finest run with that
+    run's uncertainty added; None with one level."""
+    if found.uncertainty is None:
+        return None
+    return float(error_percent(np.abs(run.load - found.load) + found.uncertainty, 0.0, mean_load(found)).max())
+
+
+def closing(found: Reference) -> str:
+    """Which level is enough for what, in one sentence.
+
+    Per cents are rounded up.
+    """
+    rows = level_rows(found)
+    if rows[-1]["enough_for_percent"] is None:
+        return "One level does not say what it is enough for: take two or more."
+    first, *others = [(r["level"], f"{_up(r['enough_for_percent'])} %", f"{r['seconds']:.0f} s") for r in rows]
+    rest = "".join(f", level {level} for {percent} ({time})" for level, percent, time in others)
+    return f"Level {first[0]} is enough for {first[1]} of the mean contact load ({first[2]}){rest}."
+
+
+def _up(percent: float) -> str:
+    """Rounded up to two digits.
+
+    >>> _up(1.21), _up(0.031), _up(2.0)
+    ('1.3', '0.031', '2')
+    """
+    unit = 10.0 ** (math.floor(math.log10(percent)) - 1) if percent > 0.0 else 1.0
+    return f"{math.ceil(percent / unit - 1e-9) * unit:.2g}"
+
+
 def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(LEVELS)) -> list[dict[str, Any]]:
-    """Per quantity: value on each level, its own order, extrapolated value, grid uncertainty and why it has an order or
-    none; modelling uncertainty (root of squares over the choices that were varied) and the effect of the scene's own ones.
+    """Per quantity that is not held at zero: value on each level, its own order, extrapolated value, grid uncertainty and
+    why it has an order or none; modelling uncertainty (root of squares over the choices that were varied) and the effect of
+    the scene's own ones.
 
     Loads of single contacts, extremes that every level finds at the same ball among them, have the uncertainty of the fit
     with one order for all contacts, the others that of their own.
     """
-    runs = tuple(r for k in range(1, levels + 1) if (r := load(scene, k, stores=stores)) is not None)
-    if not runs:
+    found = studied(scene, stores, levels)
+    if found is None:
         return []
-    order = grid_order.load((*(stores or ()), shipped_store()))
-    found = reference_of(scene.name, runs, None if order is None else order.interval)
+    runs = found.runs
     coarsest = min(LEVELS)
     base = base_run(scene, coarsest, stores)
     others = [v for v, variant in VARIANTS.items() if v != "base" and not variant.refined]
@@ -71,6 +127,8 @@ def study_table(scene: Scene, stores: Sequence[Path] | None, levels: int = len(L
     table = []
     for name, unit, take in quantities(runs[-1]):
         values = [take(r) for r in runs]
+        if not any(values):
+            continue
         row: dict[str, Any] = {"quantity": name, "unit": unit}
         row |= {f"level {r.level}": v for r, v in zip(runs, values, strict=True)}
         if len(runs) >= 2:

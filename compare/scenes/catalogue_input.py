@@ -12,14 +12,22 @@ from pydantic import ConfigDict
 from compare.scenes import units
 
 #: Materials by name: Young's modulus and Poisson's ratio, rounded values within the ranges of makers' data sheets
-#: (bearing steel 100Cr6: 205 to 212 GPa; silicon nitride balls: 300 to 315 GPa; zirconia balls: 205 to 210 GPa).
-MATERIALS: dict[str, tuple[str, float]] = {
+#: (steels of bearings and of hardened shafts: 205 to 212 GPa; silicon nitride balls: 300 to 315 GPa; zirconia balls: 205
+#: to 210 GPa).
+STANDARD: dict[str, tuple[str, float]] = {
     "bearing steel": ("210 GPa", 0.3),
     "silicon nitride": ("310 GPa", 0.26),
     "zirconia": ("210 GPa", 0.3),
 }
+#: Grades of these materials as drawings and catalogues name them.
+GRADES = {
+    "bearing steel": ("100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4"),
+    "silicon nitride": ("Si3N4",),
+    "zirconia": ("ZrO2",),
+}
+MATERIALS = STANDARD | {grade: STANDARD[name] for name, grades in GRADES.items() for grade in grades}
 MATERIAL_NAMES = "a standard material, typical values in place of the two keys below, which go before it: " + ", ".join(
-    f"{name} {modulus}, {ratio:g}" for name, (modulus, ratio) in MATERIALS.items()
+    f"{name} ({', '.join(GRADES[name])}) {modulus}, {ratio:g}" for name, (modulus, ratio) in STANDARD.items()
 )
 
 

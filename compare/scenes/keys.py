@@ -40,6 +40,9 @@ StepGoal = Annotated[float, Quantity("number", 0.0001, 0.1, 0.01)]
 Turning = Annotated[float, Rate("angular speed", "-100000 rps", "100000 rps", "600 rpm")]
 Count = Annotated[int, Field(ge=1, le=MAX_BALLS)]
 Sentence = Annotated[str, Field(min_length=1, max_length=2000)]
+MaterialName = Literal[
+    "bearing steel", "silicon nitride", "zirconia", "100Cr6", "SUJ2", "AISI 52100", "42CrMo4", "50CrMo4", "Si3N4", "ZrO2"
+]
 Freedom = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 #: Kinds of scenes: whole screws and bearings, which every command solves, and those that only friction solves.
 WHOLE = ("ball screw", "bearing")
@@ -57,7 +60,7 @@ class Table(BaseModel):
 class MaterialKeys(Table):
     """Isotropic elastic material. A part that gives only one of the two takes the other from [material]."""
 
-    name: Literal["bearing steel", "silicon nitride", "zirconia"] | None = key(MATERIAL_NAMES, None, "bearing steel")
+    name: MaterialName | None = key(MATERIAL_NAMES, None, "bearing steel")
     youngs_modulus: Modulus | None = key("Young's modulus", None)
     poissons_ratio: Poisson | None = key("Poisson's ratio", None)
 

@@ -47,7 +47,7 @@ def readings_table(study: Study) -> Table:
             Column(f"{key}_max", f"max, {words}", "N", ".1f"),
             Column(f"{key}_min", f"min, {words}", "N", ".1f"),
             Column(f"{key}_change", f"largest change, {words}", "% of mean", ".2f"),
-            Column(f"{key}_where", "ball, side", "", "s"),
+            Column(f"{key}_where", f"at ball, {words}", "", "s"),
         ]
     note = (
         "The text sets only the x-displacement of the last node (2.4.1.3). A bearing there holds the y-displacement too, "

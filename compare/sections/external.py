@@ -1,4 +1,4 @@
-"""External evidence in the report: other programs, makers' catalogues and textbooks, ours beside what they published."""
+"""External evidence in the report: other programs, makers' catalogues and textbooks, computed beside published values."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
         start += len(errors)
         if errors:
             series.append(Series(table.removeprefix(PREFIX), x, errors, "markers"))
-    panel = Panel("ours against published", "entry", "error / %", tuple(series), integer_x=True)
+    panel = Panel("computed against published", "entry", "error / %", tuple(series), integer_x=True)
     caption = "Numbers of class hard and band; claims and open entries are in the tables."
     return Figure("external-errors", "Error against published values", (panel,), caption, columns=1)
 

@@ -127,11 +127,14 @@ def bodies_table(study: Study) -> Table:
         rows.append(row)
     columns = [Column("errors", "errors", "", "s"), Column("load", "axial load", "N", ".0f")]
     for name, words in (("axial", "axial only"), ("beam", "beam model"), ("refined", "refined model")):
-        columns += [Column(name, f"{words}: largest load", "N", "g4"), Column(f"{name}_loaded", "loaded balls", "", "s")]
+        columns += [
+            Column(name, f"{words}: largest load", "N", "g4"),
+            Column(f"{name}_loaded", f"{words}: loaded balls", "", "s"),
+        ]
         if name != "axial":
             columns += [
-                Column(f"{name}_rms", "RMS off the axial one", "% of the mean", ".2f"),
-                Column(f"{name}_most", "largest difference", "% of the mean", "s"),
+                Column(f"{name}_rms", f"{words}: RMS off the axial one", "% of the mean", ".2f"),
+                Column(f"{name}_most", f"{words}: largest difference", "% of the mean", "s"),
             ]
     note = (
         "Axial only: the chain with the axial compliance of the same screw and a rigid nut, which the beam model has too. "
@@ -167,8 +170,10 @@ def solid_table(study: Study) -> Table:
         Column("solid", "in 3D", "", "s"),
     ]
     levels = " and ".join(str(k) for k in bodies.SOLID_LEVELS)
+    contacts = 2 * study.scene(bodies.SCENE).ball_count
     note = (
-        f"3D reference on the mesh levels {levels}: 156 contacts. Both models of the first two rows hold the nut rigid. "
+        f"3D reference on the mesh levels {levels}: {contacts} contacts. Both models of the first two rows hold the nut "
+        "rigid. "
         "The drawn errors are those of the scene's seed, the same for all models."
     )
     return Table("liu-solid", "The axial-only idealisation, beam and refined model against 3D", columns, rows, note)

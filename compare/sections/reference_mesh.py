@@ -10,7 +10,7 @@ import numpy as np
 from compare.measure import error_percent, load_error
 from compare.models.comparison import REFERENCED
 from compare.models.ladder import UNSEEN
-from compare.models.mesh_study import study_table
+from compare.models.mesh_study import closing, studied, study_table
 from compare.models.modelling import REFINED, VARIED, varied
 from compare.models.study import Study
 from compare.reference.convergence import LABELS
@@ -147,8 +147,9 @@ def stage_table(found: References) -> Table:
 def study_items(study: Study, found: References) -> list[Table | Figure]:
     """Mesh study of every scene with two levels or more: extremes and centreline; ``mesh-study`` writes every ball."""
     out: list[Table | Figure] = []
-    for name, ref in found.items():
-        if len(ref.runs) < 2:
+    for name in found:
+        ref = studied(study.scene(name), study.stores)
+        if ref is None or len(ref.runs) < 2:
             continue
         table = study_table(study.scene(name), study.stores)
         rows = [dict(r) for r in table if "load of ball" not in r["quantity"]]
@@ -165,8 +166,8 @@ def study_items(study: Study, found: References) -> list[Table | Figure]:
         if any(row.get("modelling_spread") is not None for row in rows):
             columns.append(Column("modelling_spread", "modelling uncertainty", "", "g2"))
             columns.append(Column("scene_choices", "the scene's own choices, largest", "", "g2"))
-        out.append(Table(f"mesh-study-{name}", f"{name}: mesh study", columns, rows))
-        figure = study_figure(name, table)
+        out.append(Table(f"mesh-study-{name}", f"{name}: mesh study", columns, rows, closing(ref)))
+        figure = study_figure(name, table, ref)
         if figure is not None:
             out.append(figure)
     return out

@@ -15,8 +15,8 @@ from compare.costs.run_times import Kept, RunTime, live, today
 from compare.costs.run_times import load as load_times
 from compare.costs.run_times import save as save_times
 from compare.measure import error_percent, load_error
-from compare.models.comparison import REFERENCED, suited
-from compare.models.ladder import UNSEEN, Rung, finest_bodies, ladder
+from compare.models.comparison import REFERENCED, finest_bodies, suited
+from compare.models.ladder import UNSEEN, Rung, ladder
 from compare.models.registry import MODELS, Model, Options, run_model
 from compare.models.study import Study
 from compare.printed.printed_data import entry

@@ -14,6 +14,7 @@ from compare.measure import error_percent
 from compare.models.study import Study
 from compare.reference.store import shipped_store
 from compare.rolling.body_sizes import NAMES
+from compare.rolling.changes import Change, changes
 from compare.rolling.from_rest import GAP, Series, from_rest
 from compare.rolling.kept_sizes import Sizes
 from compare.rolling.kept_sizes import sizes as body_sizes
@@ -22,6 +23,7 @@ from compare.rolling.rows import KNOWN, LIMIT, PAIRS, RINGS, RollingRow, load_st
 from compare.rolling.runs import FINITE, LEVELS, SOURCE_LEVEL, RollingRun, load
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
+from compare.system import gmsh_fault
 from reports.records import Column, Figure, Panel, PressureMap, PressurePanel, Section, Table, Text
 from reports.records import Series as Curve
 
@@ -87,20 +89,32 @@ REST = (
     Column("meet", "balls meet at", "ms", ".1f"),
     Column("seconds", "processor time", "s", "g3"),
 )
+CHOICES = (
+    Column("scene", "scene", "", "s"),
+    Column("choice", "choice", "", "s"),
+    Column("tried", "tried", "", "s"),
+    Column("change", "largest change of the force", "%", "g2"),
+    Column("uncertainty", "stated uncertainty", "%", "g2"),
+    Column("verdict", "verdict", "", "s"),
+)
 
 
 def section(study: Study, step: Callable[[str], None]) -> Section:
     """Section of the report. Runs of scenes come from the stores; the report says which are missing."""
     stores = study.stores or (shipped_store(),)
     step("rolling contacts with known answers")
-    proof = proofs()
+    meshing = not gmsh_fault()
+    proof = proofs(meshing=meshing)
     found = {name: stored_rows(name, stores) for name in (*PAIRS, *RINGS)}
     study.uses([name for name, own in found.items() if own])
     step("linear bearing from rest")
     series = from_rest()
     step("slip and traction; finite bodies of other sizes")
-    sizes = Sizes((), "Left out of a quick report.") if study.quick else body_sizes(stores, fresh=study.timed)
+    left = "Left out of a quick report." if study.quick else "" if meshing else "Left out: gmsh cannot be loaded."
+    sizes = Sizes((), left) if left else body_sizes(stores, fresh=study.timed)
     patches = fields()
+    step("other grids, steps and paths")
+    changed = changes(stores, series, sizes.variants)
     missing = [name for name, own in found.items() if not own]
     items: list[Text | Table | Figure | PressureMap] = [
         Text(_words(found, proof)),
@@ -120,11 +134,19 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
             COMPARISON,
             [_compared(row) for name in RINGS for row in found[name]],
         ),
-        *_finite(stores, sizes),
+        *_finite(stores, sizes, proof),
         *_maps(patches),
         Table("rolling-grids", "What the grids do", GRIDS, _grid_rows(stores)),
         Table("rolling-from-rest", "Linear bearing, case (a), from rest", REST, [_rest(s) for s in series]),
         _figure(series),
+        Table(
+            "rolling-choices",
+            "Ball-to-ball force when a numerical choice changes",
+            CHOICES,
+            [_choice(c) for c in changed],
+            "The grid is finer than all behind the uncertainty; that of finite bodies holds their own choices. Runs from "
+            "rest are compared with steady rolling on their grid.",
+        ),
     ]
     times = _times(stores)
     if times is not None:
@@ -132,12 +154,13 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     return Section("rolling", "Rolling in 3D: balls that touch", items, _headline(found))
 
 
-def _finite(stores: Sequence[Path], sizes: Sizes) -> list[Text | Table | Figure | PressureMap]:
+def _finite(stores: Sequence[Path], sizes: Sizes, proof: Sequence[Proof]) -> list[Text | Table | Figure | PressureMap]:
     """What finite bodies change, and how far that depends on the choices behind them."""
     found = {name: stored_rows(name, stores, FINITE) for name in (*PAIRS, *RINGS)}
     missing = [name for name, own in found.items() if not own]
     shown = [row for own in found.values() for row in own if row.half_space is not None]
     changes = [abs(c) for row in shown if row.quantity in ("force 1-2", "torque") and (c := _change(row)) is not None]
+    rub = max(abs(p.error) for p in proof if p.case.startswith("balls that touch"))
     most = f" They change forces and torques by up to {max(changes):.2f} %." if changes else ""
     return [
         Text(
@@ -146,8 +169,9 @@ def _finite(stores: Sequence[Path], sizes: Sizes) -> list[Text | Table | Figure 
                 "and ball in pieces of their bodies, on straight rails, which it has none of, a whole ball and grooved "
                 "bars of the same elements. What they answer beyond a half space of the same cells is a smooth kernel, "
                 "added to the closed form of half spaces. Without motion they press as the static reference's patches do "
-                "(first rows of the verification). Balls that touch do so at a point: over Hertz's circle, all of which "
-                "slides, force and loss are the same (verification), whatever the elasticity. "
+                "(first rows of the verification). Left out: balls that touch do so at a point. Over Hertz's circle and "
+                "over the patch of two finite balls, all of which slides, force and loss of that friction are the same to "
+                f"{rub:.2g} % (verification), whatever the elasticity. "
                 "The kernel changes the pressure, adds a strain by the normal forces that half spaces of one material do "
                 "not have, and the ball rolls on a radius shortened by half of the approach. Contact forces are the same, "
                 "by Hertz's law; contacts of one ball do not feel one another, and friction does not change pressures."
@@ -337,6 +361,17 @@ def _rest(s: Series) -> dict[str, float | int | None]:
         "error": float(error_percent(s.force[-1], s.steady)),
         "meet": None if meet is None else 1e3 * meet,
         "seconds": s.seconds,
+    }
+
+
+def _choice(c: Change) -> dict[str, str | float | None]:
+    return {
+        "scene": c.scene,
+        "choice": c.choice,
+        "tried": c.tried,
+        "change": c.change,
+        "uncertainty": c.uncertainty,
+        "verdict": "within" if c.within else "beyond",
     }
 
 

@@ -8,7 +8,7 @@ from compare.extremes.campaign.record import rows as campaign_rows
 from compare.extremes.campaign.record import shipped
 from compare.extremes.friction import table_section_items
 from compare.extremes.rows import tally, wide_rows
-from compare.extremes.static import FORMULATIONS, OURS, table
+from compare.extremes.static import ENERGY, FORMULATIONS, table
 from compare.models.study import Study
 from reports.records import Cell, Column, Section, Table, Text
 
@@ -28,13 +28,13 @@ def section(study: Study, step: Callable[[str], None]) -> Section:  # noqa: ARG0
     ]
     columns = (
         Column("case", "case", "", "s"),
-        Column(OURS, "energy solver", "", "s"),
+        Column(ENERGY, "energy solver", "", "s"),
         Column("iterations", "iterations", "", "s"),
         Column("residual", "residual", "", "g2"),
         Column("bound", "round-off bound", "", "g2"),
         *(Column(name, name, "", "s") for name in FORMULATIONS[1:]),
     )
-    solved, _, total = counts[OURS]
+    solved, _, total = counts[ENERGY]
     return Section(
         "stability",
         "Numerical stability on stiff and extreme scenes",

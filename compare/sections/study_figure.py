@@ -5,28 +5,58 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from compare.measure import error_percent
+from compare.reference.estimate import Reference
 from reports.records import Figure, Panel, Series
 
+#: Curves of a panel.
+MOST = 8
 
-def study_figure(name: str, table: Sequence[Mapping[str, Any]]) -> Figure | None:
-    """Largest and smallest loads over the mesh levels, as change from the finest; None with fewer than two levels."""
-    keys = sorted({k for row in table for k in row if k.startswith("level ")})
-    if len(keys) < 2:
+
+def study_figure(name: str, table: Sequence[Mapping[str, Any]], found: Reference) -> Figure | None:
+    """Largest and smallest loads, and the centreline, over the cell size, as difference from the finest level in per cent
+    of the panel's largest value; bars at the finest, extrapolation to cells of no size. None with fewer than two levels."""
+    if len(found.runs) < 2:
         return None
-    loads = [row for row in table if "est load" in row["quantity"]]
-    line = [row for row in table if row["quantity"].startswith("centreline")]
+    sizes = [size / found.sizes[-1] for size in found.sizes]
+    keys = [f"level {run.level}" for run in found.runs]
+    order = None if found.pooled is None else found.pooled.order
     panels = []
-    for title, own in (("contact loads", loads), ("centreline", line)):
-        series = []
-        for row in own:
-            finest = row[keys[-1]]
-            if abs(finest) < 1e-9:
-                continue
-            change = [float(error_percent(row[k], finest)) for k in keys]
-            series.append(Series(row["quantity"], [float(k.split()[1]) for k in keys], change, "line+markers"))
+    for title, own in (
+        ("contact loads", [row for row in table if "est load" in row["quantity"]]),
+        ("centreline", [row for row in table if row["quantity"].startswith("centreline")]),
+    ):
+        scale = max((abs(row[keys[-1]]) for row in own), default=0.0)
+        series = [s for row in own[:MOST] for s in _curves(row, keys, sizes, scale, row["order"] or order)]
         if series:
-            panels.append(Panel(title, "mesh level", "change from the finest / %", tuple(series[:8]), integer_x=True))
+            label = f"difference from the finest / % of {scale:.3g} {own[0]['unit']}"
+            panels.append(Panel(title, "cell size over the finest's", label, tuple(series)))
     if not panels:
         return None
-    return Figure(f"mesh-study-{name}", f"{name}: mesh study", tuple(panels))
+    caption = (
+        "Bars: uncertainty of the finest level. Lines that end at no cell size: extrapolations, where one is believed."
+    )
+    return Figure(f"mesh-study-{name}", f"{name}: mesh study", tuple(panels), caption)
+
+
+def _curves(
+    row: Mapping[str, Any], keys: Sequence[str], sizes: Sequence[float], scale: float, order: float | None
+) -> list[Series]:
+    """Values of one quantity over the cell size, and the power law from the finest to cells of no size."""
+    finest, bar = row[keys[-1]], row["uncertainty"] or 0.0
+    if scale == 0.0:
+        return []
+
+    def off(value: Any) -> Any:
+        return error_percent(value, finest, scale)
+
+    y = [float(off(row[key])) for key in keys]
+    ends = (*y[:-1], float(off(finest - bar))), (*y[:-1], float(off(finest + bar)))
+    out = [Series(row["quantity"], sizes, y, "line+markers", bars=ends)]
+    if row["extrapolated"] is not None and order:
+        h = np.linspace(0.0, 1.0, 21)
+        line = off(row["extrapolated"] + (finest - row["extrapolated"]) * h**order)
+        out.append(Series(row["quantity"], h.tolist(), np.asarray(line, float).tolist(), "line", light=True))
+    return out

@@ -78,9 +78,9 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
         Column("low", "smallest mean of the largest load", "N", "g4"),
         Column("high", "largest mean", "N", "g4"),
         Column("first", "first index", "", ".2f"),
-        Column("first_band", "its interval", "", "s"),
+        Column("first_band", "interval of the first", "", "s"),
         Column("total", "total index", "", ".2f"),
-        Column("total_band", "its interval", "", "s"),
+        Column("total_band", "interval of the total", "", "s"),
     )
     table = Table("tolerances", "Effect of each tolerance on the largest contact load", columns, rows)
     figures = of_summary("tolerances", keys, found, short)

@@ -12,17 +12,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from skfem import Basis, ElementVector
 
 from hifi import assembly
 from hifi.block import boussinesq
-from hifi.bodies import isostatic
-from hifi.forms import elasticity, force
+from hifi.bodies import isostatic, rigid_loads
+from hifi.forms import elasticity
 from hifi.pressures import contact_weights, mean_weights
-from hifi.response import compliance
 from hifi.rigid import rigid_modes
+from hifi.rolling.halves import compliance_by_halves
 from hifi.rolling.regular import monomials
-from hifi.solvers import factor
 from meshes.contact_bodies import ContactBody, Zone, half_space
 from meshes.fem import freedoms_on, moved, nodes_on, points_of
 
@@ -91,23 +89,11 @@ def free_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: f
     """Answers ``(m, m)`` [m/N] of a free body, loads and motions freed of what moves it as a whole."""
     K = assembly.assemble(elasticity(young, poisson), body.mesh)
     points = points_of(body.mesh)
-    held = isostatic(points, body.contact)
-    V = Basis(
-        body.mesh, ElementVector(body.mesh.elem()), assembly.CurvedMap(body.mesh), quadrature=assembly.rule(body.mesh)
-    )
-    rigid = rigid_modes(points)
-
-    def density(k: int) -> Array:
-        def field(x: Array) -> Array:
-            flat = np.asarray(x).reshape(3, -1).T
-            return np.asarray(rigid_modes(flat)[:, k].reshape(-1, 3).T.reshape(np.shape(x)))
-
-        return np.asarray(force(field).assemble(V))
-
-    relief = np.array([density(k) for k in range(6)])
-    free = np.setdiff1d(np.arange(K.shape[0]), held)
+    beside = np.flatnonzero(np.abs(points[:, 0]) > 1e-9 * np.abs(points).max())  # not in the plane of symmetry
+    free = np.setdiff1d(np.arange(K.shape[0]), isostatic(points, np.union1d(body.contact, beside)))
+    relief, rigid = rigid_loads(body.mesh), rigid_modes(points)
     every = sp.vstack([rows, sp.csr_matrix(relief)]).tocsr()[:, free]
-    F = compliance(K[free][:, free].tocsc(), every)
+    F = compliance_by_halves(K[free][:, free], every, points, free)
     S = np.hstack([np.eye(rows.shape[0]), -np.linalg.solve(relief @ rigid, (rows @ rigid).T).T])
     return np.asarray(S @ F @ S.T)
 
@@ -116,18 +102,18 @@ def held_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: f
     """Answers ``(m, m)`` [m/N] of a body held at its boundary "held"."""
     K = assembly.assemble(elasticity(young, poisson), body.mesh)
     free = np.setdiff1d(np.arange(K.shape[0]), freedoms_on(body.mesh, "held"))
-    return compliance(K[free][:, free].tocsc(), rows[:, free])
+    return compliance_by_halves(K[free][:, free], rows[:, free], points_of(body.mesh), free)
 
 
 def half_space_answer(body: ContactBody, rows: sp.csr_matrix, young: float, poisson: float) -> Array:
     """Answers ``(m, m)`` [m/N] of a block of a half space, the rest of it in the motion of its cut (`hifi.block`)."""
-    K = sp.csr_matrix(assembly.assemble(elasticity(young, poisson), body.mesh))
+    K = assembly.assemble(elasticity(young, poisson), body.mesh)
     cut = freedoms_on(body.mesh, "held")
     free = np.setdiff1d(np.arange(K.shape[0]), cut)
-    P = rows[:, free].toarray().T
-    u = factor(K[free][:, free].tocsc()).solve(P)
-    far = _far_field(body, rows, young, poisson)
-    out = P.T @ u - (K[cut][:, free] @ u).T @ far
+    by_cut = sp.csr_matrix(-(K[cut][:, free].T @ _far_field(body, rows, young, poisson)).T)
+    F = compliance_by_halves(K[free][:, free], sp.vstack([rows[:, free], by_cut]).tocsr(), points_of(body.mesh), free)
+    m = rows.shape[0]
+    out = F[:m, :m] + F[:m, m:]
     return np.asarray(0.5 * (out + out.T))
 
 

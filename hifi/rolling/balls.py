@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from hifi.hertz import hertz
 from hifi.rolling.bodies import Place, Sizes, contact_kernel
-from hifi.rolling.friction import Contact, Friction, solve_friction
+from hifi.rolling.friction import PATH, Contact, Friction, solve_friction
 from hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact, surface
 from hifi.rolling.neighbours import Meeting, Together
 from hifi.rolling.patch import Patch, hertz_patch
@@ -222,15 +222,18 @@ def start_of(scene: Rolling) -> Array:
     return y
 
 
-def solve_rolling(scene: Rolling, choices: Choices | None = None, near: RollingResult | None = None) -> RollingResult:
-    """Steady rolling; near: a solution on the same grid to start from. Raises ValueError for a ball without a contact."""
+def solve_rolling(
+    scene: Rolling, choices: Choices | None = None, near: RollingResult | None = None, path: tuple[float, ...] = PATH
+) -> RollingResult:
+    """Steady rolling; near: a solution on the same grid to start from; path: creeping speeds that lead to one from none
+    (`hifi.rolling.friction.solve_friction`). Raises ValueError for a ball without a contact."""
     begin, choices = process_time(), choices or Choices()
     if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
         raise ValueError("a ball without a loaded contact has no steady motion")
     contacts = contacts_of(scene, choices)
     balance = balance_of(scene, contacts)
     y = start_of(scene) if near is None else near.friction.motions
-    found = solve_friction(contacts, balance, y, None if near is None else near.friction.forces)
+    found = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
     return _result(scene, choices, contacts, found, process_time() - begin)
 
 

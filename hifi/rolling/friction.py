@@ -269,12 +269,17 @@ def solve_rigid(
 
 
 def solve_friction(
-    contacts: Sequence[Contact], balance: Balance = no_balance, y: Array | None = None, q: list[Array] | None = None
+    contacts: Sequence[Contact],
+    balance: Balance = no_balance,
+    y: Array | None = None,
+    q: list[Array] | None = None,
+    path: tuple[float, ...] = PATH,
 ) -> Friction:
     """Tangential forces, slips and motions of contacts by (1) and (2); y, q: a neighbouring solution.
 
     Without a balance the motions ``y`` are given (none: all in ``Contact.given``). Where the sharp law does not
-    converge from the start, the smoothed one leads there with creeping speeds that fall by tens. A result that is none
+    converge from the start, the smoothed one leads there with creeping speeds ``path`` over the largest
+    slip. A result that is none
     says so.
     """
     system = _System(contacts, balance)
@@ -286,7 +291,7 @@ def solve_friction(
     speed = max(float(np.abs(c.rigid_slip(y)).max()) for c in contacts)
     start, count = y.copy(), 0
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
-    for part in PATH:
+    for part in path:
         forces, y, used = _descend(system, forces, y, part * speed, elastic=False)
         count += used
     found = _settle(system, forces, y)
@@ -294,7 +299,7 @@ def solve_friction(
         return found
     y = start
     forces = [full_slip(c.bound, c.rigid_slip(y), speed) for c in contacts]
-    for part in PATH:
+    for part in path:
         forces, y, used = _descend(system, forces, y, part * speed, elastic=True)
         count += used
         if part > SHARPEST:

@@ -29,8 +29,10 @@ REACH = 1.2
 @dataclass(frozen=True)
 class TransientResult:
     """Steps of a run: ends of the steps ``(T,)`` [s], speeds of the balls along the track ``(T, N)``, rotations ``(T,
-    N, 3)`` [rad/s], forces ``(T, M)`` [N] and gaps ``(T, M)`` [m] of the meetings, losses of friction ``(T,)`` [W],
-    power put in ``(T,)`` [W]; seconds of processor time; "converged", or the first step that did not and why."""
+    N, 3)`` [rad/s], forces ``(T, M)`` [N] and gaps ``(T, M)`` [m] of the meetings, losses ``(T,)`` [W] of friction and of
+    closing balls in the step in which they meet, power put in ``(T,)`` [W] and the rest of it that elastic displacements
+    store or lose in their steps ``(T,)`` [W]; seconds of processor time; "converged", or the first step that did not and
+    why."""
 
     time: Array
     speed: Array
@@ -39,6 +41,7 @@ class TransientResult:
     gap: Array
     loss: Array
     power: Array
+    stored: Array
     seconds: float
     status: str
 
@@ -83,13 +86,15 @@ def run_from_rest(
         if not found.converged:
             status = f"step {step + 1}: {found.status}"
             break
-        y, forces = found.motions, found.forces
+        y, old, forces = found.motions, forces, found.forces
         closing = np.array([float(m.rows[0] @ y[m.columns]) for m in scene.meetings])
         gaps = np.maximum(gaps - dt * closing, 0.0)
-        out.append(_row(scene, carried, forces, found.slips, y, gaps))
-    speed, rotation, force, gap_left, loss, power = (np.array([row[k] for row in out], dtype=float) for k in range(6))
+        out.append(_row(scene, carried, (old, forces), found.slips, y, gaps))
+    speed, rotation, force, gap_left, loss, power, stored = (
+        np.array([row[k] for row in out], dtype=float) for k in range(7)
+    )
     time = np.asarray(dt * (1.0 + np.arange(len(out))))
-    return TransientResult(time, speed, rotation, force, gap_left, loss, power, process_time() - begin, status)
+    return TransientResult(time, speed, rotation, force, gap_left, loss, power, stored, process_time() - begin, status)
 
 
 def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
@@ -107,13 +112,21 @@ def _carried(scene: Rolling, choices: Choices, dt: float) -> list[_Carried]:
 
 
 def _row(
-    scene: Rolling, carried: list[_Carried], forces: list[Array], slips: list[Array], y: Array, gaps: Array
-) -> tuple[Array, Array, Array, Array, float, float]:
-    """Speeds, rotations, forces, gaps, loss and power at the end of a step."""
+    scene: Rolling,
+    carried: list[_Carried],
+    forces: tuple[list[Array], list[Array]],
+    slips: list[Array],
+    y: Array,
+    gaps: Array,
+) -> tuple[Array, Array, Array, Array, float, float, float]:
+    """Speeds, rotations, forces, gaps, loss, power put in and stored at the end of a step; forces: before and after it."""
     count = len(scene.balls)
     motions, press = y[: MOTIONS * count].reshape(count, MOTIONS), y[MOTIONS * count :]
-    loss = -sum(float(q @ s) for q, s in zip(forces, slips, strict=True))
+    old, new = forces
+    loss = -sum(float(q @ s) for q, s in zip(new, slips, strict=True))
     for f, m in zip(press, scene.meetings, strict=True):
-        loss += scene.mu_balls * float(f) * float(np.linalg.norm((m.rows @ y[m.columns])[1:]))
-    power = -sum(float(q @ c.contact.given) for q, c in zip(forces, carried, strict=True))
-    return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, press.copy(), gaps, loss, power
+        closing, *slide = m.rows @ y[m.columns]
+        loss += float(f) * (float(closing) + scene.mu_balls * float(np.linalg.norm(slide)))
+    power = -sum(float(q @ c.contact.given) for q, c in zip(new, carried, strict=True))
+    stored = sum(float(q @ (c.now @ q - c.before @ before)) for q, before, c in zip(new, old, carried, strict=True))
+    return motions[:, 0] / scene.track.length, motions[:, 1:] / scene.radius, press.copy(), gaps, loss, power, stored

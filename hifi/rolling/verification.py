@@ -15,9 +15,10 @@ from hifi.block import read_ellipse
 from hifi.grid_wave import approaches
 from hifi.hertz import hertz
 from hifi.pressures import mean_weights
+from hifi.rolling.answers import half_space_answer, tractions
 from hifi.rolling.balls import Rolling, RollingResult
 from hifi.rolling.bodies import Place, Sizes, ball_kernel, contact_kernel, of_groove
-from hifi.rolling.elements import Solids
+from hifi.rolling.elements import Solids, influence
 from hifi.rolling.friction import Contact, Friction, full_slip, solve_friction
 from hifi.rolling.kinematics import MOTIONS, motion_rows
 from hifi.rolling.normal import press
@@ -26,12 +27,14 @@ from hifi.rolling.regular import Regular
 from hifi.rolling.rigid_limit import quadrature
 from hifi.rolling.static_patches import Curve, cuts_of
 from hifi.submodel import fine_compliance
-from meshes.contact_bodies import Zone
+from meshes.contact_bodies import Zone, half_space
 
 Array = NDArray[np.float64]
 
 #: Length over half width of the strip that stands for a cylinder.
 LONG = 1e4
+#: Shear modulus of a body that is rigid beside another; points along each axis of a mean.
+RIGID, MEANS = 1e12, 200
 
 
 @dataclass(frozen=True)
@@ -183,20 +186,29 @@ def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: S
 # --- balls that touch
 
 
-def rubbing(scene: Rolling, found: RollingResult, meeting: int, points: int = 60) -> tuple[float, float]:
-    """Friction between two balls over Hertz's circle, as a share of that at a point: force and loss.
+def rubbing(
+    scene: Rolling, found: RollingResult, meeting: int, points: int = 60, bodies: Sizes | None = None
+) -> tuple[float, float]:
+    """Friction between two balls over the circle in which they touch, as a share of that at a point: force and loss.
 
-    All of the contact slides, so that tractions are mu p against the sliding there, whatever the elasticity.
+    Hertz's circle by a quadrature, or the patch of two finite balls (``bodies``) on a grid, both of ``points`` along each
+    axis. All of the contact slides, so that tractions are mu p against the sliding there, whatever the elasticity.
     """
     m, force = scene.meetings[meeting], float(found.force[meeting])
-    circle = hertz(force, 0.5 * scene.radius, 0.5 * scene.radius, scene.young, scene.poisson)
-    unit, weight = quadrature(points)
-    local = unit * circle.semi_x
-    normal = circle.pressure(local[:, 0], local[:, 1]) * weight * circle.semi_x**2
+    touch = force, (0.5 * scene.radius,) * 2, scene.young, scene.poisson
+    circle = hertz(force, *touch[1], *touch[2:])
+    if bodies is None:
+        unit, weight = quadrature(points)
+        local, sunk = unit * circle.semi_x, 0.0
+        normal = circle.pressure(local[:, 0], local[:, 1]) * weight * circle.semi_x**2
+    else:
+        kernel = two_balls(scene.radius, circle.semi_x, *touch[2:], bodies)
+        patch = hertz_patch(*touch, (points, points), kernel)
+        local, normal, sunk = patch.at, patch.normal, patch.sunk
     slide = np.zeros((len(local), 2))
     for ball, sign, half in ((m.one, 1.0, m.columns[:MOTIONS]), (m.two, -1.0, m.columns[MOTIONS:])):
         own = m.axes @ scene.balls[ball].frame.T
-        at = sign * scene.radius * own[0] + local @ own[1:]
+        at = sign * (scene.radius - sunk) * own[0] + local @ own[1:]
         speeds = motion_rows(scene.track, scene.radius, at) @ found.friction.motions[half]
         slide += sign * speeds @ own[1:].T
     pull = full_slip(scene.mu_balls * normal, slide.T.ravel())
@@ -204,6 +216,25 @@ def rubbing(scene: Rolling, found: RollingResult, meeting: int, points: int = 60
     point = whole * float(np.linalg.norm((m.rows @ found.friction.motions[m.columns])[1:]))
     total = float(np.linalg.norm(pull.reshape(2, -1).sum(axis=1)))
     return total / whole, -float(pull @ slide.T.ravel()) / point
+
+
+# --- finite elements of a half space
+
+
+def uniform_on_half_space(zone: Zone, size: float, young: float, poisson: float) -> tuple[Array, Array]:
+    """Mean displacements ``(3,)`` [m/N] over a zone of a half space by uniform tractions on it along x, y and inward.
+
+    By a block of ``size`` [m] as kernels have it beside a body (`hifi.rolling.answers.half_space_answer`), and in closed
+    form.
+    """
+    block = half_space(size, zone)
+    found = half_space_answer(block, tractions(block, zone, 0, (0.0, 0.0)), young, poisson).diagonal()
+    whole = 2.0 * np.array(zone.half)
+    _, at = grid((MEANS, MEANS), whole / MEANS)
+    shear = 0.5 * young / (1.0 + poisson)
+    alone = Solids((shear, RIGID * shear), (poisson, poisson))
+    exact = influence(at[:, 0], at[:, 1], whole[0], whole[1], alone).mean(axis=0).diagonal() / whole.prod()
+    return found, exact
 
 
 # --- Kalker's linear theory

@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from hifi.hertz import hertz
+from hifi.rolling.bodies import ball_kernel
 from hifi.rolling.patch import hertz_patch
 from hifi.rolling.verification import Creep, carter, linear_coefficients, mindlin, slip_everywhere, steady
 from lowfi.friction.contact.ellipse import contacts, friction
+from meshes.contact_bodies import Zone
 
 #: A contact like those of the linear bearing: load [N], relative radii [m] along and across, modulus [Pa], ratio.
 GROOVE = (100.0, (5e-3, 46.667e-3), 210e9, 0.28)
@@ -75,3 +78,16 @@ def test_full_slip_without_spin_is_the_coefficient_of_friction():
     found = steady(hertz_patch(load, radii, young, poisson, (12, 12)), Creep(0.3, 0.4, 0.0), 0.1)
     assert found.force == pytest.approx([-6.0, -8.0], rel=1e-3)
     assert not found.friction.stick[0].any()
+
+
+@pytest.mark.slow
+def test_kernels_of_finite_bodies_converge_with_their_cells():
+    """Strains by linear tractions, in which finite bodies differ from half spaces, of a ball along tangents and along the
+    normal: order about two on three meshes; the finest is off by less than the change to it."""
+    cells = np.array([2, 4, 6])
+    zones = [Zone((0.1e-3, 0.4e-3), (c, c), 2.0) for c in cells]
+    found = [ball_kernel(5e-3, z, (100.0, 90.0), 210e9, 0.28, 1).M.diagonal()[[2, 4, 5, 8]] for z in zones]
+    first, second = np.diff(found, axis=0)
+    orders = [brentq(lambda p, r=r: np.divide(*-np.diff(1.0 / cells**p)) - r, 0.1, 6.0) for r in first / second]
+    assert np.all((np.array(orders) > 1.6) & (np.array(orders) < 3.5)), orders
+    assert np.all(np.abs(second) < 0.05 * np.abs(found[-1]))

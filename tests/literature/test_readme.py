@@ -65,3 +65,9 @@ def test_linked_files_exist() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)]+)\)", text):
         assert (ROOT / target).exists(), target
+
+
+def test_a_user_s_screw_stands_before_the_results_of_the_thesis() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert text.index("Lin (2019)") < text.index("## Your own screw") < text.index("## A result")
+    assert text.index("(SL, SR)") < text.index("--loads")

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
-
-from compare.commands.arguments.terminal import Json, app, print_json, show
+from compare.commands.arguments.terminal import Flag, Json, app, print_json, show, writing
 
 
 @app.command
@@ -27,7 +26,7 @@ def doctor(*, store: Path = Path("rollbench-reference"), as_json: Json = False) 
 
 
 @app.command
-def completion(shell: Literal["bash", "zsh", "fish"], *, install: Annotated[bool, Parameter(negative="")] = False) -> None:
+def completion(shell: Literal["bash", "zsh", "fish"], *, install: Flag = False) -> None:
     """Print what makes a shell complete commands and options, or install it.
 
     For this session alone: eval "$(rollbench completion bash)".
@@ -40,4 +39,8 @@ def completion(shell: Literal["bash", "zsh", "fish"], *, install: Annotated[bool
         Write it where the shell looks for it in the home folder, and print where that is.
     """
     text = app.generate_completion(prog_name="rollbench", shell=shell)
-    show(f"{app.install_completion(shell=shell)} written; open a new shell" if install else text)
+    if install:
+        show(f"{app.install_completion(shell=shell)} written; open a new shell")
+    else:
+        with writing():
+            sys.stdout.write(f"{text}\n")

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, Tls, app, engine, print_json, show
+from compare.commands.arguments.terminal import Json, Tls, Word, app, engine, print_json, show
 
 
 @app.command
@@ -17,7 +17,7 @@ def sweep(
     vary: Annotated[list[str], Parameter(negative="")],
     samples: int = 256,
     method: Literal["sobol", "lhs", "grid"] = "sobol",
-    model: str = "",
+    model: Word = "",
     seed: int = 0,
     out: Path = Path("rollbench-sweep"),
     as_json: Json = False,

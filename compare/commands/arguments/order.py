@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
+import re
+
 from cyclopts import App, Group
 
 #: Headings and the commands below them, in order.
@@ -14,6 +17,16 @@ ORDER = {
 }
 
 
+def unwrapped(doc: str | None) -> str:
+    """A docstring with every paragraph on one line, for help to wrap at the width of the terminal.
+
+    >>> unwrapped("Solve.\\n\\nParameters\\n----------\\nscene\\n    A name,\\n    or a file.").splitlines()[-1]
+    '    A name, or a file.'
+    """
+    paragraph = r"(?m)^( *)(?!-+$|Parameters$)\S.*(?:\n\1\S.*)+"
+    return re.sub(paragraph, lambda found: re.sub(r"\n *", " ", found[0]), inspect.cleandoc(doc or ""))
+
+
 def arrange(app: App) -> None:
     """Put the commands of ``app`` under headings; one that `ORDER` does not name stays under "Commands"."""
     for place, (heading, names) in enumerate(ORDER.items()):
@@ -22,6 +35,8 @@ def arrange(app: App) -> None:
             if name in app:
                 app[name].group = (group,)
                 app[name].sort_key = number
+                command = app[name].default_command
+                command.__doc__ = unwrapped(command.__doc__)
     besides = Group("Besides", sort_key=len(ORDER))
     for flag in ("--help", "--version"):
         app[flag].group = (besides,)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, Tls, app, cache_folder, engine, print_json, show
+from compare.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine, print_json, show
 from compare.errors import InputError
 
 
@@ -17,9 +17,9 @@ def mesh_study(
     *,
     levels: int = 3,
     store: Path = Path("rollbench-reference"),
-    spread: Annotated[bool, Parameter(negative="")] = False,
-    source_mesh: Annotated[bool, Parameter(negative="")] = False,
-    fresh: Annotated[bool, Parameter(negative="")] = False,
+    spread: Flag = False,
+    source_mesh: Flag = False,
+    fresh: Flag = False,
     bodies: str = "half-space",
     as_json: Json = False,
     backend: str = "joblib",
@@ -44,7 +44,7 @@ def mesh_study(
     fresh
         Compute runs even where they are stored.
     bodies
-        Of scenes of friction: half-space, or finite (a ball and grooved bars from finite elements: minutes).
+        Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     backend
         joblib (this machine) or dask (a cluster).
     scheduler
@@ -52,17 +52,18 @@ def mesh_study(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.commands.rolling import all_rolling, known_bodies, run_rolling_study
+    from compare.commands.rolling import all_rolling, known_bodies, refuse_options, run_rolling_study
     from compare.commands.study import run_mesh_study
 
     rolling = all_rolling(scenes)
     bodies = known_bodies(bodies, rolling=rolling)
     if rolling:
+        refuse_options({"--spread": spread})
         return run_rolling_study(
             scenes,
             levels,
             store,
-            workers,
+            engine(backend, scheduler, workers, tls),
             source=source_mesh,
             json_out=as_json,
             show=show,
@@ -91,8 +92,8 @@ def compare(
     model: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
     levels: str | None = None,
     store: Path = Path("rollbench-reference"),
-    fresh: Annotated[bool, Parameter(negative="")] = False,
-    balls: Annotated[bool, Parameter(negative="")] = False,
+    fresh: Flag = False,
+    balls: Flag = False,
     bodies: str = "half-space",
     as_json: Json = False,
     backend: str = "joblib",
@@ -102,7 +103,8 @@ def compare(
 ) -> int:
     """Compare low-order models with the 3D reference of scenes; the reference is computed where none is stored.
 
-    A verdict and one table; every contact goes to <scene>-compare.csv and .svg in the store. For a page to send: rollbench
+    A verdict, ten answers beside the reference's, a table of models; every contact goes to <scene>-compare.csv and .svg in
+    the store. For a page to send: rollbench
     report SCENE.
 
     Parameters
@@ -110,8 +112,9 @@ def compare(
     scenes
         Names of shipped scenes, or scene files.
     model
-        Low-order models of rollbench list, but for condensed. Unless given: refined, the default of every command, whose
-        error is the verdict, and beside it the others that the report compares.
+        Low-order models of rollbench list; condensed takes the bodies of the reference's finest level. Unless given:
+        refined, the default of every command, whose error is the verdict, and beside it the others that the report
+        compares.
     levels
         Mesh levels of the reference: 3 for levels 1 to 3, or a list such as source,1,2; the best stored one unless given.
     store
@@ -121,7 +124,7 @@ def compare(
     balls
         Also print every contact.
     bodies
-        Of scenes of friction: half-space, or finite (a ball and grooved bars from finite elements: minutes).
+        Of scenes of friction: half-space, or finite (patches of the static reference, or a ball and grooved bars).
     backend
         joblib (this machine) or dask (a cluster).
     scheduler
@@ -129,15 +132,24 @@ def compare(
     workers
         Runs at the same time, each of up to 4 GB; 1 here, or what the cluster has, unless given.
     """
-    from compare.commands.rolling import all_rolling, known_bodies, run_rolling_compare
+    from compare.commands.rolling import all_rolling, known_bodies, refuse_options, run_rolling_compare
     from compare.commands.study import parse_levels, run_compare
 
     wanted = None if levels is None else parse_levels(levels)
     rolling = all_rolling(scenes)
     bodies = known_bodies(bodies, rolling=rolling)
     if rolling:
+        refuse_options({"--model": model is not None, "--balls": balls})
         return run_rolling_compare(
-            scenes, wanted, store, workers, json_out=as_json, show=show, print_json=print_json, fresh=fresh, bodies=bodies
+            scenes,
+            wanted,
+            store,
+            engine(backend, scheduler, workers, tls),
+            json_out=as_json,
+            show=show,
+            print_json=print_json,
+            fresh=fresh,
+            bodies=bodies,
         )
     return run_compare(
         scenes,
@@ -156,15 +168,15 @@ def compare(
 @app.command
 def export(
     scene: str,
-    part: str = "",
+    part: Word = "",
     *,
     out: Path | None = None,
-    format: Annotated[str, Parameter(name="--format")] = "",
+    format: Annotated[Word, Parameter(name="--format")] = "",
     level: int = 1,
     ball: int | None = None,
-    deck: str = "",
+    deck: Word = "",
     unit: str = "mm",
-    balls: str = "",
+    balls: Word = "",
     b_over_h: float = 1.5,
     growth: float = 0.4,
     stiffness: float = 2e8,
@@ -222,8 +234,8 @@ def export(
 def crosscheck(
     scene: str,
     *,
-    run: Annotated[bool, Parameter(negative="")] = False,
-    fresh: Annotated[bool, Parameter(negative="")] = False,
+    run: Flag = False,
+    fresh: Flag = False,
     data: Path | None = None,
     work: Path = Path("rollbench-crosscheck"),
     store: Path = Path("rollbench-reference"),

@@ -7,12 +7,12 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, app, cache_folder, print_json, show, text_width
+from compare.commands.arguments.terminal import Flag, Json, Word, app, cache_folder, print_json, show, text_width
 from compare.errors import InputError
 
 
 @app.command(name="list")
-def list_(*, trace: Annotated[bool, Parameter(negative="")] = False, as_json: Json = False) -> None:
+def list_(*, trace: Flag = False, as_json: Json = False) -> None:
     """List the scenes, the models and the printed tables that are shipped.
 
     Parameters
@@ -39,7 +39,7 @@ def schema() -> None:
 
 
 @app.command
-def new(file: Path, *, kind: str = "", like: str = "") -> None:
+def new(file: Path, *, kind: Word = "", like: Word = "") -> None:
     """Write a commented scene to edit.
 
     Parameters
@@ -69,13 +69,13 @@ def new(file: Path, *, kind: str = "", like: str = "") -> None:
 def solve(
     scene: str,
     *,
-    model: str = "",
+    model: Word = "",
     as_json: Json = False,
-    everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
+    everything: Annotated[Flag, Parameter(name="--all")] = False,
     member: int = 0,
     condensed: Path | None = None,
-    balls: Annotated[bool, Parameter(negative="")] = False,
-    stiffness_at: str = "",
+    balls: Flag = False,
+    stiffness_at: Word = "",
     matrix: Path | None = None,
     curve: Path | None = None,
     members: int | None = None,
@@ -109,7 +109,8 @@ def solve(
     curve
         File (.csv) for displacement, stiffness, largest load and torque at 0 to 1.5 times the loads; a figure beside it.
     members
-        Solve so many members: bands of every ball, distributions of the largest load, stiffness, lost contacts, life.
+        Solve so many members: distributions of the largest load, stiffness, lost contacts, life; with --balls bands of
+        every ball.
     csv
         With --members: file of one row a member.
     seed
@@ -126,13 +127,12 @@ def solve(
         from compare.commands import members as ensembles
         from compare.reference.jobs import Engine
 
-        if balls or stiffness_at or matrix is not None or curve is not None:
-            named = "--balls, --stiffness-at, --matrix, --curve"
+        if stiffness_at or matrix is not None or curve is not None:
+            named = "--stiffness-at, --matrix, --curve"
             raise InputError("command line", named, "given", "without --members", "they are of one member: --member K")
         how = Engine(workers=workers)
-        return ensembles.run(
-            scene, model, members, csv_out=csv, seed=seed, engine=how, json_out=as_json, show=show, print_json=print_json
-        )
+        out = {"csv_out": csv, "json_out": as_json, "show": show, "print_json": print_json, "balls": balls}
+        return ensembles.run(scene, model, members, seed=seed, engine=how, **out)  # type: ignore[arg-type]
     if csv is not None or seed is not None or workers is not None:
         raise InputError("command line", "--csv, --seed, --workers", "given", "with --members", "add --members N")
     choices = Choices(model, everything, member, condensed, balls, stiffness_at, matrix, curve, time_limit)
@@ -143,11 +143,11 @@ def solve(
 def friction(
     scene: str,
     *,
-    model: str = "",
+    model: Word = "",
     mu: Annotated[list[float] | None, Parameter(negative="")] = None,
     member: int = 0,
     condensed: Path | None = None,
-    balls: Annotated[bool, Parameter(negative="")] = False,
+    balls: Flag = False,
     time_limit: float | None = None,
     as_json: Json = False,
 ) -> int:

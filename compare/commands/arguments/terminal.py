@@ -24,10 +24,14 @@ app = App(
     "rollbench new my.toml --like 40x10, then rollbench solve my.toml; rollbench compare my.toml says how far off it is.",
     version=__version__,
     help_format="plaintext",
+    default_parameter=Parameter(negative_iterable=""),
     suppress_keyboard_interrupt=False,
 )
 
-Json = Annotated[bool, Parameter(name="--json", negative="", help="Print exactly one JSON value.")]
+#: A switch that is off unless given, and a word or path that is none unless given.
+Flag = Annotated[bool, Parameter(negative="", show_default=False)]
+Word = Annotated[str, Parameter(show_default=False)]
+Json = Annotated[bool, Parameter(name="--json", negative="", show_default=False, help="Print exactly one JSON value.")]
 
 
 @Parameter(name="*")
@@ -73,10 +77,12 @@ def print_json(value: Any) -> None:
 
 
 def show(*parts: Any) -> None:
-    """Print texts and tables of rich; where standard output is no terminal, 160 columns wide and without rules. Raises
-    OutputLost."""
+    """Print texts and tables of rich: on a terminal texts wrapped, and tables taken apart, to its width; elsewhere texts as
+    they are, and tables 160 columns wide and without rules. Raises OutputLost."""
     from rich.console import Console
     from rich.table import Table
+
+    from compare.commands.wrapping import fitted, wrapped
 
     terminal = sys.stdout.isatty()
     console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
@@ -84,7 +90,10 @@ def show(*parts: Any) -> None:
         for part in parts:
             if isinstance(part, Table) and not terminal:
                 part.box, part.pad_edge = None, False
-            console.print(part)
+            if terminal and isinstance(part, Table):
+                console.print(*fitted(part, text_width()), sep="\n")
+            else:
+                console.print(wrapped(part, text_width()) if terminal and isinstance(part, str) else part)
 
 
 def text_width() -> int:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from compare.commands.arguments.terminal import Json, Tls, app, cache_folder, engine, print_json, show
+from compare.commands.arguments.terminal import Flag, Json, Tls, Word, app, cache_folder, engine, print_json, show
 from compare.errors import InputError
 
 
@@ -18,11 +18,11 @@ def report(
     *,
     only: Annotated[list[str] | None, Parameter(consume_multiple=True, negative="")] = None,
     out: Path = Path("rollbench-report"),
-    quick: Annotated[bool, Parameter(negative="")] = False,
-    stored: Annotated[bool, Parameter(negative="")] = False,
+    quick: Flag = False,
+    stored: Flag = False,
     store: Path = Path("rollbench-reference"),
-    fresh: Annotated[bool, Parameter(negative="")] = False,
-    everything: Annotated[bool, Parameter(name="--all", negative="")] = False,
+    fresh: Flag = False,
+    everything: Annotated[Flag, Parameter(name="--all")] = False,
     backend: str = "joblib",
     scheduler: str | None = None,
     workers: int | None = None,
@@ -102,12 +102,12 @@ def check(
     scenes: list[str] | None = None,
     /,
     *,
-    model: str = "",
+    model: Word = "",
     loads: Path | None = None,
     max_error: float | None = None,
     levels: int | None = None,
     stored: Path | None = None,
-    no_compute: Annotated[bool, Parameter(negative="")] = False,
+    no_compute: Flag = False,
     store: Path = Path("rollbench-reference"),
     junit: Path | None = None,
     markdown: Path | None = None,
@@ -172,7 +172,7 @@ def stability(
     *,
     random: int | None = None,
     seed: int = 1,
-    model: str = "",
+    model: Word = "",
     files: int = 0,
     kills: int = 0,
     keep: Path | None = None,

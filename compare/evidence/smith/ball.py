@@ -236,12 +236,13 @@ def section_2_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
     three = load_torque(BALL_TORQUE_LOAD, 0.0, b.pitch_diameter, 3.0 * rating).torque / INCH_POUND
     words = f"one row {own:.2f} in-lb, with three rows in C_0 {three:.2f}, with P_0 = F_a {whole:.2f}"
     e.number("M_1", own, words)
-    words = f"ours {viscous:.2f} + {own:.2f} = {viscous + own:.2f} in-lb"
+    words = f"computed: {viscous:.2f} + {own:.2f} = {viscous + own:.2f} in-lb"
     e.number("M", e.printed("M_0") + e.printed("M_1"), words)
     test = e.printed("M_test")
     e.number("M_test", viscous + own)
     e.number("M_test_3", 3.0 * test)
     percent = float(error_percent(e.printed("M"), test))
-    words = f"2.08 is {percent:+.0f} % off 2.9 in-lb, ours {float(error_percent(viscous + own, test)):+.0f} %"
+    off = float(error_percent(viscous + own, test))
+    words = f"{e.printed('M'):g} is {percent:+.0f} % off {test:g} in-lb, the computed sum {off:+.0f} %"
     e.claim("fair", abs(percent) <= 10.0, words)
     return e.evidence()

@@ -1,6 +1,8 @@
 """The command line as a user meets it: exit codes, one line for bad input, exactly one JSON object, light start-up."""
 
+import io
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -216,3 +218,45 @@ def test_an_interrupt_is_said(capsys: pytest.CaptureFixture[str], monkeypatch: p
     monkeypatch.setattr(listing, "shipped_lines", stopped)
     code, _, err = run(capsys, "list")
     assert (code, err) == (130, "rollbench: interrupted; nothing was left half-written\n")
+
+
+def test_help_wraps_paragraphs_whole_and_shows_no_empty_default(capsys: pytest.CaptureFixture[str]) -> None:
+    _, out, _ = run(capsys, "check", "--help")
+    assert '""' not in out
+    assert "2 where there are fewer" in " ".join(out.replace("│", " ").split())
+    prose = out.split("A scene passes")[1].split("\n\n")[0].splitlines()
+    assert min(map(len, prose[1:-1])) > 60
+    _, out, _ = run(capsys, "mesh-study", "--help")
+    assert "--empty" not in out
+
+
+class Terminal(io.StringIO):
+    """Standard output of a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("tokens", [("list",), ("check", "unseen-40x10", "--no-compute", "--loads", "{loads}")])
+def test_no_line_is_wider_than_the_terminal(
+    tokens: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    loads = tmp_path / "loads-of-a-program-with-a-long-name.csv"
+    loads.write_text("ball,flank,newton\n" + "".join(f"{ball},SL,200\n" for ball in range(1, 58)))
+    out = Terminal()
+    monkeypatch.setattr(sys, "stdout", out)
+    monkeypatch.setenv("COLUMNS", "80")
+    with pytest.raises(SystemExit):
+        main([token.format(loads=loads) for token in tokens])
+    assert max(map(len, out.getvalue().splitlines())) <= 80
+
+
+def test_a_mesh_study_uses_shipped_runs_and_closes_with_a_sentence(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    code, out, err = run(capsys, "mesh-study", "unseen-four-point", "--levels", "4", "--store", str(tmp_path))
+    assert (code, err) == (0, "")
+    assert "seconds" in out.splitlines()[2]
+    assert "load of ball" not in out
+    assert re.search(r"\nLevel 1 is enough for [0-9.]+ % of the mean contact load \([0-9]+ s\), level 2 for", out)
+    assert "load of ball 12, NR" in (tmp_path / "unseen-four-point-mesh-study.csv").read_text(encoding="utf-8")

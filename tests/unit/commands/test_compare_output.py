@@ -10,10 +10,27 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from compare.commands.compare_output import beside, is_itself, table, verdict, write_files
-from compare.models.comparison import Loads
-from compare.reference.estimate import Reference
+from compare.commands.compare_output import (
+    ANSWERS,
+    Comparison,
+    answers_json,
+    answers_of,
+    answers_table,
+    beside,
+    compared,
+    is_itself,
+    table,
+    verdict,
+    write_files,
+)
+from compare.errors import InputError
+from compare.models.comparison import Loads, compared_models, options_for
+from compare.models.model_form import estimate
+from compare.models.registry import MODELS, run_model
+from compare.reference.estimate import Reference, reference
+from compare.reference.store import shipped_store
 from compare.scenes import catalogue
+from lowfi.rating.rigidity import axial_force
 from meshes.parts import Scene
 
 
@@ -27,7 +44,7 @@ def loads(scene: Scene, model: str, factor: float) -> Loads:
 
 
 @pytest.fixture
-def compared() -> tuple[Scene, list[Any], Reference, Any]:
+def case() -> tuple[Scene, list[Any], Reference, Any]:
     scene = catalogue.scene("lin-case1")
     own = loads(scene, "3D reference", 1.0)
     runs = cast("Any", (SimpleNamespace(level=1),))
@@ -36,15 +53,15 @@ def compared() -> tuple[Scene, list[Any], Reference, Any]:
     return scene, models, found, beside(scene, own, None)
 
 
-def test_the_verdict_speaks_of_the_default_model_and_of_one_level(compared: Any) -> None:
-    _, models, found, _ = compared
-    text = verdict(models, found)
+def test_the_verdict_speaks_of_the_default_model_and_of_one_level(case: Any) -> None:
+    _, models, found, itself = case
+    text = verdict(Comparison(tuple(models), itself, None), found)
     assert text.startswith("refined is off by 1.07 % of the mean load on the worst contact (ball 32")
     assert "one level gives no uncertainty" in text
 
 
-def test_the_table_fits_80_columns_with_the_reference_first(compared: Any) -> None:
-    _, models, _, itself = compared
+def test_the_table_fits_80_columns_with_the_reference_first(case: Any) -> None:
+    _, models, _, itself = case
     stream = io.StringIO()
     Console(file=stream, width=80).print(table(models, itself))
     lines = stream.getvalue().splitlines()
@@ -53,14 +70,14 @@ def test_the_table_fits_80_columns_with_the_reference_first(compared: Any) -> No
     assert "…" not in stream.getvalue()
 
 
-def test_the_run_that_is_the_reference_is_no_row(compared: Any) -> None:
-    scene, _, found, _ = compared
+def test_the_run_that_is_the_reference_is_no_row(case: Any) -> None:
+    scene, _, found, _ = case
     assert is_itself(loads(scene, "3D level 1", 1.0), found)
     assert not is_itself(loads(scene, "3D source mesh", 1.0), found)
 
 
-def test_every_contact_is_written_beside_its_reference(compared: Any, tmp_path: Path) -> None:
-    scene, models, found, _ = compared
+def test_every_contact_is_written_beside_its_reference(case: Any, tmp_path: Path) -> None:
+    scene, models, found, _ = case
     said = write_files(scene, models, found, tmp_path)
     rows = list(csv.DictReader((tmp_path / "lin-case1-compare.csv").read_text().splitlines()))
     assert len(rows) == 2 * scene.ball_count
@@ -68,3 +85,44 @@ def test_every_contact_is_written_beside_its_reference(compared: Any, tmp_path: 
     assert rows[0]["uncertainty_N"] == ""
     assert (tmp_path / "lin-case1-compare.svg").stat().st_size > 1000
     assert "lin-case1-compare.csv" in said
+
+
+def test_answers_of_model_and_reference_stand_side_by_side(case: Any) -> None:
+    _, models, found, itself = case
+    whole = Comparison(tuple(models), itself, None)
+    stream = io.StringIO()
+    Console(file=stream, width=80).print(answers_table(whole))
+    lines = stream.getvalue().splitlines()
+    assert len(lines) == 1 + len(ANSWERS)
+    assert max(map(len, lines)) <= 80
+    assert lines[0].split()[1:4] == ["refined", "3D", "reference"]
+    assert [float(cell) for cell in lines[1].split()[-3:]] == [233.3, 231.0, 1.0]
+    assert lines[5].split()[-1] == f"{100.0 * (1.01 ** (1.0 / 3.0) - 1.0):+.2f}"
+    data = answers_json(whole, found)
+    assert (data["levels"], data["uncertainty_percent"]) == ([1], None)
+    assert set(data["answers"]) == {"3D reference", "refined", "lin-source-partition"}
+    assert all(answers_of(b)[group][key] is not None for b in (itself, *models) for _, (group, key), _ in ANSWERS)
+
+
+def test_compare_measures_what_solve_expects_by_every_kind_of_model(tmp_path: Path) -> None:
+    scene = catalogue.scene("unseen-short-nut")
+    found = reference(scene, (tmp_path, shipped_store()))
+    assert found is not None
+    whole = compared(scene, compared_models(("refined", "condensed")), found, (tmp_path, shipped_store()))
+    refined, condensed = whole.models[:2]
+    result = run_model(scene, "refined")
+    assert refined.force == pytest.approx(axial_force(result), rel=1e-6)
+    assert whole.expected == estimate(scene, result)
+    assert f"expected: {whole.expected.percent:.2f} %" in verdict(whole, found)
+    assert condensed.error is not None
+    assert refined.error is not None
+    assert condensed.error.max_percent < 0.5 * refined.error.max_percent
+    assert whole.itself.displacement == pytest.approx(condensed.displacement, rel=0.01)
+
+
+def test_bodies_that_no_store_has_are_asked_for(tmp_path: Path) -> None:
+    scene = catalogue.scene("unseen-four-point")
+    found = reference(scene)
+    assert found is not None
+    with pytest.raises(InputError, match="condensed bodies of its 3D reference, level 4"):
+        options_for(MODELS["condensed"], scene, found, (tmp_path,))

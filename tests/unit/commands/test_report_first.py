@@ -10,9 +10,11 @@ from compare.cli import main
 from compare.commands import report, report_first
 from compare.commands.report_first import CHECKED, COSTLY, LEVEL, LiveCheck, kept_parts, live_check
 from compare.commands.report_parts import PARTS
+from compare.models.study import Study
 from compare.reference.store import Run, load, shipped_store
 from compare.reference.tasks import Task
 from compare.scenes import catalogue
+from compare.sections import rolling
 
 
 def test_costly_sections_come_by_name_or_all_together(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -38,6 +40,21 @@ def test_without_gmsh_a_report_is_made_and_says_what_installs_it(
     assert "apt-get install" in last
     assert "libgomp1" in last
     assert "libglu1-mesa" in (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+
+
+def test_without_gmsh_the_rolling_section_is_made_but_for_its_meshed_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (report_first, rolling):
+        monkeypatch.setattr(module, "gmsh_fault", lambda: "libGL.so.1")
+    kept, missed = kept_parts(PARTS, named=False, everything=True)
+    assert "rolling" in {part.name for part in kept}
+    assert "rolling (no motion against the static reference, sizes of bodies)" in missed[-1].names
+
+    def asked(*, meshing: bool) -> None:
+        raise LookupError(f"meshing: {meshing}")
+
+    monkeypatch.setattr(rolling, "proofs", asked)
+    with pytest.raises(LookupError, match="meshing: False"):
+        rolling.section(Study(None), lambda _: None)
 
 
 @pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (1.001, False)])

@@ -7,6 +7,7 @@ import pytest
 from compare.cli import app
 from compare.commands import rolling
 from compare.errors import InputError, Refusal
+from compare.reference.jobs import Engine
 from compare.rolling import runs
 from compare.rolling.rows import RollingRow, uncertainty, within
 from compare.scenes import catalogue
@@ -27,7 +28,8 @@ def call(capsys, *tokens):
 
 
 def test_compare_sets_low_order_printed_and_3d_side_by_side(capsys, tmp_path):
-    code, rows = call(capsys, "compare", "lin-pair-a", "--levels", "2", "--store", str(tmp_path))
+    code, data = call(capsys, "compare", "lin-pair-a", "--levels", "2", "--store", str(tmp_path))
+    rows = data["rows"]
     assert code == 0
     (force,) = (r for r in rows if r["quantity"] == "force 1-2")
     assert (force["printed"], force["printed_ansys"]) == (4.01, 3.96)
@@ -51,6 +53,43 @@ def test_mesh_study_resumes_from_its_store(capsys, tmp_path, monkeypatch):
     assert {r["level"] for r in rows} == {"1", "2"}
     for r in rows:
         assert r["value"] == pytest.approx(r["rigid_limit"] + r["elasticity"])
+        (other,) = (o for o in rows if o["quantity"] == r["quantity"] and o["level"] != r["level"])
+        assert r["uncertainty"] > abs(r["value"] - other["value"])
+
+
+def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
+    """What ends a study later loses no grid that was done before."""
+    real = rolling.compute
+
+    def until_the_second(scene, level, bodies):
+        if level == 2:
+            raise KeyboardInterrupt
+        return real(scene, level, bodies)
+
+    monkeypatch.setattr(rolling, "compute", until_the_second)
+    with pytest.raises(KeyboardInterrupt):
+        rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1, 2], tmp_path, Engine(), fresh=False)
+    assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (["--levels", "5"], "1 to 3"),
+        (["--levels", "source,1"], "--source-mesh"),
+        (["--model", "lin"], "--model"),
+        (["--balls"], "--balls"),
+        (["--backend", "mpi"], "--backend"),
+    ],
+)
+def test_options_that_rolling_balls_do_not_have_are_refused(options, word, tmp_path):
+    with pytest.raises(InputError, match=word):
+        app(["compare", "lin-pair-a", *options, "--store", str(tmp_path)], exit_on_error=False, print_error=False)
+
+
+def test_the_spread_of_whole_screws_is_refused(tmp_path):
+    with pytest.raises(InputError, match="--spread"):
+        app(["mesh-study", "lin-pair-a", "--spread", "--store", str(tmp_path)], exit_on_error=False, print_error=False)
 
 
 def test_the_key_follows_all_that_a_run_depends_on(monkeypatch):
@@ -84,13 +123,14 @@ def test_the_uncertainty_is_deducted_but_excuses_no_more_than_the_limit():
 
 
 def test_one_grid_has_no_uncertainty(tmp_path):
-    run = rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, None, fresh=False)
+    run = rolling.runs_of(catalogue.any_scene("lin-rotary-3"), [1], tmp_path, Engine(), fresh=False)
     assert uncertainty(run, "torque N mm") == float("inf")
 
 
 def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(capsys, tmp_path, monkeypatch):
     monkeypatch.setitem(runs.BODIES, "finite", Sizes(cells=(2, 2), growth=3.0, degree=2))
-    code, rows = call(capsys, "compare", "lin-pair-a", "--levels", "1", "--bodies", "finite", "--store", str(tmp_path))
+    code, data = call(capsys, "compare", "lin-pair-a", "--levels", "1", "--bodies", "finite", "--store", str(tmp_path))
+    rows = data["rows"]
     assert code == 0
     (force,) = (r for r in rows if r["quantity"] == "force 1-2")
     assert force["half_space"] == pytest.approx(force["reference"], rel=0.02)

@@ -40,6 +40,14 @@ def test_the_page_answers_first_and_needs_nothing_from_outside(page, html: str) 
     assert 'id="figure-loads"' in html
 
 
+def test_lengths_are_in_micrometres_but_for_what_the_user_wrote(page, html: str) -> None:
+    shown = re.sub(r"<script.*?</script>|<pre>.*?</pre>", "", html, flags=re.DOTALL)
+    assert "µm" in shown
+    assert not re.search(r"\bum\b", shown)
+    assert page.scene_text.count(" um") == read_page(html)["scene"].count(" um") > 0
+    assert " um" in re.search(r"<pre>.*?</pre>", html, flags=re.DOTALL)[0]
+
+
 def test_every_contact_is_there(page) -> None:
     (table,) = (i for part in page.parts for i in part.items if getattr(i, "name", "") == "contacts")
     loads = [load for ball in page.results["balls"] for load in ball["load_N"].values() if load]
@@ -98,6 +106,23 @@ def test_what_moved() -> None:
         "c.e: nothing became 1.0",
         "f: True became False",
     ]
+
+
+def test_the_same_page_made_again_has_not_moved(html: str, tmp_path, capsys, monkeypatch) -> None:
+    old, new = tmp_path / "old", tmp_path / "new"
+    for folder in (old, new):
+        folder.mkdir()
+    (old / "index.html").write_text(html, encoding="utf-8")
+
+    def made(scene: str, out, _) -> int:
+        again = scene_page.page_of(scene, (scene_page.shipped_store(),))
+        later = replace(again, picture=None, provenance={**again.provenance, "date": "later"})
+        (out / "index.html").write_text(render(later), encoding="utf-8")
+        return 0
+
+    monkeypatch.setattr(verify, "make_page", made)
+    assert verify.run_page(SCENE, new, tmp_path, old) == 0
+    assert capsys.readouterr().out == "nothing moved\n"
 
 
 @pytest.mark.parametrize("options", [["--quick"], ["--stored"], ["--only", "hertz"]])

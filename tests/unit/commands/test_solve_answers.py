@@ -15,10 +15,11 @@ from scipy.io import mmread
 
 from compare.cli import main
 from compare.commands.matrix_files import dmig, market
-from compare.commands.summary import answers_json, block
+from compare.commands.summary import answers_json, block, entries
 from compare.errors import InputError
 from compare.models.answers import Answers, gather, tangent_of
 from compare.models.loading import lift_off, preload, solve_scaled
+from compare.models.model_form import estimate
 from compare.models.registry import Options, run_model
 from compare.scenes import catalogue
 from lowfi.rating.rigidity import slope_of
@@ -41,6 +42,12 @@ def test_the_block_has_ten_entries_and_is_never_wider(solved: tuple[Scene, Stati
     lines = block(*solved, None, width).split("\n")
     assert max(map(len, lines)) <= width
     assert tuple(line.split()[0] for line in lines if not line.startswith(" ")) == LABELS
+
+
+def test_what_is_not_covered_is_said_without_a_doubled_label(solved: tuple[Scene, StaticResult, Answers]) -> None:
+    scene, result, found = solved
+    uncovered = replace(estimate(scene, result), percent=None)
+    assert dict(entries(scene, result, found, uncovered))["error"].startswith("not covered by the comparisons")
 
 
 def test_the_json_holds_the_numbers_of_the_result(solved: tuple[Scene, StaticResult, Answers]) -> None:
@@ -138,6 +145,7 @@ def test_curve_and_matrix_from_the_command_line(tmp_path: Path, capsys: pytest.C
     assert (tmp_path / "curve.svg").read_text().startswith("<?xml")
     assert mmread(matrix).shape == (6, 6)
     assert "tangent stiffness" in out
+    assert "no torque: the scene has no coefficient of friction" in " ".join(out.split())
     assert max(map(len, out.splitlines())) <= 100
 
 

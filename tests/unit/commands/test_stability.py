@@ -10,8 +10,8 @@ from compare.extremes.static import (
     BALANCE,
     CONVERGED,
     DENSE_LIMIT,
+    ENERGY,
     FORMULATIONS,
-    OURS,
     SOURCE,
     Attempt,
     _fault,
@@ -94,13 +94,13 @@ def test_shaft_is_scaled_without_its_contacts(factor):
     assert pytest.approx(factor * (2.0 - factor) if factor < 1 else factor, rel=1e-9) == after.EI / before.EI
 
 
-@pytest.mark.parametrize("formulation", [OURS, *BACKENDS])
+@pytest.mark.parametrize("formulation", [ENERGY, *BACKENDS])
 @pytest.mark.parametrize("name", QUICK)
 def test_ours_solves_or_names_the_mechanism(name, formulation):
     row = attempt(CASES[name], formulation)
     assert failures([row]) == []
     if row.status.startswith("not attempted"):
-        assert formulation != OURS
+        assert formulation != ENERGY
         assert "leaves no wall" in row.status
         return
     if row.converged:
@@ -149,7 +149,7 @@ def test_false_claims_of_convergence_are_refused():
 
 
 def test_failures_are_rows_of_ours_without_the_expected_end():
-    held = attempt(CASES["no support"], OURS)
+    held = attempt(CASES["no support"], ENERGY)
     assert held.status == held.expected != CONVERGED
     assert failures([held]) == []
     wrong = [replace(held, expected=CONVERGED), replace(held, status=CONVERGED, converged=True)]

@@ -31,16 +31,19 @@ def test_the_entry_point_names_the_plug_in() -> None:
     assert hasattr(import_module(project["entry-points"]["pytest11"]["rollbench"]), "rollbench")
 
 
-def test_in_a_pytest_of_its_own(tmp_path: Path) -> None:
+@pytest.mark.parametrize("files", [(), ("compare.py",)], ids=["alone", "beside a compare.py"])
+def test_in_a_pytest_of_its_own(files: tuple[str, ...], tmp_path: Path) -> None:
     """Another project's test, three lines long; the plug-in loads no part of the workbench before it is used."""
+    for name in files:
+        (tmp_path / name).write_text("raise SystemExit('not rollbench')\n", encoding="utf-8")
     (tmp_path / "test_mine.py").write_text(
-        "import sys\n\n\ndef test_my_screw(rollbench):\n"
-        "    assert 'compare.scenes.catalogue' not in sys.modules\n"
-        "    rollbench.check('none.toml', max_error=7)\n",
+        "import sys\n\nassert 'compare' not in sys.modules\n\n\n"
+        "def test_my_screw(rollbench):\n    rollbench.check('none.toml', max_error=7)\n",
         encoding="utf-8",
     )
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "compare.gate.pytest_plugin", "-p", "no:cacheprovider", "."]
-    alone = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": str(ROOT), "PYTEST_ADDOPTS": ""}
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "rollbench_pytest", "-p", "no:cacheprovider", "."]
+    path = str(ROOT / "compare" / "toplevel")
+    alone = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": path, "PYTEST_ADDOPTS": ""}
     done = subprocess.run(command, cwd=tmp_path, env=alone, capture_output=True, text=True, timeout=250, check=False)
     assert done.returncode == 1, done.stdout + done.stderr
     assert "none.toml: file: got no such file or directory" in done.stdout

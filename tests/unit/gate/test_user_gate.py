@@ -117,7 +117,7 @@ def test_a_model_that_does_not_converge_fails(monkeypatch: pytest.MonkeyPatch) -
         (("two-balls", "--levels", "6"), ("--levels", "1 to 5")),
         (("two-balls", "--levels", "2", "--no-compute"), ("--levels", "--no-compute")),
         (("two-balls", "--stored", "nowhere"), ("--stored", "nowhere")),
-        (("two-balls", "--model", "condensed", "--no-compute"), ("--model", "refined")),
+        (("two-balls", "--model", "ansys", "--no-compute"), ("--model", "refined")),
         (("two-balls", "--model", "mei", "--no-compute"), ("--model", "describe two-balls")),
         (("two-balls", "two-balls", "--no-compute"), ("each scene once",)),
         (("two-balls", "--loads", "none.csv", "--no-compute"), ("none.csv", "no such file")),

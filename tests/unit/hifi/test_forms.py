@@ -9,6 +9,7 @@ from skfem.helpers import ddot, dot, eye, grad, sym_grad, trace
 
 from hifi import assembly
 from hifi.assembly import CurvedMap, assemble, faces, nodal_areas, rule, tensor
+from hifi.bodies import rigid_loads
 from hifi.forms import elasticity, force, hooke, share
 from hifi.pressures import ElementHexHats, contact_weights
 from hifi.rigid import rigid_modes
@@ -162,6 +163,15 @@ def test_loads_and_areas_have_the_right_resultants(curved):
     np.testing.assert_allclose(found, 2.0 * areas, atol=1e-15)
     assert areas.sum() == pytest.approx(6.0, rel=0.1)
     assert np.abs(np.delete(areas, nodes_on(curved, "all"))).max(initial=0.0) < 1e-15
+
+
+def test_body_forces_that_are_rigid_motions(curved):
+    def motion(k):
+        return lambda x: rigid_modes(x.reshape(3, -1).T)[:, k].reshape(-1, 3).T.reshape(x.shape)
+
+    basis = space(curved)
+    wanted = np.array([force(motion(k)).assemble(basis) for k in range(6)])
+    np.testing.assert_allclose(rigid_loads(curved), wanted, atol=1e-14 * np.abs(wanted).max())
 
 
 @pytest.mark.parametrize("kind", ["P2", "Q2"])

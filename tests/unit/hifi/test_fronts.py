@@ -38,6 +38,17 @@ def test_it_is_dense_algebra(columns: int) -> None:
     np.testing.assert_allclose(gram(K, B), dense, atol=1e-12 * np.abs(dense).max())
 
 
+@pytest.mark.usefixtures("_streamed")
+@pytest.mark.parametrize("seed", [5, 9])
+def test_round_off_on_one_side_of_the_diagonal_goes_nowhere_else(seed: int) -> None:
+    """Entries of products C^T K C cancel to zero on one side and to round-off on the other, where they have no row."""
+    K, B = body(6), loads(648, 40)
+    expected = gram(K, B)
+    row, column = np.random.default_rng(seed).integers(648, size=(2, 4))
+    one_sided = sp.csc_matrix((np.full(4, 1e-17), (row, column)), shape=K.shape)
+    np.testing.assert_allclose(gram(K + one_sided, B), expected, atol=1e-12 * np.abs(expected).max())
+
+
 def test_it_is_solves_with_a_factor(monkeypatch: pytest.MonkeyPatch) -> None:
     K, B = body(9), loads(2187, 120)
     solved = gram(K, B)  # few freedoms

@@ -148,6 +148,15 @@ def test_command(tmp_path, capsys):
     assert max(ball["largest_N"] for ball in data["balls"]) == data["statistics"]["largest_load_N"]["largest"]
 
 
+def test_distributions_come_first_and_bands_where_asked_for(capsys):
+    for more, told in (((), "bands of every ball: --balls"), (("--balls",), "bands of the contact loads / N")):
+        with pytest.raises(SystemExit):
+            main(["solve", "lin-random", "--members", "4", "--model", "lin", *more])
+        out = capsys.readouterr().out
+        assert 0 < out.index("largest contact") < out.index(told)
+        assert ("\n   32    SL" in out) == bool(more)
+
+
 def test_options_of_members_need_members(capsys):
     with pytest.raises(SystemExit) as done:
         main(["solve", "lin-random", "--seed", "7"])

@@ -36,10 +36,10 @@ def test_uses_of_the_registry():
     assert not MODELS["source"].suits(rigid)
 
 
-def test_every_model_that_needs_no_file_is_named_for_compare():
-    assert compared_models(("lin", "lin-cell")) == [MODELS["lin"], MODELS["lin-cell"]]
+def test_every_model_of_the_list_is_compared():
+    assert compared_models(tuple(MODELS)) == list(MODELS.values())
     with pytest.raises(InputError, match="lin-source-partition"):
-        compared_models(("condensed",))
+        compared_models(("ansys",))
 
 
 def test_a_variant_is_the_model_on_the_changed_scene():

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from compare.costs import friction_bench
-from compare.evidence import screw
+from compare.evidence import assumptions_3_4, screw
 from compare.evidence.registry import evidence
 from compare.extremes import friction as friction_stability
 from compare.extremes import friction_chains
 from compare.extremes.tally import BALLS, Record, Tally
 from compare.printed.printed_data import load_table
 from compare.sections import friction_screw
+from lowfi.as_source.run import simulate_by_root
 from lowfi.friction.linear.chain import solve
 from lowfi.friction.screw.chain import solve_chain
 from reports.figures import draw
@@ -29,8 +30,11 @@ UNUSED = {"outer_diameter", "inner_diameter", "thickness_4p"}
 
 @pytest.fixture(scope="module")
 def made() -> Section:
+    """The section, with the first 20 of the 200 steps by the source's rule of contact, which take most of its time."""
     steps: list[str] = []
-    section = friction_screw.section(STUDY, steps.append)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(assumptions_3_4, "simulate_by_root", lambda run: simulate_by_root(run, 20))
+        section = friction_screw.section(STUDY, steps.append)
     assert len(steps) == 4
     return section
 
@@ -42,9 +46,9 @@ def found():
 
 @pytest.fixture(scope="module")
 def records() -> list[Record]:
-    """The report's table but for chains of 50 to 200 balls, which take most of its time (below: once)."""
+    """The report's table but for chains of 10 to 200 balls, which take most of its time (below: the longest once)."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(friction_chains, "BALLS", (2, 5, 10, 20))
+        patch.setattr(friction_chains, "BALLS", (2, 5))
         return friction_stability.rows()
 
 

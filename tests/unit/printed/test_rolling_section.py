@@ -1,6 +1,7 @@
 """Section on rolling in 3D and its gate rows, from the stored runs; the solves behind the rest are replaced."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,14 +12,15 @@ from compare.models.study import Study
 from compare.reference.store import shipped_store
 from compare.rolling import rows as rolling_rows
 from compare.rolling.body_sizes import NAMES, SCENES, Variant, variants
-from compare.rolling.from_rest import Series
+from compare.rolling.changes import Change, changes
+from compare.rolling.from_rest import Series, from_rest
 from compare.rolling.kept_sizes import FILE, Sizes
 from compare.rolling.patches import PatchField
 from compare.rolling.rows import KNOWN
 from compare.rolling.runs import FINITE
 from compare.sections import rolling
 from reports.figures import draw_map
-from reports.records import PressureMap
+from reports.records import PressureMap, Text
 
 #: Ball-to-ball forces and torques of the low-order models.
 LOW = {
@@ -45,7 +47,10 @@ def _low(monkeypatch):
 
 @pytest.mark.usefixtures("_low")
 def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
-    proof = (Proof("Carter", "force", (0.51, 0.505, 0.501), 0.5, 0.5, 0.501),)
+    proof = (
+        Proof("Carter", "force", (0.51, 0.505, 0.501), 0.5, 0.5, 0.501),
+        Proof("balls that touch, over a patch", "loss", (1.0, 1.0, 0.9), 1.0, 20.0, 0.9),
+    )
     series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
     monkeypatch.setattr(rolling, "proofs", lambda: proof)
     monkeypatch.setattr(rolling, "from_rest", lambda: series)
@@ -54,6 +59,8 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     at = np.array([[0.0, 0.0], [1e-5, 0.0], [0.0, 1e-5], [1e-5, 1e-5]])
     field = PatchField("one", at, 1e-2 * at, 1e12 * at, np.array([True, False, False, False]), (1e-5, 1e-5))
     monkeypatch.setattr(rolling, "fields", lambda: (field,))
+    beyond = Change("lin-pair-a", "grid", "finer", 0.5, 0.4)
+    monkeypatch.setattr(rolling, "changes", lambda *_: (beyond, replace(beyond, change=0.3)))
     made = rolling.section(Study(), lambda _: None)
     tables = {item.name: item for item in made.items if hasattr(item, "rows")}
     assert tables["rolling-verification"].rows[0]["verdict"] == "reached"
@@ -66,6 +73,8 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     assert states == {name: "inferred" if "inferred" in name else "plain" for name in LOW if "screw" in name}
     assert forces["lin-pair-a"]["state"] is None
     assert {row["scene"] for row in tables["rolling-ring"].rows} == {"lin-rotary-1", "lin-rotary-2", "lin-rotary-3"}
+    assert any("the same to 10 %" in line for item in made.items if isinstance(item, Text) for line in item.paragraphs)
+    assert [row["verdict"] for row in tables["rolling-choices"].rows] == ["beyond", "within"]
     assert made.headline
     finite = {row["scene"]: row for row in tables["rolling-bodies"].rows if row["quantity"] in ("force 1-2", "torque")}
     assert set(finite) == set(LOW)
@@ -104,3 +113,18 @@ def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncerta
     for quantity in NAMES[:3]:
         share = rows[quantity].uncertainty / abs(rows[quantity].reference)
         assert all(abs(values[quantity] / first[quantity] - 1.0) <= share for values in others)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("_low")
+def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty():
+    kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
+    found = changes((shipped_store(),), from_rest(), [Variant(**row) for row in kept])
+    assert [(c.scene, c.choice) for c in found] == [
+        *((SCENES[0], choice) for choice in ("grid", "finite bodies", "time step", "path of regularisation")),
+        *((SCENES[1], choice) for choice in ("grid", "finite bodies", "path of regularisation")),
+    ]
+    assert [c for c in found if not c.within] == []
+    assert all(c.change < 1e-8 for c in found if c.choice.startswith("path"))
+    assert all(c.change > 1e-6 for c in found if not c.choice.startswith("path"))
+    assert changes((), from_rest(), ()) == ()

@@ -98,10 +98,14 @@ def test_stored_files_are_readable_by_the_group(tmp_path: Path) -> None:
     before = os.umask(0o077)
     try:
         replace_file(tmp_path / "run.json", json.dumps({}))
+        replace_file(tmp_path / "team" / "store" / "run.json", json.dumps({}))
         (tmp_path / "own").write_text("")
     finally:
         os.umask(before)
     assert stat.S_IMODE((tmp_path / "run.json").stat().st_mode) == 0o640
+    for folder in ("team", "team/store"):
+        assert stat.S_IMODE((tmp_path / folder).stat().st_mode) == 0o750
+    assert (tmp_path / "team" / "store" / "run.json").stat().st_mode & 0o040
     for_group(tmp_path / "own")
     assert np.bitwise_and((tmp_path / "own").stat().st_mode, 0o040)
 

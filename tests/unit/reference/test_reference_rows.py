@@ -7,8 +7,8 @@ import pytest
 
 from compare.gate import gate
 from compare.models import comparison
-from compare.models.comparison import from_model, gate_points, reference_answers, rows
-from compare.models.mesh_study import study_table
+from compare.models.comparison import from_result, gate_points, reference_answers, rows, solved
+from compare.models.mesh_study import closing, studied, study_table
 from compare.models.registry import MODELS
 from compare.models.study import Study
 from compare.reference.estimate import Reference, reference
@@ -16,6 +16,7 @@ from compare.reference.grid_summary import summarise
 from compare.reference.levels import LEVELS, STUDIED
 from compare.reference.store import save
 from compare.scenes import catalogue
+from compare.sections.study_figure import study_figure
 from tests.reference_records import run_of
 
 
@@ -80,7 +81,7 @@ def test_unnamed_exceedance_and_vanished_one_fail(monkeypatch: pytest.MonkeyPatc
 def test_rows_name_every_loaded_contact_and_carry_the_error_bar() -> None:
     scene = catalogue.scene("lin-case1")
     found = _found("lin-case1")
-    own = rows(scene, from_model(MODELS["lin"], scene), found)
+    own = rows(scene, from_result(solved(MODELS["lin"], scene, found, None)[0]), found)
     loads = [r for r in own if r.quantity == "load"]
     assert len(loads) == 64
     assert all(r.reference_error is not None and 0.0 <= r.reference_error < 10.0 for r in loads)
@@ -148,6 +149,7 @@ def test_two_levels_give_a_band_and_one_none(tmp_path: Path) -> None:
     assert one is not None
     assert one.uncertainty is None
     assert summarise(one).largest is None
+    assert closing(one).startswith("One level does not say")
     save(tmp_path, scene, run_of("lin-case1", 2, finer))
     two = reference(scene, (tmp_path,))
     assert two is not None
@@ -156,6 +158,11 @@ def test_two_levels_give_a_band_and_one_none(tmp_path: Path) -> None:
     assert np.array_equal(two.estimate, finer)
     assert summarise(two).largest == pytest.approx(6.0 / finer[finer > 0.0].mean() * 100.0)
     assert (summarise(two).ball, summarise(two).side) == (1, 0)
+    assert closing(two).startswith("Level 1 is enough for 8 % of the mean contact load ("), (
+        "2 N off, 6 N uncertain, of 100 N"
+    )
+    assert ", level 2 for 6 % (" in closing(two)
+    assert not any(" SR" in row["quantity"] or " NL" in row["quantity"] for row in study_table(scene, (tmp_path,)))
 
 
 def test_levels_of_one_order_are_extrapolated(tmp_path: Path) -> None:
@@ -175,3 +182,16 @@ def test_levels_of_one_order_are_extrapolated(tmp_path: Path) -> None:
     last = (LEVELS[1]["b_over_h"] / LEVELS[max(STUDIED)]["b_over_h"]) ** 1.5
     assert s.largest == pytest.approx(1.25 * 4.0 * last / s.mean * 100.0, rel=1e-2)
     assert s.levels == len(STUDIED)
+    whole = studied(scene, (tmp_path,))
+    assert whole is not None
+    figure = study_figure("x", study_table(scene, (tmp_path,)), whole)
+    assert figure is not None
+    loads = {tuple(s.x): s for s in figure.panels[0].series if s.label == "largest load, SL"}
+    measured, beyond = sorted(loads.values(), key=lambda s: min(s.x), reverse=True)
+    assert measured.x[-1] == 1.0, "over the cell size, coarsest first"
+    assert list(measured.x) == sorted(measured.x, reverse=True)
+    assert measured.bars is not None
+    assert measured.bars[0][-1] < measured.y[-1] < measured.bars[1][-1]
+    assert (beyond.x[0], beyond.x[-1], beyond.y[-1]) == (0.0, 1.0, pytest.approx(0.0, abs=1e-12))
+    off = limit[:, 0].max() - found.load[:, 0].max()
+    assert beyond.y[0] == pytest.approx(100.0 * off / np.abs(found.load).max(), rel=1e-3)

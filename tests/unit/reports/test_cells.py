@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from reports import html
+from reports.records import Column, Table
 from tests.report_samples import table
 
 
@@ -58,3 +59,10 @@ def test_records_import_neither_matplotlib_nor_pyvista():
     root = Path(html.__file__).parents[1]
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root)
     assert done.stdout.strip() == "[]"
+
+
+def test_two_columns_of_one_heading_are_refused():
+    columns = (Column("a", "interval", "N", "s"), Column("b", "interval", "um", "s"))
+    Table("t", "intervals of two units", columns, [])
+    with pytest.raises(ValueError, match="more than one column headed 'interval'"):
+        Table("t", "intervals", (*columns, Column("c", "interval", "um", "s")), [])

@@ -30,6 +30,13 @@ class TestFigures:
         assert {"Case <1>", "normal force [N]", "computed", "printed", "source", "95 % band"} <= words
         assert "10⁻³" in words
 
+    def test_micrometres_have_their_letter(self):
+        panel = Panel("", "oversize / um", "rigidity / (N/um)", [Series("a sum", [1, 2], [1.0, 5.0])])
+        root = ElementTree.fromstring(figures.draw(figure(panels=[panel])))
+        words = {"".join(element.itertext()) for element in root.iter(f"{SVG}text")}
+        assert {"oversize / µm", "rigidity / (N/µm)"} <= words
+        assert not any(re.search(r"\bum\b", word) for word in words)
+
     def test_identifiers_of_two_figures_do_not_meet_and_references_resolve(self):
         svgs = [figures.draw(figure(name)) for name in ("one", "two")]
         ids = [set(re.findall(r'\bid="([^"]+)"', svg)) for svg in svgs]

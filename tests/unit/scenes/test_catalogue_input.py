@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from compare.cli import main
 from compare.errors import InputError, SceneError
 from compare.scenes import catalogue, scene_file
 from compare.scenes.catalogue import scene_text
+from compare.scenes.catalogue_input import MATERIALS
+from compare.scenes.keys import MaterialName
 from compare.scenes.like import scene_like
 from compare.scenes.preload import oversize_for
 from compare.scenes.template import template
@@ -70,6 +73,9 @@ def test_faults_of_diameters_are_named_as_the_file_has_them(
 def test_materials_by_name() -> None:
     steel = ('youngs_modulus = "210 GPa"\npoissons_ratio = 0.28', 'name = "bearing steel"')
     assert read(steel).screw.material == replace(read().screw.material, poissons_ratio=0.3)
+    for grade in ("100Cr6", "AISI 52100"):
+        assert read((steel[0], f'name = "{grade}"')).screw.material == read(steel).screw.material
+    assert set(get_args(MaterialName)) == set(MATERIALS), "every grade is a name of the schema"
     ceramic = read(("turns = 2", 'turns = 2\nmaterial = { name = "silicon nitride" }'))
     assert (ceramic.balls.material.youngs_modulus, ceramic.balls.material.poissons_ratio) == (310e9, 0.26)
     assert ceramic.screw == read().screw

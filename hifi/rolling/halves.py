@@ -1,0 +1,66 @@
+"""Bodies that are their own mirror images in x: what moves alike on both sides, and oppositely, is solved apart.
+
+Two matrices of half the freedoms take less than half of the time and memory of one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from hifi.response import compliance
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: Distance of mirror images over the body's size, and part of a load that is of the other kind, that are round-off.
+ROUND_OFF = 1e-9
+
+
+def compliance_by_halves(K: sp.csc_matrix, rows: sp.csr_matrix, points: Array, free: Index) -> Array:
+    """`hifi.response.compliance` ``(m, m)`` of K ``(f, f)`` for ``rows`` ``(m, f)`` on the freedoms ``free`` ``(f,)`` of
+    ``points`` ``(n, 3)`` [m]; by halves where points, free ones and loads allow it.
+
+    Cells are taken to be mirror images where all points are.
+    """
+    halves = mirror_halves(points, free)
+    parts = [sp.csr_matrix(rows @ T) for T in halves]
+    size = np.array([abs(part).max(axis=1).toarray().ravel() for part in parts])
+    if not parts or np.any(size.min(axis=0) > ROUND_OFF * size.max(axis=0)):
+        return compliance(K, rows)
+    out = np.zeros((rows.shape[0],) * 2)
+    for T, part, own in zip(halves, parts, (size[0] >= size[1], size[0] < size[1]), strict=True):
+        out[np.ix_(own, own)] = compliance(_on_one_side(K, T), part[np.flatnonzero(own)])
+    return out
+
+
+def _on_one_side(K: sp.csc_matrix, T: sp.csc_matrix) -> sp.csc_matrix:
+    """T^T K T of a symmetric K that is its own mirror image: the columns of one side say all."""
+    one, value = T.indices[T.indptr[:-1]], T.data[T.indptr[:-1]]
+    found = sp.csc_matrix(T.T.tocsc() @ K[:, one])
+    found.data *= np.repeat(1.0 / value, np.diff(found.indptr))
+    return found
+
+
+def mirror_halves(points: Array, free: Index) -> list[sp.csc_matrix]:
+    """Orthonormal motions ``(f, .)`` of the freedoms ``free`` alike on both sides of x = 0, and opposite ones; none where
+    points or free ones are not mirror images."""
+    apart, partner = KDTree(points).query(points * np.array([-1.0, 1.0, 1.0]))
+    place = np.full(points.size, -1, dtype=np.int64)
+    place[free] = np.arange(free.size)
+    other = place[3 * partner[free // 3] + free % 3]
+    if apart.max() > ROUND_OFF * np.abs(points).max() or other.min() < 0:
+        return []
+    out = []
+    for sense in (1.0, -1.0):
+        sign = np.where(free % 3 == 0, -sense, sense)
+        own = np.arange(free.size)
+        one = np.flatnonzero((own < other) | ((own == other) & (sign > 0.0)))
+        two = one[other[one] != one]
+        column, value = np.arange(one.size), np.where(other[one] != one, np.sqrt(0.5), 1.0)
+        entries = np.concatenate([value, np.sqrt(0.5) * sign[two]])
+        lines = np.concatenate([one, other[two]]), np.concatenate([column, column[other[one] != one]])
+        out.append(sp.coo_matrix((entries, lines), (free.size, one.size)).tocsc())
+    return out

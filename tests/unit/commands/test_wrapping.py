@@ -1,0 +1,54 @@
+"""Texts and tables for terminals of any width."""
+
+import io
+
+import pytest
+from rich.box import HEAVY_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from compare.commands.wrapping import fitted, wrapped
+
+
+def balls(*, ruled: bool) -> Table:
+    table = Table(title="loads", box=HEAVY_HEAD if ruled else None)
+    for k, name in enumerate(("ball", "side", *(f"quantity {n} / N" for n in range(9)))):
+        table.add_column(name, justify="right", no_wrap=k > 9)
+    for ball in range(1, 4):
+        for side in ("SL", "NR"):
+            table.add_row(str(ball), side, *(f"{1234.5 + ball + n:.2f}" for n in range(9)))
+    return table
+
+
+def shown(table: Table, width: int) -> str:
+    stream = io.StringIO()
+    Console(file=stream, width=width).print(table)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize("ruled", [True, False])
+@pytest.mark.parametrize("width", [48, 60, 80])
+def test_no_number_is_cut_and_every_part_names_its_rows(width: int, *, ruled: bool) -> None:
+    parts = fitted(balls(ruled=ruled), width)
+    texts = [shown(part, width) for part in parts]
+    assert len(parts) > 1
+    assert "…" not in "".join(texts)
+    assert max(len(line.rstrip()) for text in texts for line in text.splitlines()) <= width
+    assert sum(text.count("1236.5") for text in texts) == 4, "ball 1 at 1, ball 2 at 0, on both sides"
+    assert all("ball" in text and text.count("SL") == 3 for text in texts)
+    assert [("loads" in text) for text in texts] == [True] + [False] * (len(texts) - 1)
+
+
+def test_a_table_that_fits_stays_as_it_is() -> None:
+    table = balls(ruled=False)
+    assert fitted(table, 300) == [table]
+
+
+def test_what_follows_stands_below_the_text() -> None:
+    text = "  scene      a screw of a catalogue with a long title\n  other      short"
+    assert wrapped(text, 40).splitlines() == [
+        "  scene      a screw of a catalogue with",
+        "             a long title",
+        "  other      short",
+    ]
+    assert wrapped("FAIL: a verdict that goes on for more than forty columns", 40).splitlines()[1].startswith("  ")
