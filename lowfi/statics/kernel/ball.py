@@ -75,21 +75,42 @@ def meet(ux: float, uz: float, geometry: Array, r_ball: float, profile: Array) -
 @kernel
 def touch(px: float, pz: float, shift: Array, geometry: Array, r_ball: float, profile: Array, contact: Array) -> float:
     """Contact forces and stiffnesses with the ball's centre at p; returns the energy [J] (Lin 2.14 integrated)."""
+    if profile.shape[1] > 0:
+        return touch_uneven(px, pz, shift, geometry, r_ball, profile, contact)
+    energy = 0.0  # arcs by themselves, no rows taken out: the compiler puts it where it is called
+    for s in range(4):
+        contact[s, FORCE] = 0.0
+        if geometry[s, USE] != 0.0:
+            wx, wz, size, approach = geometry[s, WX], geometry[s, WZ], geometry[s, SIZE], geometry[s, APPROACH]
+            met = arc(px - shift[s, 0], pz - shift[s, 1], wx, wz, size, approach)
+            energy += press(contact, s, met, geometry[s, HERTZ])
+    return energy
+
+
+@kernel
+def touch_uneven(
+    px: float, pz: float, shift: Array, geometry: Array, r_ball: float, profile: Array, contact: Array
+) -> float:
+    """``touch`` for flanks that are no arcs."""
     energy = 0.0
     for s in range(4):
         contact[s, FORCE] = 0.0
-        if geometry[s, USE] == 0.0:
-            continue
-        delta, mx, mz, kt = meet(px - shift[s, 0], pz - shift[s, 1], geometry[s], r_ball, profile[s])
-        contact[s, MX], contact[s, MZ] = mx, mz
-        if delta > 0.0:
-            c = geometry[s, HERTZ]
-            x = delta / c
-            root = sqrt(x)
-            contact[s, FORCE] = x * root
-            energy += 0.4 * c * x * x * root
-            contact[s, KN] = 1.5 * root / c
-            contact[s, KT] = x * root * kt
+        if geometry[s, USE] != 0.0:
+            met = meet(px - shift[s, 0], pz - shift[s, 1], geometry[s], r_ball, profile[s])
+            energy += press(contact, s, met, geometry[s, HERTZ])
+    return energy
+
+
+@kernel
+def press(contact: Array, s: int, met: tuple[float, float, float, float], c: float) -> float:
+    """Fill the contact s as it has met its flank (see ``meet``), c its Hertz constant; returns its energy [J]."""
+    delta, contact[s, MX], contact[s, MZ], kt = met
+    if not delta > 0.0:
+        return 0.0
+    x = delta / c
+    root = sqrt(x)
+    contact[s, FORCE], contact[s, KN], contact[s, KT] = x * root, 1.5 * root / c, x * root * kt
+    energy: float = 0.4 * c * x * x * root
     return energy
 
 
