@@ -207,6 +207,10 @@ def test_banded_solver_refuses_an_indefinite_matrix(engine):
         band[:, 0] = 1.0
         band[row, columns] = value  # one entry makes a chain of two nodes indefinite, or singular
         assert not kernels.factor_band(band), (row, columns)
+    band = np.zeros((12, 12))
+    band[:, 0] = 1.0
+    band[7:9, 0] = -1.0  # two of them, so that the determinant is positive
+    assert not kernels.factor_band(band)
 
 
 def test_the_sources_partition_has_27_elements():
