@@ -11,16 +11,13 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from skfem import Basis, ElementHex1, ElementHex2, ElementQuad1, ElementTetP1, ElementTetP2, ElementTriP1, FacetBasis, Mesh
 from skfem.element import DiscreteField
 from skfem.mapping import MappingIsoparametric
 from skfem.quadrature import get_quadrature
 
 from hifi.forms import share
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from meshes.arrays import Array, Index
 
 CHUNK_BYTES = 32e6
 """Memory of one chunk of element matrices [bytes]."""

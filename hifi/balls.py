@@ -23,8 +23,8 @@ from scipy.optimize import nnls
 
 from hifi.compliance import BallBlock, BlockFactor, Compliance
 from hifi.contact import ContactResult
+from meshes.arrays import Array
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 #: Rounds after which the solution over all balls is given up.
 MOST = 60

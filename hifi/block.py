@@ -22,7 +22,6 @@ from time import perf_counter
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from hifi.assembly import assemble, nodal_areas
 from hifi.balls import solve_balls
@@ -31,11 +30,9 @@ from hifi.contact import ContactResult
 from hifi.forms import elasticity
 from hifi.hertz import HertzSolution, hertz
 from hifi.solvers import factor
+from meshes.arrays import Array, Index
 from meshes.block import BlockMesh, Influence, hexahedra, tetrahedra
 from meshes.fem import freedoms_on, nodes_on
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Right-hand sides solved at once.
 CHUNK = 128
@@ -58,17 +55,17 @@ class SurfaceCompliance:
     were averaged; unknowns: free freedoms; seconds: of assembly, factor and solution.
     """
 
-    nodes: IntArray
-    places: FloatArray
-    areas: FloatArray
-    matrix: FloatArray
-    held: FloatArray
+    nodes: Index
+    places: Array
+    areas: Array
+    matrix: Array
+    held: Array
     asymmetry: float
     unknowns: int
     seconds: dict[str, float]
 
 
-def boussinesq(points: FloatArray, sources: FloatArray, young: float, poisson: float) -> FloatArray:
+def boussinesq(points: Array, sources: Array, young: float, poisson: float) -> Array:
     """Displacements (n, 3, m) [m/N] at points (n, 3) [m] under a unit force along z on the half space z > 0.
 
     Johnson, Contact Mechanics (1985), 3.18, 3.19: u_r = (1 + nu)/(2 pi E) (r z/R^3 - (1 - 2 nu) r/(R (R + z))),
@@ -84,7 +81,7 @@ def boussinesq(points: FloatArray, sources: FloatArray, young: float, poisson: f
     return np.asarray((1.0 + poisson) / (2.0 * np.pi * young) * parts)
 
 
-def carried_areas(mesh: BlockMesh) -> FloatArray:
+def carried_areas(mesh: BlockMesh) -> Array:
     """Area [m2] of the contact plane that each node carries, (n,): its consistent area; zero off the plane.
 
     A uniform pressure puts nothing on the corners of 6-node triangles and all on their midside nodes: only those may
@@ -138,7 +135,7 @@ def surface_compliance(mesh: BlockMesh, reach: tuple[float, float], young: float
     )
 
 
-def _far_field(mesh: BlockMesh, sources: FloatArray, young: float, poisson: float) -> FloatArray:
+def _far_field(mesh: BlockMesh, sources: Array, young: float, poisson: float) -> Array:
     """Displacement (3 cut nodes, m) [m/N] of the cut under a unit force at each source and at its mirror images."""
     points = mesh.points[nodes_on(mesh.mesh, "cut")]
     images = [np.array(signs) for signs in product((1.0, -1.0), repeat=2)]
@@ -287,7 +284,7 @@ def read_pressure(surface: SurfaceCompliance, found: ContactResult) -> tuple[tup
     return read_ellipse(surface.places, surface.areas, found.forces)
 
 
-def read_ellipse(places: FloatArray, areas: FloatArray, forces: FloatArray) -> tuple[tuple[float, float], float, float]:
+def read_ellipse(places: Array, areas: Array, forces: Array) -> tuple[tuple[float, float], float, float]:
     """Semi-axes [m], pressure at the pole and fitted pole pressure [Pa], as `HertzRun` defines them, of forces ``(n,)`` [N]
     on areas ``(n,)`` [m2] at places ``(n, 2)`` [m] from the contact's middle."""
     pressure = forces / areas

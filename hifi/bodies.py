@@ -13,7 +13,6 @@ from itertools import product
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.linalg import qr
 from skfem import Mesh
 
@@ -22,11 +21,9 @@ from hifi.forms import elasticity, share
 from hifi.patch import CondensedPatch
 from hifi.pressures import mean_weights
 from hifi.rigid import rigid_modes
+from meshes.arrays import Array, Index
 from meshes.fem import cells_of, faces_of, freedoms_on, mesh_of, nodes_on, points_of
 from meshes.tet_patch import SUB_TRIANGLES, split_second_order
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

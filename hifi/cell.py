@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from hifi.assembly import assemble
 from hifi.bodies import end_transform
@@ -21,12 +20,11 @@ from hifi.forms import elasticity
 from hifi.helical_section import helical_stiffness
 from hifi.response import compliance
 from hifi.shaft import ShaftSection, round_section
+from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec, build_body
 from meshes.parts import Material
 from meshes.sockets import SocketSize
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

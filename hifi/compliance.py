@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, lu_factor, lu_solve
 from scipy.linalg.lapack import dpotrf, dpotrs
 
-Array = NDArray[np.float64]
+from meshes.arrays import Array
+
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 

@@ -11,18 +11,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from hifi.grid_wave import contact_frame, mean_approaches, relative_radii, resolved_forces, unit_hertz
 from hifi.hertz import hertz
 from hifi.pressures import mean_weights
+from meshes.arrays import Array
 from meshes.condensed import CondensedBodies, geometry_digest
 
 if TYPE_CHECKING:
     from hifi.setup import Setup
 
-Array = NDArray[np.float64]
 
 #: Number of forces at which a contact's own approach is sampled.
 SAMPLES = 16

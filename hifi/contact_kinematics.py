@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from hifi.compliance import Compliance
 from hifi.contact import ContactResult
@@ -12,11 +11,10 @@ from hifi.coupling import Zones, modal_motion
 from hifi.part_meshes import rotation
 from hifi.pressures import mean_weights
 from hifi.setup import Setup
+from meshes.arrays import Array
 from meshes.errors import Specimen
 from meshes.helix import groove_radii, nominal_groove_centres
 from meshes.surface import groove_profile
-
-Array = NDArray[np.float64]
 
 
 def expected_touch(gap: Array, zones: Zones) -> Array:

@@ -7,17 +7,14 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from hifi.compliance import BallBlock, Compliance, coupled
 from hifi.contact import ContactResult
 from hifi.mounting import Mounted, beam_stretch, mount
 from hifi.setup import Setup
+from meshes.arrays import Array, Index
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

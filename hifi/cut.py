@@ -22,12 +22,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.response import transport
+from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
-
-Array = NDArray[np.float64]
 
 #: Half a turn about x of motions and wrenches.
 HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])

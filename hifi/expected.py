@@ -17,18 +17,16 @@ from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
 from hifi.hertz import HertzSolution, hertz
 from hifi.response import transport
 from hifi.shaft import beam_stiffness, round_section
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout, groove_radii, lead_angle
 from meshes.parts import FREEDOMS, SIDE_SIGNS, Material, Scene
 from meshes.solid import dimensions
-
-Array = NDArray[np.float64]
 
 #: Newton steps at most, and the imbalance over the largest force at which they end.
 STEPS, BALANCED = 200, 1e-6

@@ -10,10 +10,9 @@ import ctypes
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from meshes.arrays import Index
+
 _SIZES = ("nsuper", "ssize", "xsize", "maxcsize", "maxesize")
 _FLAGS = ("ordering", "is_ll", "is_super", "is_monotonic", "itype", "xtype", "dtype", "useGPU")
 

@@ -13,7 +13,6 @@ from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from skfem import Mesh, condense
 
 from hifi import assembly
@@ -31,6 +30,7 @@ from hifi.responses import ball_compliance, nut_transform, screw_transform
 from hifi.setup import Setup
 from hifi.sides import condense_side
 from hifi.solvers import factor
+from meshes.arrays import Array, Index
 from meshes.ball_body import directions
 from meshes.fem import cells_of, moved
 from meshes.groove_map import GrooveMap
@@ -39,9 +39,6 @@ from meshes.helix import BallLayout, ball_layout
 from meshes.parts import SIDE_SIGNS, Material, Scene
 from meshes.sockets import local_points
 from meshes.solid import Dimensions, dimensions
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

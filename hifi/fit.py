@@ -7,18 +7,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.expected import expected_contacts
 from hifi.patch import Lines, graded, growing
+from meshes.arrays import Array
 from meshes.ball_body import BallSocket, ball_depth, ball_points
 from meshes.groove_map import GrooveMap
 from meshes.helix import BallLayout
 from meshes.parts import Scene
 from meshes.sockets import ZONE, SocketSize, fitted_socket
 from meshes.solid import Dimensions
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

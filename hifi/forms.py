@@ -9,12 +9,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import BilinearForm, LinearForm
 from skfem.helpers import ddot, dot, sym_grad
 from skfem.models.elasticity import lame_parameters, linear_stress
 
-Array = NDArray[np.float64]
+from meshes.arrays import Array
+
 Stress = Callable[[Any], Any]
 
 

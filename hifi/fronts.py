@@ -13,12 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.linalg.blas import dgemm, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from meshes.arrays import Array, Index
 
 
 class Supernodes(NamedTuple):

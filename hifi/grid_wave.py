@@ -21,10 +21,10 @@ from scipy.linalg import cho_factor, cho_solve
 from hifi.hertz import HertzSolution, hertz
 from hifi.patch import CondensedPatch
 from hifi.pressures import mean_weights
+from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
 from meshes.parts import Material
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 #: Places in a cell across and along the groove, and forces, at which the wave is tabulated; the long axis of the ellipse

@@ -14,15 +14,14 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementQuad2, ElementVector, Functional, LinearForm, MeshQuad
 from skfem.helpers import grad
 
+from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
 from meshes.parts import Material
 
-Array = NDArray[np.float64]
 Mean = Callable[[Array], list[Array]]
 
 #: Second-order cells along the groove, along the land, and in depth.

@@ -9,10 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: Thinnest ellipse the quadrature is meant for, b/a.
 THINNEST = 1e-3

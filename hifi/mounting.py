@@ -20,16 +20,14 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, qr
 
 from hifi.cut import at_high, at_low
 from hifi.response import transport
 from hifi.shaft import ShaftSection, beam_stiffness
+from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
 from meshes.parts import FREEDOMS, Scene
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.bodies import Socket
 from hifi.fit import Settings, ball_place, patch_lines, socket_size
 from hifi.patch import PatchMesh, build_patch, build_tet_patch
+from meshes.arrays import Array
 from meshes.ball_body import BallBody, build_ball
 from meshes.cache import Cache
 from meshes.groove_map import GrooveMap
@@ -22,7 +22,6 @@ from meshes.sockets import SocketMesh, SocketSize
 from meshes.solid import Dimensions
 from meshes.tet_patch import build_tets, source_box
 
-Array = NDArray[np.float64]
 #: Edges [m] of first-order tetrahedra tried at a patch's rim; long ones may be turned inside out by the map to space.
 FAR = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 #: Cells across the short semi-axis of the patch that is condensed with its socket, over those of the contact's own.

@@ -24,12 +24,11 @@ from hifi.forms import elasticity
 from hifi.pressures import contact_weights, mean_weights
 from hifi.response import compliance
 from hifi.solvers import factor
+from meshes.arrays import Array, Index
 from meshes.fem import cells_of, freedoms_on, kind_of, mesh_of, moved, named, points_of, tensor_grid
 from meshes.sockets import SocketMesh
 from meshes.tet_patch import LocalTets, signed_volumes
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 #: Planes (axis, value) of local coordinates on which a patch's inner faces lie.

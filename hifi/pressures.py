@@ -11,15 +11,12 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from skfem import ElementHex2, Mesh
 from skfem.quadrature import get_quadrature
 
 from hifi.assembly import faces
 from hifi.forms import share, weights
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from meshes.arrays import Array, Index
 
 
 class ElementHexHats(ElementHex2):  # type: ignore[misc]

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from hifi.balls import State, solve_balls
@@ -32,11 +31,9 @@ from hifi.coupling import Zones, compliance_of, modal_motion, modal_rows, mounte
 from hifi.mounting import Mounted
 from hifi.response import transport
 from hifi.setup import Setup
+from meshes.arrays import Array, Index
 from meshes.errors import specimen
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Change of the relative motions [m] below which directions and gaps count as settled.
 SETTLED = 2e-9

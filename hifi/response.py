@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from hifi.solvers import gram
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 
 def compliance(K: sp.spmatrix, rows: sp.spmatrix) -> Array:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from skfem import condense
 
 from hifi.bodies import (
@@ -31,6 +30,7 @@ from hifi.response import compliance, transport
 from hifi.rigid import rigid_modes
 from hifi.shaft import ShaftSection, round_section
 from hifi.sides import SidePatches
+from meshes.arrays import Array, Index
 from meshes.ball_body import BallBody
 from meshes.fem import nodes_on
 from meshes.groove_map import GrooveMap
@@ -39,8 +39,6 @@ from meshes.helix import BallLayout
 from meshes.parts import Scene
 from meshes.solid import Dimensions
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 #: Boundaries of the nut's mesh by where it is held.
 NUT_HELD = {
     "outer surface": ("outside",),

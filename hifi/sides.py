@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.bodies import patch_modes
 from hifi.fit import Settings, ball_place
@@ -14,15 +13,13 @@ from hifi.grid_wave import GridWave, grid_wave
 from hifi.part_meshes import Meshes, carrier_mesh, patch_mesh, patch_normals, rotation
 from hifi.patch import CondensedPatch, condense_patch
 from hifi.submodel import Piece, coarse_compliance, fine_compliance, own_compliance
+from meshes.arrays import Array
 from meshes.ball_body import build_ball
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import BodySpec, GroovedBody, build_body
 from meshes.parts import Material, Scene
 from meshes.sockets import SocketMesh, local_points, reach
 from meshes.solid import Dimensions
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Length of a submodel beyond its socket, over the ball's radius: what the mesh of the coarse body has wrong has died out.
 BEYOND = 1.5

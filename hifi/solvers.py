@@ -13,13 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from hifi.factor_view import structure
 from hifi.fronts import Supernodes, gram_by_fronts
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from meshes.arrays import Array, Index
 
 METHODS = ("auto", "cholmod", "splu")
 SMALL = 3_000
@@ -48,9 +45,9 @@ class Factor:
 
     method: str
     size: int
-    _apply: Callable[[FloatArray], FloatArray]
+    _apply: Callable[[Array], Array]
 
-    def solve(self, rhs: FloatArray) -> FloatArray:
+    def solve(self, rhs: Array) -> Array:
         """Solution of K x = rhs, of the shape of rhs, (n,) or (n, k); raises ValueError for another shape."""
         rhs = np.asarray(rhs, dtype=float)
         if rhs.ndim not in (1, 2) or len(rhs) != self.size:
@@ -80,7 +77,7 @@ def factor(K: sp.spmatrix, *, method: str = "auto") -> Factor:
     return Factor(chosen, size, apply)
 
 
-def nested_dissection(K: sp.csc_matrix) -> IntArray:
+def nested_dissection(K: sp.csc_matrix) -> Index:
     """Fill-reducing order of the freedoms, shape (n,), by METIS on the compressed graph.
 
     Freedoms whose columns have the same pattern (the three of a node) are one vertex, weighted by their number.
@@ -91,7 +88,7 @@ def nested_dissection(K: sp.csc_matrix) -> IntArray:
     return np.argsort(place[group], kind="stable")
 
 
-def _vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, IntArray]:
+def _vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, Index]:
     """Compressed graph of a matrix, without its diagonal, and the vertex of every freedom, shape (n,).
 
     The graph is symmetric, as elimination needs it, also where round-off left an entry on one side of the diagonal alone.
@@ -116,7 +113,7 @@ def _vertices(K: sp.csc_matrix) -> tuple[sp.csr_matrix, IntArray]:
     return graph, group
 
 
-def _dissected(graph: sp.csr_matrix, group: IntArray) -> IntArray:
+def _dissected(graph: sp.csr_matrix, group: Index) -> Index:
     """Order of the vertices of a compressed graph by nested dissection."""
     import pymetis
 
@@ -152,7 +149,7 @@ def supernodes(K: sp.csc_matrix) -> Supernodes | None:
     )
 
 
-def _ranges(first: IntArray, count: IntArray) -> IntArray:
+def _ranges(first: Index, count: Index) -> Index:
     """Numbers from each of ``first`` on, so many as ``count`` says, one after another.
 
     >>> _ranges(np.array([4, 1]), np.array([3, 2]))
@@ -162,7 +159,7 @@ def _ranges(first: IntArray, count: IntArray) -> IntArray:
     return np.arange(ends[-1] if ends.size else 0) + np.repeat(first - ends + count, count)
 
 
-def gram(K: sp.spmatrix, B: sp.spmatrix) -> FloatArray:
+def gram(K: sp.spmatrix, B: sp.spmatrix) -> Array:
     """B^T K^-1 B, shape (m, m), for sparse B (n, m): front by front (`hifi.fronts`), without holding the factor.
 
     Checked by one column more, K x for a known x, whose answer is x. Where that fails, or the library does not show its
@@ -206,16 +203,16 @@ def _options(**own: int) -> Iterator[None]:
         cholmod.options.update(previous)
 
 
-def _diagonal(matrix: sp.csc_matrix) -> FloatArray:
+def _diagonal(matrix: sp.csc_matrix) -> Array:
     """Diagonal of the matrix; raises FactorError unless all of it is positive."""
-    diagonal: FloatArray = matrix.diagonal()
+    diagonal: Array = matrix.diagonal()
     if not np.all(diagonal > 0.0):  # also NaN
         bad = int(np.argmin(np.where(np.isnan(diagonal), -np.inf, diagonal)))
         raise FactorError(f"not positive definite: diagonal entry {bad} is {diagonal[bad]:.3g} (a node no cell uses?)")
     return diagonal
 
 
-def _check_response(apply: Callable[[FloatArray], FloatArray], diagonal: FloatArray) -> None:
+def _check_response(apply: Callable[[Array], Array], diagonal: Array) -> None:
     """Raise FactorError when the factor belongs to a matrix that is singular to working precision."""
     root = np.sqrt(diagonal)
     load = np.random.default_rng(1).standard_normal(len(root))
@@ -226,7 +223,7 @@ def _check_response(apply: Callable[[FloatArray], FloatArray], diagonal: FloatAr
         raise FactorError(f"singular to working precision (response {ratio:.1e} to a unit load): is every body held?")
 
 
-def _cholmod(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
+def _cholmod(matrix: sp.csc_matrix) -> Callable[[Array], Array]:
     import cvxopt
     from cvxopt import cholmod
 
@@ -240,7 +237,7 @@ def _cholmod(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
     except ArithmeticError as error:
         raise FactorError(f"not positive definite: Cholesky factor breaks down at column {error.args[0]}") from error
 
-    def apply(rhs: FloatArray) -> FloatArray:
+    def apply(rhs: Array) -> Array:
         dense = cvxopt.matrix(np.asfortranarray(rhs), tc="d")
         cholmod.solve(symbolic, dense)
         return np.array(dense)
@@ -248,7 +245,7 @@ def _cholmod(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
     return apply
 
 
-def _splu(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
+def _splu(matrix: sp.csc_matrix) -> Callable[[Array], Array]:
     from scipy.sparse.linalg import splu
 
     options = {"SymmetricMode": True}
@@ -259,8 +256,8 @@ def _splu(matrix: sp.csc_matrix) -> Callable[[FloatArray], FloatArray]:
     if not (np.array_equal(lu.perm_r, lu.perm_c) and np.all(lu.U.diagonal() > 0.0)):
         raise FactorError("not positive definite: SuperLU met a pivot that is not positive")
 
-    def apply(rhs: FloatArray) -> FloatArray:
-        solution: FloatArray = lu.solve(rhs)
+    def apply(rhs: Array) -> Array:
+        solution: Array = lu.solve(rhs)
         return solution
 
     return apply

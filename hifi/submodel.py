@@ -22,7 +22,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from skfem import Mesh
 
 from hifi import assembly
@@ -31,10 +30,9 @@ from hifi.forms import elasticity
 from hifi.patch import CondensedPatch, PatchMesh, hat_rows
 from hifi.response import compliance
 from hifi.rigid import rigid_modes
+from meshes.arrays import Array, Index
 from meshes.fem import freedoms_on, points_of
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 #: Meshes of the coarse piece over which its response is averaged: sizes differ by a hundredth, so that the scatter of
 #: unstructured meshes (some ten thousandths of an approach) does not pass into all contacts of a side.
 REALISATIONS = 3

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Mesh
 
+from meshes.arrays import Array, Index
 from meshes.fem import cells_of, points_of
 from meshes.groove_map import GrooveMap
 from meshes.parts import SIDES
@@ -24,8 +25,6 @@ from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
 from meshes.shell import BEND, POOREST, STRAIGHTENED, Shell, best_of, fill, graded
 from meshes.sockets import SocketMesh, SocketSize, local_points, rim, side_socket, socket_mesh
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 #: Element sizes grow from `fine` to `coarse` between these distances from the sockets, over the ball's radius.

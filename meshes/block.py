@@ -11,12 +11,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import Mesh
 
+from meshes.arrays import Array
 from meshes.fem import kind_of, moved, named, points_of, tensor_grid
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array, Index
 from meshes.leftovers import temporary
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 VOLUMES = {4: "P1", 11: "P2", 5: "Q1", 12: "Q2"}
 """Volume elements by gmsh's element type."""
@@ -56,10 +53,10 @@ class MeshData:
     regions: cell numbers by name, counted through `cells` in its order; boundaries: faces (k, nodes of a face) by name.
     """
 
-    points: FloatArray
-    cells: dict[str, IntArray]
-    regions: dict[str, IntArray] = field(default_factory=dict)
-    boundaries: dict[str, IntArray] = field(default_factory=dict)
+    points: Array
+    cells: dict[str, Index]
+    regions: dict[str, Index] = field(default_factory=dict)
+    boundaries: dict[str, Index] = field(default_factory=dict)
 
     @property
     def count(self) -> int:
@@ -83,7 +80,7 @@ def from_gmsh(regions: Iterable[str] = (), boundaries: Iterable[str] = ()) -> Me
     points = np.asarray(coordinates, dtype=float).reshape(-1, 3)[order]
     types, elements, nodes = mesh.getElements(3)
     _known(types, "the mesh")
-    cells: dict[str, IntArray] = {}
+    cells: dict[str, Index] = {}
     numbers = []
     for kind, element_tags, node_tags in zip(types, elements, nodes, strict=True):
         name = VOLUMES[int(kind)]
@@ -177,8 +174,8 @@ def reduced(data: MeshData, form: str) -> bool:
 def write_mesh(
     path: str | Path,
     data: MeshData,
-    point_fields: Mapping[str, FloatArray] | None = None,
-    cell_fields: Mapping[str, FloatArray] | None = None,
+    point_fields: Mapping[str, Array] | None = None,
+    cell_fields: Mapping[str, Array] | None = None,
     form: str = "",
 ) -> None:
     """Write mesh and fields, whole or not at all: .vtu, .msh (gmsh 2.2), .inp (Abaqus, CalculiX) or .med (Salome).
@@ -237,13 +234,13 @@ class _Plain:
     """What all formats are written from: points, cells in VTK's node order by meshio's names, fields, place of every cell's
     region (-1 for none), names of the regions, nodes of the boundaries."""
 
-    points: FloatArray
-    blocks: list[tuple[str, IntArray]]
+    points: Array
+    blocks: list[tuple[str, Index]]
     point_data: dict[str, Any]
     cell_data: dict[str, Any]
-    region: IntArray
+    region: Index
     regions: tuple[str, ...]
-    nodes: dict[str, IntArray]
+    nodes: dict[str, Index]
 
     def split(self, values: Any) -> list[Any]:
         """Cell values by blocks."""
@@ -262,7 +259,7 @@ def _as_vtu(plain: _Plain) -> Any:
     return meshio.Mesh(plain.points, plain.blocks, points, {name: plain.split(v) for name, v in cells.items()})
 
 
-def _as_msh(plain: _Plain, faces: Mapping[str, IntArray]) -> Any:
+def _as_msh(plain: _Plain, faces: Mapping[str, Index]) -> Any:
     """Regions and boundaries as physical groups; cell fields are not a number on the boundaries' faces."""
     import meshio
 
@@ -352,12 +349,12 @@ def _groups(dimension: int) -> dict[str, list[int]]:
     return groups
 
 
-def _elements_of(entities: list[int], dimension: int, what: str) -> tuple[IntArray, IntArray]:
+def _elements_of(entities: list[int], dimension: int, what: str) -> tuple[Index, Index]:
     """Element tags and, for faces, node tags (k, nodes) of the elements on the entities."""
     import gmsh
 
-    found: dict[int, list[IntArray]] = {}
-    tags: list[IntArray] = []
+    found: dict[int, list[Index]] = {}
+    tags: list[Index] = []
     for entity in sorted(set(entities)):
         for kind, elements, nodes in zip(*gmsh.model.mesh.getElements(dimension, entity), strict=True):
             found.setdefault(int(kind), []).append(np.asarray(nodes, dtype=np.int64))

@@ -19,12 +19,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.leftovers import folder_for_group, for_group, temporary
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Number of this format; files of another are refused.
 FORMAT = 2

@@ -11,12 +11,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array, Index
 from meshes.parts import Material
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Corners of the faces S1 to S4 of a ten-node tetrahedron.
 FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))

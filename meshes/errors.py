@@ -8,12 +8,11 @@ from itertools import zip_longest
 from math import cos
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.helix import BallLayout, groove_radii, lead_angle, nominal_groove_centres
 from meshes.parts import SIDES, BallErrors, Errors, FourierTerm, Scene, SideErrors
 
-Array = NDArray[np.float64]
 #: In place of a generator where nothing is random.
 _UNUSED = np.random.default_rng(0)
 

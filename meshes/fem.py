@@ -12,12 +12,10 @@ from copy import copy
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import ElementVector, Mesh, MeshHex1, MeshHex2, MeshTet1, MeshTet2
 from skfem.assembly import Dofs
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from meshes.arrays import Array, Index
 
 MESHES = {"P1": MeshTet1, "P2": MeshTet2, "Q1": MeshHex1, "Q2": MeshHex2}
 # Place k of scikit-fem's cell holds gmsh's local node; by matching coordinates (see the tests).

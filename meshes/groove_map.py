@@ -11,12 +11,10 @@ from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.helix import groove_radii, lead_angle, nominal_groove_centres, reduced_lead
 from meshes.parts import SIDE_SIGNS, Scene
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import Mesh
 
+from meshes.arrays import Array, Index
 from meshes.fem import cells_of, nodes_on, points_of
 from meshes.groove_end import GrooveEnds
 from meshes.groove_map import GrooveMap
@@ -53,9 +53,6 @@ from meshes.sockets import (
     socket_points,
     whole_turns,
 )
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Longest edges on flanks over the coarse element size: a long groove of a small section makes most of a body's cells.
 FLANK = 0.48

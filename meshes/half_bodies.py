@@ -11,12 +11,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import FLANK, BodySpec, Groove, circle, cylindrical, flat, level, seen, upright
 from meshes.parts import SIDES
 from meshes.shell import BEND, WALL, Curve, Placing, Shell, Side
-
-Array = NDArray[np.float64]
 
 #: Azimuths [rad] of the two parts of the cut.
 CUT = (0.0, np.pi)

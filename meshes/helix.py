@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from math import atan2, cos, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.parts import SIDE_SIGNS, Scene, Track
-
-Array = NDArray[np.float64]
 
 
 def reduced_lead(track: Track) -> float:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from math import ceil, cos, floor
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.helix import BallLayout, lead_angle, nominal_contact_points
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Stations closer than this share a node; the rest of the way is rigid. [m]
 MERGE = 1.0e-5

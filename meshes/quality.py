@@ -6,14 +6,11 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import Mesh
 from skfem.element import Element
 
+from meshes.arrays import Array, Index
 from meshes.fem import moved
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Share of cells below this scaled Jacobian is counted.
 POOR = 0.1

@@ -11,15 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from skfem import Mesh, MeshTet1, MeshTet2
 
+from meshes.arrays import Array, Index
 from meshes.fem import moved, with_faces
 from meshes.sockets import SocketMesh
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Placing = Callable[[Array], Array]
 #: Nodes along a side of a face and their plane coordinates ``(n, 2)`` [m].
 Side = tuple[Index, Array]

@@ -11,15 +11,12 @@ from dataclasses import dataclass, replace
 from itertools import pairwise, product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from meshes.arrays import Array, Index
 from meshes.groove_map import GrooveMap
 from meshes.helix import BallLayout
 from meshes.parts import SIDES
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Socket where nothing is near: half width in gamma [rad]; depth and half length along the track over the ball's radius
 #: (1.2 mm and 1.24 mm with the balls of 2.778 mm of Lin's case 1).

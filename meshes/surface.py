@@ -5,13 +5,11 @@ from __future__ import annotations
 from math import cos, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.errors import Specimen
 from meshes.helix import lead_angle, reduced_lead
 from meshes.parts import SIDE_SIGNS, Scene
-
-Array = NDArray[np.float64]
 
 SIGNS = np.array(SIDE_SIGNS)
 #: In place of a side: all four, in a second axis.

@@ -12,13 +12,10 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array, Index
 from meshes.shell import MM
 from meshes.sockets import SocketMesh
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: gmsh's Delaunay tetrahedra are that much larger than regular ones of the edge asked for (cube root of mean volumes).
 LARGER = 1.22

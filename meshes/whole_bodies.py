@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from meshes.arrays import Array, Index
 from meshes.ball_body import directions, sphere
 from meshes.fem import cells_of, nodes_on, points_of
 from meshes.groove_map import GrooveMap
@@ -22,9 +22,6 @@ from meshes.half_bodies import HalfRing, half_sphere
 from meshes.quality import Quality, measure, refuse_bad, straighten, untangle
 from meshes.shell import POOREST, STRAIGHTENED, Placing, Shell, best_of, fill
 from meshes.sockets import SocketSize, socket_points
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

@@ -14,15 +14,12 @@ from textwrap import fill
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array, Index
 from reports.figures import COLOURS
 from reports.offscreen import draw_in_child
 from reports.records import FieldPicture, MeshPart
 from reports.scene3d import SIZE
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 _TET_FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
 _TET_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3))  # midpoints 4 to 9, gmsh's order

@@ -14,12 +14,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from reports.offscreen import draw_in_child
 from reports.records import LoadedScrew
-
-Array = NDArray[np.float64]
 
 SIZE = (1600, 900)
 

@@ -8,11 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.parts import SIDES
-
-Array = NDArray[np.float64]
 
 #: How keys of results end, and the unit that this says, for people and for pint; the longest fits first.
 UNITS = {

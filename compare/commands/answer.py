@@ -12,7 +12,7 @@ from compare.commands.left_out import left_out_of_kind
 from compare.commands.solve_output import number
 from compare.commands.wrapping import wrapped
 from compare.measure import error_percent
-from lowfi.friction.contact.ellipse import Array
+from meshes.arrays import Array
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -7,12 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from compare.errors import InputError, Refusal
 from compare.reference.tasks import needed_sides, settings_of
 from compare.system import need_gmsh
+from meshes.arrays import Array
 from meshes.bridge import FORMATS, MeshData, form_of, from_skfem, need, reduced, write_mesh
 from meshes.parts import SIDES, Scene
 
@@ -20,8 +18,6 @@ if TYPE_CHECKING:
     from hifi.part_meshes import Meshes
     from hifi.patch import PatchMesh
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Show = Callable[..., None]
 
 #: The source's body of influence for Hertz contact (a quarter of the block), without any scene's geometry.

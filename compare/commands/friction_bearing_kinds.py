@@ -16,7 +16,7 @@ from compare.scenes.kinds.common import KindScene
 from lowfi.friction.bearing.module_load import ModuleLoad
 from lowfi.friction.bearing.pairs import BearingCase, BearingState, free_motion, solve_bearing
 from lowfi.friction.bearing.rotary import SIDES, ball_contacts, bearing_load, inner_torque, motion_problem, source_law
-from lowfi.friction.contact.ellipse import Array, Contacts
+from lowfi.friction.contact.ellipse import Contacts
 from lowfi.friction.contact.laws import Regularised
 from lowfi.friction.contact.motion import (
     Motion,
@@ -26,6 +26,7 @@ from lowfi.friction.contact.motion import (
     least_dissipation,
     without_friction,
 )
+from meshes.arrays import Array
 
 
 def ball_motion(scene: BearingBallScene, problem: Problem) -> Motion:

@@ -22,10 +22,10 @@ from compare.commands.solve_output import number
 from compare.errors import Refusal
 from compare.scenes.kinds.common import KindScene
 from compare.scenes.kinds.linear import LinearScene
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.linear.bearing import CONTACTS, directions
 from lowfi.friction.linear.chain import ChainResult, prepare, solve
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+from meshes.arrays import Array
 
 #: Force out of balance over the largest up to which loads count as solved.
 BALANCED = 1e-8

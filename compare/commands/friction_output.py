@@ -11,13 +11,13 @@ import numpy as np
 from compare.commands.answer import Column, size_warnings
 from compare.commands.left_out import BESIDES, WHOLE
 from compare.commands.solve_output import number
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.whole.feedback import JAMMED
 from lowfi.friction.whole.heathcote import WIDE
 from lowfi.friction.whole.losses import CAUSES
 from lowfi.friction.whole.state import FrictionState
 from lowfi.friction.whole.torque import ScrewTorque
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from meshes.parts import SIDES, Friction, Motion, Scene
 
 #: Pole pressure [Pa] from which ball contacts yield lastingly: the static load rating of ISO 76.

@@ -11,12 +11,12 @@ import numpy as np
 
 from compare.commands.solve_output import number
 from compare.errors import InputError, Refusal
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.run import groups
 from lowfi.friction.screw.steps import REFUSED, StepError
 from lowfi.friction.whole.balls import balls_of
 from lowfi.friction.whole.run import History, Setting, resolved
 from lowfi.statics.again import AGAIN
+from meshes.arrays import Array
 from meshes.errors import draw
 from meshes.parts import Friction, Motion, Scene, Time
 

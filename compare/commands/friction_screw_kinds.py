@@ -24,11 +24,11 @@ from compare.commands.friction_run import error_data
 from compare.commands.solve_output import number
 from compare.scenes.kinds.common import KindScene
 from compare.scenes.kinds.screw_balls import ScrewPairScene, ScrewRunScene
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.pair import PairResult, solve_pair
 from lowfi.friction.screw.run import RunResult, checked, groups, summarise
 from lowfi.friction.screw.steps import StepError
+from meshes.arrays import Array
 from meshes.parts import SIDES
 
 #: Overlap of neighbours [rad] that is round-off.

@@ -6,14 +6,10 @@ import io
 import re
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from compare.errors import InputError
 from compare.writing import need_writable, replace_file
 from lowfi.statics.tangent import Tangent
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: Grid point and name of the matrix in DMIG cards.
 GRID, NAME = 1, "KNUT"

@@ -16,11 +16,12 @@ from compare.commands.solve_output import number
 from compare.commands.study import on_terminal
 from compare.errors import InputError
 from compare.models.axis_members import OF_SET, WHOLE, AxisMembers, columns, run_axis_members, with_seed
-from compare.models.members import KEPT, Array, Bands, Members, run_members, statistics
+from compare.models.members import KEPT, Bands, Members, run_members, statistics
 from compare.models.registry import DEFAULT
 from compare.reference.jobs import Engine
 from compare.scenes import catalogue
 from compare.scenes.scene_file import whole
+from meshes.arrays import Array
 from meshes.axis import Assembly
 from meshes.parts import SIDES, Scene
 

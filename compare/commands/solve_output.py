@@ -10,8 +10,9 @@ import numpy as np
 
 from compare.measure import error_percent
 from compare.models.model_form import ModelForm
-from lowfi.statics.result import Array, Equilibrium, SolverReport, StaticResult
+from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from lowfi.statics.tangent import Tangent
+from meshes.arrays import Array
 from meshes.parts import FREEDOMS, SIDES, Scene
 
 if TYPE_CHECKING:

@@ -7,7 +7,6 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.commands.solve_output import MODEL_FORM, model_form_text, number
 from compare.models.answers import Answers, LoadAnswers
@@ -15,12 +14,12 @@ from compare.models.model_form import ModelForm
 from lowfi.rating.contacts import ALLOWED
 from lowfi.statics.result import StaticResult
 from lowfi.statics.validity import YIELD_PRESSURE
+from meshes.arrays import Array
 from meshes.parts import SIDES, Scene
 
 if TYPE_CHECKING:
     from lowfi.friction.whole.state import FrictionState
 
-Array = NDArray[np.float64]
 
 #: Width of the labels of the block.
 LABEL = 10

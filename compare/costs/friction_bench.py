@@ -20,7 +20,7 @@ from lowfi.as_source.linear import linear_pair_by_root, solve_linear_by_root
 from lowfi.as_source.run import simulate_by_root
 from lowfi.as_source.screw import screw_pair_by_root, state_of
 from lowfi.friction.bearing.rotary import solve_ball, source_law
-from lowfi.friction.contact.ellipse import Array, about_point
+from lowfi.friction.contact.ellipse import about_point
 from lowfi.friction.contact.motion import Motion, balance_by_root, least_dissipation
 from lowfi.friction.linear.chain import prepare, solve
 from lowfi.friction.linear.pair import pair_state
@@ -37,6 +37,7 @@ from lowfi.friction.whole.run import simulate as simulate_scene
 from lowfi.jit import CONTACT, kernels
 from lowfi.statics.again import AGAIN, ContactLoads
 from lowfi.statics.static import solve_static
+from meshes.arrays import Array
 from meshes.errors import Specimen, draw
 from meshes.helix import BallLayout
 from meshes.parts import Friction, Scene

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.as_source import static as lin
 from lowfi.compliance.bodies import REFINED
@@ -13,11 +12,10 @@ from lowfi.statics.problem import Problem, build, distances
 from lowfi.statics.records import Outcome
 from lowfi.statics.selection import choose_sides
 from lowfi.statics.static import Prepared, pick_engine, prepare, run
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Relative residual that both formulations solve to.
 TOLERANCE = 1e-10

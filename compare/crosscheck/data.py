@@ -9,13 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.errors import InputError
 from compare.writing import replace_file
+from meshes.arrays import Array
 from meshes.parts import SIDES
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

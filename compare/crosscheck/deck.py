@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare import __version__
 from compare.crosscheck.deck_contacts import (
@@ -23,6 +22,7 @@ from compare.models.model_form import estimate
 from compare.models.registry import Options, run_model
 from compare.reference.tasks import needed_sides
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array, Index
 from meshes.ball_body import directions, parting
 from meshes.deck import Contact, Deck, DeckBody, RigidSection
 from meshes.errors import Specimen, specimen
@@ -43,9 +43,6 @@ from meshes.whole_bodies import (
     whole_ball,
     whole_body,
 )
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Most balls of a deck, and most nodes: what one run of another program's direct solver does in minutes.
 MOST_BALLS = 4

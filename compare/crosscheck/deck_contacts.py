@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.hertz import contact_modulus, hertz_constants
+from meshes.arrays import Array, Index
 from meshes.ball_body import directions
 from meshes.deck import outer_faces
 from meshes.groove_map import GrooveMap
@@ -15,9 +15,6 @@ from meshes.helix import ball_layout, lead_angle
 from meshes.parts import SIDES, Scene
 from meshes.sockets import SocketSize, socket_coordinates
 from meshes.whole_bodies import WholeBody, grid
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Half axes of the refined zone, the slave's and the master's faces over those of the expected ellipse; the faces' zones
 #: are wider by some elements, too.

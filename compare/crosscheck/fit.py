@@ -27,11 +27,9 @@ from dataclasses import dataclass
 from itertools import combinations, product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.crosscheck.data import CrossRun
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: Orders tried: second-order elements have 4 where the field is smooth and 3 at the rim of a contact, whose pressure falls
 #: like a root; coarse ones may show as little as first-order elements have, 2.

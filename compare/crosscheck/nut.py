@@ -22,12 +22,11 @@ from hifi.assembly import assemble
 from hifi.forms import elasticity
 from hifi.rigid import rigid_modes
 from hifi.solvers import factor
+from meshes.arrays import Array
 from meshes.deck import UNITS, Deck, DeckBody, RigidSection, write
 from meshes.fem import mesh_of
 from meshes.helix import ball_layout
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Scene whose nut is compared, and the mesh.
 SCENE, MESH = "lin-case1-cut", DeckOptions(b_over_h=0.7, growth=0.8)

@@ -10,7 +10,6 @@ from importlib import metadata
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare import __version__
 from compare.crosscheck.calculix import Outcome, digest, run_calculix
@@ -20,8 +19,6 @@ from compare.errors import InputError
 from compare.scenes import catalogue
 from meshes.deck import UNITS, write
 from meshes.parts import SIDES, Scene
-
-Array = NDArray[np.float64]
 
 #: Unit of the decks.
 UNIT = "mm"

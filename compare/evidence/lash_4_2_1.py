@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.measure import error_percent
 from lowfi.statics.static import solve_static
+from meshes.arrays import Array
 from meshes.helix import reduced_lead
 from meshes.parts import Load, Scene, Support
-
-Array = NDArray[np.float64]
 
 #: Greatest force of the axial lash test [N]; that of the conical one is not printed, and taken to be the same.
 FORCE = 200.0

@@ -11,7 +11,7 @@ from compare.measure import error_percent, load_error
 from compare.models.comparison import PRINTED
 from compare.models.study import Study
 from compare.printed.printed_data import entry
-from lowfi.statics.result import Array
+from meshes.arrays import Array
 from meshes.partition import fixed_partition
 
 

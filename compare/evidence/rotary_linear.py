@@ -15,11 +15,12 @@ from compare.measure import error_percent
 from compare.models.study import Study
 from compare.printed.printed_data import entry, load_table
 from lowfi.friction.bearing.rotary import SIDES, Mode, Solution, solve_ball, solve_ball_as_printed, source_law
-from lowfi.friction.contact.ellipse import Array, cubic_factor, linear_error, linear_factor
+from lowfi.friction.contact.ellipse import cubic_factor, linear_error, linear_factor
 from lowfi.friction.linear.analytic import velocity_deviation
 from lowfi.friction.linear.loads import Loads
 from lowfi.friction.linear.pair import PairMaps, PairResult, maps, pair_formulas, pair_state, solve_pair
 from lowfi.hertz import contact_modulus, hertz_constants
+from meshes.arrays import Array
 
 #: Tables 3.1 and 3.3: inputs of the two case studies.
 ROTARY, AXIAL = source_cases.rotary("I").bearing, source_cases.rotary("I").force

@@ -18,11 +18,11 @@ from compare.printed.printed_data import entry
 from compare.scenes.catalogue import case as case_of
 from compare.scenes.kinds.screw_balls import ScrewPairScene
 from lowfi.friction.bearing.pairs import TorqueCurve, torque_curve
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.errors import Onset, contact_onset
 from lowfi.friction.screw.pair import PairResult, implied_load, solve_pair
 from lowfi.friction.screw.run import RunResult, resolved, simulate, summarise
 from lowfi.friction.screw.steps import StepError
+from meshes.arrays import Array
 
 #: Deviations theta [deg] of the cases of Table 3.7, and amplitudes [deg] of the runs, which 3.4.4 does not print.
 THETA = {name: degrees(source_cases.deviation(name)) for name in source_cases.PAIR_SCENES}

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.evidence.lash_4_2_1 import TURNS, lash
 from compare.evidence.record import Evidence, Sheet
@@ -13,9 +12,8 @@ from compare.models.axis import run_axis
 from compare.models.study import Study
 from compare.scenes import catalogue
 from lowfi.statics.axis.result import AxisResult
+from meshes.arrays import Array
 from meshes.axis import Assembly
-
-Array = NDArray[np.float64]
 
 #: Shipped scenes, total rack force [N], distance of the lateral force of the conical lash test from the nut [m].
 SCREW, RACK = "lin-nominal-4p1", "lin-steering-rack"

@@ -30,7 +30,6 @@ from compare.extremes.tally import (
 )
 from lowfi.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts
 from lowfi.friction.bearing.pairs import solve_bearing
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.linear.bearing import LinearBearing, deviations
 from lowfi.friction.linear.chain import Chain, prepare, solve
 from lowfi.friction.linear.loads import balanced_loads
@@ -38,6 +37,7 @@ from lowfi.friction.linear.pair import pair_state
 from lowfi.friction.screw.chain import Chain as ScrewChain
 from lowfi.friction.screw.chain import ChainMotion, solve_chain
 from lowfi.friction.screw.pair import Pair, solve_pair
+from meshes.arrays import Array
 
 
 @dataclass(frozen=True)

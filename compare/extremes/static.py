@@ -17,7 +17,6 @@ from functools import cache
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.measure import error_percent
 from compare.models.registry import MODELS
@@ -29,12 +28,11 @@ from lowfi.statics.problem import build
 from lowfi.statics.result import StaticResult
 from lowfi.statics.static import ACCEPTED, solve_static
 from lowfi.statics.summary import BALANCE
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, Errors, Load, Material, Scene, Support
 from meshes.section import volume_ratio
-
-Array = NDArray[np.float64]
 
 ENERGY = "energy solver"
 SOURCE: dict[str, Start] = {

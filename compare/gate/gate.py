@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from compare.evidence.external.case import PREFIX
 from compare.evidence.record import Evidence
 from compare.evidence.registry import BY_TABLE, evidence
@@ -26,7 +23,6 @@ from compare.scenes import catalogue
 if TYPE_CHECKING:
     from rich.table import Table
 
-Array = NDArray[np.float64]
 
 #: Limit [%] of the default model's largest error of the mean load: it guards against regressions.
 TIGHT = 2.0

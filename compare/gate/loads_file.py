@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.errors import InputError
+from meshes.arrays import Array
 from meshes.parts import SIDES
-
-Array = NDArray[np.float64]
 
 COLUMNS = ("ball", "flank", "newton")
 #: Largest file [bytes]: four loads of 100 000 balls.

@@ -7,15 +7,14 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.measure import load_error
 from compare.models.comparison import gate_points
 from compare.reference.estimate import Reference
 from compare.reference.grid_summary import summarise
+from meshes.arrays import Array
 from meshes.parts import SIDES
 
-Array = NDArray[np.float64]
 Word = Literal["pass", "fail", "undecided", "not covered"]
 
 #: Limit [%] where neither the command line nor the scene gives one.

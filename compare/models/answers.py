@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.errors import InputError
 from compare.models.loading import LiftOff, Preload, lift_off, preload, solve_scaled
@@ -18,12 +17,12 @@ from lowfi.rating.life import Life, life
 from lowfi.rating.rigidity import Rigidities, axial_displacement, axial_force, rigidities
 from lowfi.statics.result import StaticResult
 from lowfi.statics.tangent import Tangent, tangent_stiffness
+from meshes.arrays import Array
 from meshes.parts import Motion, Scene
 
 if TYPE_CHECKING:
     from lowfi.friction.whole.state import FrictionState
 
-Array = NDArray[np.float64]
 
 #: Ladder step whose bodies give the tangent of a model; the others have none.
 TANGENT_OF = {"lin-source-partition": "lin", "lin-printed-hertz": "lin", "source": "lin"}

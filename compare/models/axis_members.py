@@ -16,9 +16,10 @@ from threadpoolctl import threadpool_limits
 from compare.errors import InputError
 from compare.models.axis import default_model, random_errors, run_axis
 from compare.models.axis_answers import loads_of
-from compare.models.members import COMPILE_FROM, SYSTEM, Array, Bands, Block, check_count, gathered, life_sum
+from compare.models.members import COMPILE_FROM, SYSTEM, Bands, Block, check_count, gathered, life_sum
 from compare.reference.jobs import Engine
 from lowfi.statics.axis.result import AxisResult
+from meshes.arrays import Array
 from meshes.axis import Assembly, RollingSet
 from meshes.errors import without_draws
 from meshes.parts import Scene

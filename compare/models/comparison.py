@@ -11,7 +11,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.errors import InputError
 from compare.measure import error_percent, load_error
@@ -23,9 +22,8 @@ from compare.reference.grid_summary import uncertainty_percent
 from compare.reference.store import Run, bodies_path, shipped_store
 from compare.scenes.catalogue import with_role
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from meshes.parts import SIDES, Scene
-
-Array = NDArray[np.float64]
 
 #: Scenes whose reference runs come with the package.
 REFERENCED = with_role("referenced")

@@ -23,11 +23,11 @@ from lowfi.statics.result import StaticResult
 from lowfi.statics.selection import all_clear, choose_sides
 from lowfi.statics.shape import motion_matrices
 from lowfi.statics.static import ACCEPTED, Engine, Prepared, pick_engine, pin, prepare, reference_scale, run, solve_static
+from meshes.arrays import Array
 from meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
 from meshes.helix import BallLayout, ball_layout, nominal_groove_centres
 from meshes.parts import Scene
 
-Array = NDArray[np.float64]
 #: Many solves pay for compiled kernels.
 ENGINE: Engine = "compiled"
 

@@ -8,9 +8,6 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from compare.measure import LoadError, error_percent, load_error
 from compare.models.comparison import REFERENCED, finest_bodies
 from compare.models.model_form import Point, estimate, features
@@ -24,8 +21,6 @@ from lowfi.compliance.imported import PARTS, Condensed
 from lowfi.statics.elastic import solve_elastic
 from lowfi.statics.result import StaticResult
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Screws and a bearing that were not used while the refined model was developed: changed parts, and catalogue sizes.
 CHANGED, CATALOGUE, UNSEEN = (with_role(f"unseen{kind}") for kind in (", changed", ", catalogue", ""))

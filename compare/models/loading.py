@@ -6,14 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.models.registry import Options, run_model
 from lowfi.rating.rigidity import axial_displacement, axial_force, slope_of
 from lowfi.statics.result import StaticResult
 from meshes.parts import SIDES, Load, Scene
-
-Array = NDArray[np.float64]
 
 #: Relative accuracy of the factor at which a contact is lost, the largest one looked for, and how often is solved for it.
 TOLERANCE, FURTHEST, MOST = 0.005, 20.0, 16

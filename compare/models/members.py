@@ -22,10 +22,10 @@ from compare.models.ensemble import run_ensemble, work_of
 from compare.models.registry import MODELS, Options, run_model
 from compare.reference import parallel
 from compare.reference.jobs import Engine
+from meshes.arrays import Array
 from meshes.errors import without_draws
 from meshes.parts import Scene
 
-Array = NDArray[np.float64]
 #: What is kept of each member: key and heading.
 KEPT = {
     "largest_load_N": "largest contact load / N",

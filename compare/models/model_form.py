@@ -15,7 +15,6 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.models.applicability import outside
 from compare.models.registry import MODELS
@@ -23,10 +22,9 @@ from compare.reference.store import shipped_store
 from compare.writing import replace_file
 from lowfi.statics.problem import nominal_hertz
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from meshes.parts import Scene
 from meshes.solid import dimensions
-
-Array = NDArray[np.float64]
 
 #: File of the points in a store of runs.
 FILE = "model_form.json"

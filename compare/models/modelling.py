@@ -15,15 +15,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.measure import LoadError, error_percent, load_error
 from compare.models.registry import DEFAULT, Options, run_model
 from compare.reference.store import Run, load
 from compare.reference.variants import TWIST, VARIANTS, Kind, twisted
+from meshes.arrays import Array
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Scenes on which every choice is varied: one without preload, one with.
 VARIED = ("lin-case1", "lin-case3")

@@ -20,7 +20,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.measure import error_percent
 from compare.models.comparison import Loads, from_result, from_run
@@ -30,9 +29,9 @@ from compare.reference.convergence import observe
 from compare.reference.estimate import Reference, reference_of
 from compare.reference.store import Run, load
 from compare.reference.variants import VARIANTS
+from meshes.arrays import Array
 from meshes.parts import Material, Scene
 
-Array = NDArray[np.float64]
 Take = Callable[[Scene, Loads], Array]
 
 #: Model whose sensitivities to the inputs are taken.

@@ -24,8 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compare.reference.grid_fits import SEARCH, Fit, allowed, fixed, given, searched
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: Orders that are believed (the source's range): below, cells are too coarse to tell; above, it is chance.
 ORDERS = (0.5, 2.0)

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.reference import grid_order
 from compare.reference.convergence import Convergence, Pooled, pool, representative_size
 from compare.reference.levels import LEVELS
 from compare.reference.store import Run, load, shipped_store
+from meshes.arrays import Array
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Levels that a scene's uncertainty is taken from, the finest: the coarsest of more lie furthest from what a power of the
 #: cell size says (lightly loaded contacts of two-balls: `rollbench mesh-study two-balls`).

@@ -9,10 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import f as f_ratio
 
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: Orders that are looked for, negative ones (values that drift off) among them.
 SEARCH = (-4.0, 12.0)

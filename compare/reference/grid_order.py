@@ -13,13 +13,11 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.measure import error_percent
 from compare.reference.convergence import common_order
 from compare.writing import replace_file
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 FILE = "grid_order.json"
 

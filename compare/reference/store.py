@@ -11,16 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.reference.sealing import sealed, unsealed
 from compare.reference.tasks import plain, serves
 from compare.writing import replace_file
+from meshes.arrays import Array
 from meshes.condensed import geometry_digest
 from meshes.parts import Scene
 from meshes.solid import dimensions
-
-Array = NDArray[np.float64]
 
 #: Bump when the mechanics of the reference or an assumption of meshes.solid changes: older runs are not used then.
 SCHEMA = 8

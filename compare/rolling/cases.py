@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.errors import Refusal
 from compare.scenes.kinds.bearing_ball import BearingBallScene
@@ -16,9 +15,8 @@ from hifi.rolling.balls import Choices, Rolling, without_meetings
 from hifi.rolling.feedback import solve_loaded
 from hifi.rolling.loads import Cell, settle
 from hifi.rolling.scenes import Layout, Material, hertz_constants, linear_layout, ring_layout, scene_of, screw_layout
+from meshes.arrays import Array
 from meshes.parts import SIDE_SIGNS
-
-Array = NDArray[np.float64]
 
 #: Most balls of a scene.
 MOST = 4

@@ -14,8 +14,7 @@ from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
 from hifi.rolling.balls import Choices, ContactOut, Rolling, hertz_size, solve_rolling
 from hifi.rolling.kinematics import rolling_speed
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: Contacts shown: scene, ball, name of the contact.
 SHOWN = (("lin-pair-a", 0, "BL"), ("lin-pair-a", 0, "TR"), ("lin-rotary-1", 0, "IL"), ("lin-rotary-1", 0, "OR"))

@@ -6,16 +6,14 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.scenes.fault import TOLERANCE, Fault, mm
 from lowfi.statics.supports import Held, contradiction, show
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
 from meshes.parts import SIDES, Scene
 from meshes.section import volume_ratio
-
-Array = NDArray[np.float64]
 
 #: Random ball errors are refused if this many standard deviations would make a ball as large as its groove.
 SIGMAS = 6.0

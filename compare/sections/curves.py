@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from lowfi.statics.result import Array, StaticResult
+from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from reports.records import Series
 
 

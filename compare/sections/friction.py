@@ -17,8 +17,8 @@ from compare.printed.printed_data import entry
 from compare.sections.curves import numbers
 from compare.sections.finding_table import printed_table
 from lowfi.friction.bearing.rotary import SIDES, Solution, Sweep, sweep
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.linear.pair import PairMaps, maps
+from meshes.arrays import Array
 from reports.records import Column, Figure, Panel, Section, Series, Table, Text
 
 # --- tables

@@ -12,9 +12,9 @@ from compare.evidence.source_cases import inferred
 from compare.printed.printed_data import entry
 from compare.sections.curves import numbers
 from lowfi.friction.bearing.pairs import TorqueCurve
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.motion import Coupling
 from lowfi.friction.screw.run import Run, RunResult, deviation, groups, summarise
+from meshes.arrays import Array
 from reports.records import Figure, Panel, Series
 
 #: Axial force [N] of Table 3.7.

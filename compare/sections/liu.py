@@ -12,8 +12,9 @@ from compare.evidence.registry import evidence
 from compare.measure import error_percent
 from compare.models.study import Study
 from compare.sections.finding_table import printed_table
-from lowfi.random_errors.chain import Array, solve_chain
+from lowfi.random_errors.chain import solve_chain
 from lowfi.random_errors.ensemble import Quantity
+from meshes.arrays import Array
 from reports.records import Cell, Column, Figure, Panel, Section, Series, Table, Text
 
 #: Titles of the tables.

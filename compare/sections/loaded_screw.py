@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import Scene
 from reports.records import LoadedScrew
-
-Array = NDArray[np.float64]
 
 
 def loaded_screw(

@@ -9,7 +9,6 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compare.models.registry import DEFAULT
 from compare.models.study import Study
@@ -17,6 +16,7 @@ from compare.reference.levels import PRODUCTION
 from compare.reference.tasks import settings_of
 from compare.sections.loaded_screw import loaded_screw
 from compare.sections.pressures import MM, MPA, panel_of, pressure_table, profiles
+from meshes.arrays import Array, Index
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import SIDES, Scene
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from hifi.reference import ReferenceResult
     from hifi.setup import Setup
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 Step = Callable[[str], None]
 
 SCENE, FOUR = "lin-case1", "lin-case3-offset"

@@ -22,9 +22,10 @@ from compare.models.study import Study
 from compare.printed.printed_data import entry
 from compare.reference.estimate import Reference
 from compare.reference.levels import SOURCE_LEVEL
-from compare.reference.store import Array, load, shipped_store
+from compare.reference.store import load, shipped_store
 from compare.system import machine
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from meshes.parts import Scene
 from reports.records import Cell, Column, Figure, Panel, Series, Table
 

@@ -8,13 +8,12 @@ from itertools import product
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from compare.errors import InputError
 from compare.sweep.keys import Vary
+from meshes.arrays import Array
 
-Array = NDArray[np.float64]
 Method = Literal["sobol", "lhs", "grid"]
 METHODS: tuple[Method, ...] = ("sobol", "lhs", "grid")
 #: Most samples of a sweep.

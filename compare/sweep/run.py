@@ -16,9 +16,10 @@ from compare.reference import parallel
 from compare.reference.jobs import Engine
 from compare.scenes import scene_file
 from compare.sweep import store
-from compare.sweep.design import Array, Method, points, values
+from compare.sweep.design import Method, points, values
 from compare.sweep.keys import Vary, changed
 from compare.sweep.sample import solve_batch
+from meshes.arrays import Array
 from meshes.axis import Assembly
 
 Step = Callable[[str], None]

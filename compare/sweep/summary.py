@@ -16,8 +16,8 @@ from compare.sweep.keys import Vary
 from compare.sweep.run import Sweep
 from compare.sweep.sample import CONVERGED, OUTPUTS
 from compare.sweep.store import Record
+from meshes.arrays import Array
 
-Array = NDArray[np.float64]
 #: Worst samples listed, bins of a range in main effects, levels of the statistics.
 WORST, BINS, LEVELS = 10, 8, (0.01, 0.05, 0.5, 0.95, 0.99)
 #: Resamples of the confidence intervals, their level, and least base points of indices.

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from hifi import assembly
 from hifi.block import boussinesq
@@ -21,10 +20,9 @@ from hifi.pressures import contact_weights, mean_weights
 from hifi.rigid import rigid_modes
 from hifi.rolling.halves import compliance_by_halves
 from hifi.rolling.regular import monomials
+from meshes.arrays import Array
 from meshes.contact_bodies import ContactBody, Zone, half_space
 from meshes.fem import freedoms_on, moved, nodes_on, points_of
-
-Array = NDArray[np.float64]
 
 
 def cerruti(points: Array, sources: Array, shear: float, poisson: float) -> Array:

@@ -22,8 +22,7 @@ from hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact
 from hifi.rolling.neighbours import Meeting, Together
 from hifi.rolling.patch import Patch, hertz_patch
 from hifi.rolling.regular import Regular
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: Compliance along tangents that stands for rigid bodies where grids are compared, over the true one.
 NEARLY_RIGID = 0.01

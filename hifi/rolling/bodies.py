@@ -12,16 +12,14 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.hertz import hertz
 from hifi.rolling.answers import Frame, beside, free_answer, held_answer, tractions
 from hifi.rolling.regular import Regular
 from hifi.rolling.static_patches import Curve, cuts_of
 from hifi.submodel import piece_compliance
+from meshes.arrays import Array
 from meshes.contact_bodies import ContactBody, Groove, Zone, grooved_bar, whole_ball
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

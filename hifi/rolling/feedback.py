@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import root
 
 from hifi.rolling.balls import Choices, RollingResult, solve_rolling, touching, without_meetings
 from hifi.rolling.loads import Cell, Loads, settle
 from hifi.rolling.scenes import Layout, Material, scene_of
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: Difference of the force that friction exerts and the one that the loads are for, over the largest load, that is none.
 AGREED = 1e-7

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from meshes.arrays import Array, Index
+
 Flags = NDArray[np.bool_]
 #: Value and derivative of f at y.
 Balance = Callable[[Array], tuple[Array, Array]]

@@ -7,13 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from hifi.response import compliance
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from meshes.arrays import Array, Index
 
 #: Distance of mirror images over the body's size, and part of a load that is of the other kind, that are round-off.
 ROUND_OFF = 1e-9

@@ -11,12 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.rolling.friction import Contact
 from hifi.rolling.patch import Patch
+from meshes.arrays import Array
 
-Array = NDArray[np.float64]
 #: Motions of a ball: along the track, and about its own three axes; all as speeds [m/s].
 MOTIONS = 4
 

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hifi.rolling.kinematics import MOTIONS, Track, motion_rows
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.rolling.elements import Solids, influence
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from meshes.arrays import Array, Index
 
 #: Most changes of the active set.
 MOST = 100

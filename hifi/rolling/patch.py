@@ -11,15 +11,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.hertz import hertz
 from hifi.rolling.elements import Solids, influence
 from hifi.rolling.normal import press
 from hifi.rolling.regular import NORMAL, TANGENTS, Regular
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from meshes.arrays import Array, Index
 
 #: Width of a grid over that of Hertz's ellipse.
 MARGIN = 1.08

@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.hertz import hertz
 from hifi.rolling.balls import Rolling, balance_of, kernel_of, start_of, touching
@@ -21,8 +20,7 @@ from hifi.rolling.bodies import Sizes
 from hifi.rolling.friction import PATH, Contact, full_slip, solve_rigid
 from hifi.rolling.kinematics import MOTIONS, axes_of, motion_rows, surface
 from hifi.rolling.patch import seen_radii
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: Points of the quadrature along each axis of the ellipse, first and last.
 FIRST, POINTS = 40, 300

@@ -9,15 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from hifi.hertz import hertz
 from hifi.rolling.balls import Ball, Rolling
 from hifi.rolling.kinematics import Touch, Track
 from hifi.rolling.neighbours import Meeting, meeting
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 
 @dataclass(frozen=True)

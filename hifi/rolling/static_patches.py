@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.fit import ball_place
 from hifi.patch import Lines, PatchMesh, build_patch, graded, growing
 from hifi.sides import BEYOND
 from hifi.submodel import Piece
+from meshes.arrays import Array, Index
 from meshes.ball_body import build_ball
 from meshes.contact_bodies import Zone
 from meshes.groove_map import GrooveMap
@@ -24,9 +24,6 @@ from meshes.grooved_body import BodySpec, build_body
 from meshes.helix import BallLayout
 from meshes.parts import SIDE_SIGNS
 from meshes.sockets import SocketSize, fitted_socket, local_points, reach, socket_centre
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 #: Left flanks of screw or inner ring, and of nut or outer ring; right ones are these turned.
 INNER, OUTER = 0, 2

@@ -14,13 +14,11 @@ from dataclasses import dataclass, replace
 from time import process_time
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.rolling.balls import Choices, Rolling, balance_of, contacts_of, patch_of, start_of, touching
 from hifi.rolling.friction import Contact, solve_friction
 from hifi.rolling.kinematics import MOTIONS, rolling_speed
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: How far beyond its zone the kernel of finite bodies is good, over the zone's half length.
 REACH = 1.2

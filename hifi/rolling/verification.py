@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hifi.block import read_ellipse
 from hifi.grid_wave import approaches
@@ -27,9 +26,8 @@ from hifi.rolling.regular import Regular
 from hifi.rolling.rigid_limit import quadrature
 from hifi.rolling.static_patches import Curve, cuts_of
 from hifi.submodel import fine_compliance
+from meshes.arrays import Array
 from meshes.contact_bodies import Zone, half_space
-
-Array = NDArray[np.float64]
 
 #: Length over half width of the strip that stands for a cylinder.
 LONG = 1e4

@@ -11,14 +11,13 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import root
 
-from lowfi.friction.contact.ellipse import Array, Contacts
+from lowfi.friction.contact.ellipse import Contacts
 from lowfi.friction.contact.laws import Law
 from lowfi.friction.contact.motion import HYBRID
+from meshes.arrays import Array, Mask
 
-Mask = NDArray[np.bool_]
 Status = Literal["exact", "overlapping", "failed"]
 #: Force out of balance over a ball's friction bound, and closing speed over the nominal, that count as none.
 ACCEPTED = 1e-8

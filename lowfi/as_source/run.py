@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from lowfi.as_source.chain import SHARPNESS, SourceMotion, solve_by_root
 from lowfi.as_source.loads import Places, loads_by_root
 from lowfi.as_source.screw import screw_balls
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.contact.laws import Law
 from lowfi.friction.screw.motion import source_law
 from lowfi.friction.screw.run import Run, run_cell
+from meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,6 @@ from lowfi.as_source.chain import (
     ACCEPTED,
     SHARPNESS,
     Balls,
-    Mask,
     Neighbours,
     SourceMotion,
     Status,
@@ -26,13 +25,13 @@ from lowfi.as_source.chain import (
     solve_by_root,
 )
 from lowfi.as_source.loads import Places, contact_forces, loads_by_root
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.contact.laws import Law
 from lowfi.friction.contact.motion import HYBRID
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.load import Cell, ScrewLoad
 from lowfi.friction.screw.motion import contact_wrench, hold_screw, screw_contacts, source_law
 from lowfi.friction.screw.pair import Pair, PairResult
+from meshes.arrays import Array, Mask
 
 
 def neighbours(groove: ScrewGroove) -> Neighbours:

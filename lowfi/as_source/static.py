@@ -20,13 +20,13 @@ from lowfi.statics.selection import shifts_of_beam
 from lowfi.statics.shape import shape_polynomials
 from lowfi.statics.solved import SolvedState
 from lowfi.statics.summary import assemble_result, failed_result, model_assumptions
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Scene
 from meshes.section import BeamSection
 from meshes.surface import groove_profile
 
-Array = NDArray[np.float64]
 Kinematics = Literal["arc", "source"]
 Start = Literal["nominal", "guess", "load steps"]
 #: Iterations after which Newton gives up.

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-Array = NDArray[np.float64]
+from meshes.arrays import Array
+
 #: Constant of 2.8 in N/mm^2 as the sheet of figure 2-10 has it (2.15e5; the printed 3.12e7 in lb, in is 2.151e5).
 LOAD_CONSTANT = 2.15e5
 #: Reciprocal of the exponent 1.5 as the sheet has it in 2.7: K_n comes out to its digits with this, not with 2/3.

@@ -15,12 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import lambertw
 
 from lowfi.hertz import contact_modulus
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 
 def half_width(line_load: Array | float, curvature: Array | float, modulus: float) -> Array:

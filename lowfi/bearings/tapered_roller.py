@@ -14,12 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.bearings.line_contact import LineLaw, between_races, half_width, pressure
 from lowfi.hertz import contact_modulus, hertz_constants
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.compliance.cell import cell_section
 from lowfi.compliance.groove import (
@@ -38,13 +37,12 @@ from lowfi.compliance.tube import (
     spring_compliance,
     tube_compliance,
 )
+from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
 from meshes.helix import BallLayout, ball_layout, nominal_contact_points
 from meshes.parts import Ingredients, Scene
 from meshes.section import BeamSection, screw_section, tube_section
 from meshes.solid import dimensions
-
-Array = NDArray[np.float64]
 
 #: Least width of the kernels' patch over the ball's radius, for steep contact angles.
 LEAST = 0.5

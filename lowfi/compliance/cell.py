@@ -11,15 +11,13 @@ from math import pi
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
 from lowfi.compliance.fourier import Body, Grid, refine_lines
+from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
 from meshes.parts import Material
 from meshes.section import BeamSection, shear_coefficient
-
-Array = NDArray[np.float64]
 
 #: Elements of the cell: along the groove's flank, along the land, and in depth.
 MESH = (8, 5, 8)

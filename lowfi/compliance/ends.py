@@ -12,16 +12,14 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.compliance.bodies import Backend, contact_frames, geometry_only, held_at, smooth_compliance
 from lowfi.compliance.bodies import forget as forget_bodies
 from lowfi.compliance.tube import TubeCompliance, cantilever, end_springs, motion_rows, on_line, patch_weights, points_of
+from meshes.arrays import Array
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import Scene
 from meshes.section import tube_section
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from meshes.arrays import Array, Index
 
 #: Gauss points of the 9-node quadrilateral: three a side.
 GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.sparse.linalg import splu, spsolve
 
@@ -21,10 +20,9 @@ from lowfi.compliance.cell import cell_grid
 from lowfi.compliance.fourier import Body, Grid, factor_c, quadratic, refine_lines, tube_grid
 from lowfi.compliance.sphere import expansion
 from lowfi.compliance.tube import Tube, patch_weights, radial_ends
+from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
 from meshes.parts import Material
-
-Array = NDArray[np.float64]
 
 #: Standard deviation of the narrow patch over the ball's radius, and elements of its mesh (flank, land, depth).
 NARROW = 0.18

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.compliance.bodies import (
     REFINED,
@@ -24,12 +23,10 @@ from lowfi.compliance.bodies import (
     whole_body,
 )
 from lowfi.compliance.tube import clamped, motion_rows
+from meshes.arrays import Array
 from meshes.condensed import CondensedBodies, geometry_digest, load_condensed
 from meshes.helix import BallLayout
 from meshes.parts import SIDE_SIGNS, SIDES, Scene
-
-Array = NDArray[np.float64]
-
 
 #: Bodies that a file holds, beside the balls.
 PARTS = ("screw", "nut")

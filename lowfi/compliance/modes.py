@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 #: A mode is soft from this fraction of a contact's compliance on.
 SOFT = 0.3

@@ -10,12 +10,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import eval_legendre
 
+from meshes.arrays import Array
 from meshes.parts import Material
-
-Array = NDArray[np.float64]
 
 #: Mean logarithm of the distance of two points of a round Hertz pressure over its radius, 11/12 - H(3/2).
 MEAN_LOG = 2.0 * np.log(2.0) - 1.75

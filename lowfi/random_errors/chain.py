@@ -34,13 +34,12 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from lowfi.hertz import contact_modulus, hertz_constants
 from lowfi.jit import RANDOM_ERRORS, kernels
+from meshes.arrays import Array
 
-Array = NDArray[np.float64]
 Law = Literal["constant", "implicit", "exact"]
 LAWS: tuple[Law, ...] = ("constant", "implicit", "exact")
 

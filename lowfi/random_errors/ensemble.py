@@ -8,7 +8,8 @@ from typing import Literal, get_args
 import numpy as np
 
 from lowfi.jit import RANDOM_ERRORS, kernels
-from lowfi.random_errors.chain import LAWS, Array, Chain, checked, free_motion
+from lowfi.random_errors.chain import LAWS, Chain, checked, free_motion
+from meshes.arrays import Array
 
 #: What is kept of each chain: smallest and largest contact load [N], loaded balls, motion since the first touch of ball 1
 #: and of the first loaded ball (Liu's 19) [m], stiffness dF/du_1 [N/m].

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.statics.problem import nominal_curvatures, nominal_hertz
 from lowfi.statics.validity import YIELD_PRESSURE, groove_range
+from meshes.arrays import Array
 from meshes.helix import groove_radii
 from meshes.parts import SIDES, Scene
-
-Array = NDArray[np.float64]
 
 #: Permanent indentation over the ball's diameter that the static rating of ball contacts allows (ISO 76).
 ALLOWED = 1e-4

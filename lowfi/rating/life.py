@@ -29,12 +29,10 @@ from dataclasses import dataclass
 from math import cos, pi, sin, tan
 
 import numpy as np
-from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.helix import groove_radii, lead_angle
 from meshes.parts import SIDES, Scene
-
-Array = NDArray[np.float64]
 
 #: Constant of (2) for mm and N (Lundberg and Palmgren 1947).
 CONTACT = 98.1

@@ -24,7 +24,6 @@ from dataclasses import dataclass
 from math import cos, pi, sin, tan
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from lowfi.rating.life import turns_of
@@ -33,8 +32,6 @@ from lowfi.statics.result import StaticResult
 from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from lowfi.compliance.imported import Condensed
 from lowfi.statics import elastic as elastic_solver
 from lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from lowfi.statics.mechanism import free_motions
-from lowfi.statics.problem import Array, Problem, build
+from lowfi.statics.problem import Problem, build
 from lowfi.statics.records import Outcome
 from lowfi.statics.static import (
     ACCEPTED,
@@ -27,6 +27,7 @@ from lowfi.statics.static import (
     solve_with_hertz,
     verdict,
 )
+from meshes.arrays import Array
 from meshes.errors import Specimen
 from meshes.helix import BallLayout
 from meshes.parts import Scene

@@ -31,15 +31,13 @@ The arc's departure from a parabola is worth -3 % of (2) at a/r = 0.18. Valid fo
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.hertz import HertzConstants
+from meshes.arrays import Array
 from meshes.errors import Specimen
 from meshes.helix import groove_radii
 from meshes.parts import Scene
 from meshes.surface import groove_profile
-
-Array = NDArray[np.float64]
 
 
 def curvature_changes(scene: Scene, drawn: Specimen, ball_radius: Array) -> Array:

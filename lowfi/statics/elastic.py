@@ -15,7 +15,7 @@ import numpy as np
 from lowfi import jit
 from lowfi.compliance.bodies import REFINED, Backend, idealised
 from lowfi.compliance.imported import Condensed
-from lowfi.statics.elastic_system import Array, Elastic, Rebuild, one_thread
+from lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.problem import actual_hertz
 from lowfi.statics.records import Outcome
@@ -36,6 +36,7 @@ from lowfi.statics.static import (
     with_other_pin,
 )
 from lowfi.statics.summary import ELASTIC_ASSUMPTIONS, assemble_result, failed_result
+from meshes.arrays import Array
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import Scene

@@ -29,11 +29,10 @@ from lowfi.statics.records import NO_ROLLERS, BallContacts, Bodies, BodyOptions,
 from lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE, force_floor, reference_scale
+from meshes.arrays import Array
 from meshes.errors import Specimen
 from meshes.helix import BallLayout
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Largest number of balls: compliance between all contacts is formed whole, so memory and set-up grow as its square.
 LARGEST = 250

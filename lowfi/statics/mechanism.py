@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from lowfi.statics.problem import Problem, wrench_rows
 from lowfi.statics.shape import rigid_transport
+from meshes.arrays import Array
 from meshes.parts import FREEDOMS
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
-from lowfi.statics.problem import SIGNS, Array, distances, error_free, hertz_C
+from lowfi.statics.problem import SIGNS, distances, error_free, hertz_C
 from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import BallLayout, ball_layout, lead_angle
 from meshes.partition import merge

@@ -6,12 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.statics.records import PairCommon, PairMembers, PairStates
 from lowfi.statics.static import Prepared
+from meshes.arrays import Array
 
-Array = NDArray[np.float64]
 #: Most balls: above, the product with a matrix of that size costs more than the beam's own equations.
 LARGEST = 128
 

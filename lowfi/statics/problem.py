@@ -15,14 +15,13 @@ from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printe
 from lowfi.statics.conformity import curvature_changes
 from lowfi.statics.shape import motion_matrices, rigid_transport
 from lowfi.statics.supports import contradiction, rigid_rows
+from meshes.arrays import Array
 from meshes.errors import Specimen, Specimens, specimen
 from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
 from meshes.partition import MERGE, beam_nodes, contact_stations
 from meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Scene
 from meshes.section import BeamSection, screw_section
 from meshes.surface import ALL, principal_curvatures, printed_radii
-
-Array = NDArray[np.float64]
 
 #: Number of radii at which `hertz_C` takes exact values for many specimens, and share of a coefficient that is round-off.
 NODES, ROUND_OFF = 12, 1e-15

@@ -8,15 +8,13 @@ while the load does work. Only the second proves that a screw is not held.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from lowfi.statics.problem import SIGNS, Problem
 from lowfi.statics.shape import rigid_transport
+from meshes.arrays import Array
 from meshes.helix import nominal_contact_points
 from meshes.parts import FREEDOMS
-
-Array = NDArray[np.float64]
 
 #: Work of the load along the opening motion, of size one, over that of the whole load, from which on it is a proof.
 PROVEN = 1e-7

@@ -11,13 +11,11 @@ from numpy.typing import NDArray
 from lowfi.statics.mechanism import Mechanism
 from lowfi.statics.problem import Problem, distances
 from lowfi.statics.shape import motions_at
+from meshes.arrays import Array, Mask
 from meshes.errors import Specimen
 from meshes.helix import BallLayout
 from meshes.partition import MERGE, contact_stations
 from meshes.parts import FREEDOMS, SIDES, Scene
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 def choose_sides(scene: Scene, drawn: Specimen, known: tuple[Array, Array] | None = None) -> Mask:

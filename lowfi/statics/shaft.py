@@ -12,8 +12,8 @@ from scipy.linalg import cho_solve_banded, cholesky_banded, qr
 from lowfi.statics.kernel.beam import add_element
 from lowfi.statics.problem import Problem
 from lowfi.statics.shape import rigid_transport
+from meshes.arrays import Array
 
-Array = NDArray[np.float64]
 #: Right-hand sides solved at a time.
 CHUNK = 512
 

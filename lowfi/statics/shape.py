@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes.arrays import Array
 from meshes.section import BeamSection
-
-Array = NDArray[np.float64]
 
 
 def shear_ratio(length: float | Array, section: BeamSection) -> float | Array:

@@ -33,11 +33,11 @@ from lowfi.statics.kernel.beam import element_constants, force_of
 from lowfi.statics.problem import Problem
 from lowfi.statics.shaft import Shaft, free_state, rows_of
 from lowfi.statics.shape import rigid_transport
+from meshes.arrays import Array
 from meshes.helix import BallLayout
 from meshes.partition import MERGE, contact_stations
 from meshes.parts import Scene
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 

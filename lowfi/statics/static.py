@@ -19,11 +19,11 @@ from lowfi.statics.result import SolverReport, StaticResult
 from lowfi.statics.selection import choose_sides, describe_left_out, flank_motions, shifts_of_beam, touched_sides
 from lowfi.statics.solved import SolvedState
 from lowfi.statics.summary import assemble_result, failed_result, model_assumptions
+from meshes.arrays import Array
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import FREEDOMS, Scene
 
-Array = NDArray[np.float64]
 Engine = Literal["auto", "interpreted", "compiled"]
 
 #: Relative residual that the solver drives for, and the one at which it counts as converged.

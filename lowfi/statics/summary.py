@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.statics.problem import SIGNS, Problem
 from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
 from lowfi.statics.shape import motions_at, rigid_transport
 from lowfi.statics.solved import SolvedState
 from lowfi.statics.validity import profile_warning, warnings_of
+from meshes.arrays import Array
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Statements that hold for every run of the source's low-order model.
 MODEL_ASSUMPTIONS = (

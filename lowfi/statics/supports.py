@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.statics.shape import rigid_transport
+from meshes.arrays import Array
 from meshes.parts import FREEDOMS, Scene
-
-Array = NDArray[np.float64]
 
 #: Part of a constraint that must be new, relative to its size, for it to count as independent of those before it.
 INDEPENDENT = 1e-9

@@ -15,7 +15,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from lowfi.compliance.bodies import REFINED, Backend
@@ -27,11 +26,10 @@ from lowfi.statics.problem import Problem
 from lowfi.statics.shaft import rows_of
 from lowfi.statics.shape import rigid_transport
 from lowfi.statics.static import Engine
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import FREEDOMS, Scene, Support
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.statics.problem import Problem, nominal_hertz
 from lowfi.statics.solved import SolvedState
+from meshes.arrays import Array
 from meshes.parts import Scene
 from meshes.section import groove_section, nut_groove_range
-
-Array = NDArray[np.float64]
 
 #: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
 #: largest contact approach that they leave away.

@@ -15,8 +15,9 @@ from compare.evidence.liu import case
 from compare.measure import error_percent, load_error
 from compare.models.study import Study
 from compare.reference.grid_summary import uncertainty_percent
-from lowfi.random_errors.chain import Array, Chain, solve_chain
+from lowfi.random_errors.chain import Chain, solve_chain
 from lowfi.random_errors.ensemble import draw_errors
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import Scene

@@ -6,8 +6,9 @@ from functools import cache
 
 import numpy as np
 
-from lowfi.random_errors.chain import Array, Chain, ChainState, Law, ball_stiffness, calibrated, solve_chain
+from lowfi.random_errors.chain import Chain, ChainState, Law, ball_stiffness, calibrated, solve_chain
 from lowfi.random_errors.ensemble import Ensemble, Percentile, Quantity, percentile, solve_ensemble
+from meshes.arrays import Array
 
 #: What the source leaves open.
 ASSUMED = (

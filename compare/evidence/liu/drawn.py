@@ -8,8 +8,9 @@ from compare.evidence.entries import Entries
 from compare.evidence.liu import case
 from compare.evidence.record import Evidence
 from compare.models.study import Study
-from lowfi.random_errors.chain import Array, solve_chain
+from lowfi.random_errors.chain import solve_chain
 from lowfi.random_errors.ensemble import Quantity
+from meshes.arrays import Array
 
 RANGES = (1, 2, 3)
 NAMES: dict[str, Quantity] = {

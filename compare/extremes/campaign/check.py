@@ -7,15 +7,13 @@ azimuths; a refusal is checked by a linear program of its own; the loads of a ri
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog, minimize
 
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import Scene
-
-Array = NDArray[np.float64]
 
 #: Signs of the contact directions of SL, SR, NL, NR in the section: along the radius, along the binormal.
 WAYS = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]])

@@ -27,8 +27,8 @@ from compare.scenes.kinds.common import (
 from compare.scenes.kinds.screw_balls import hertz_faults
 from compare.scenes.quantity import Quantity, key
 from lowfi.friction.bearing.pairs import ALL, DIAGONAL, OTHER, BallRow, BearingCase
-from lowfi.friction.linear.bearing import Array
 from lowfi.friction.screw.groove import ScrewGroove
+from meshes.arrays import Array
 
 LoadAngle = Annotated[float, Quantity("angle", "0 deg", "90 deg", "18 deg")]
 

@@ -26,8 +26,9 @@ from compare.scenes.kinds.common import (
     material_faults,
 )
 from compare.scenes.quantity import Quantity, Rate, key
-from lowfi.friction.linear.bearing import Array, LinearBearing, deviations
+from lowfi.friction.linear.bearing import LinearBearing, deviations
 from lowfi.friction.linear.loads import Loads
+from meshes.arrays import Array
 
 Speed = Annotated[float, Rate("speed", "-1000 m/s", "1000 m/s", "10 mm/s")]
 SideRatio = Annotated[float, Quantity("number", -10, 10, -0.6)]

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.friction.linear.bearing import Array, LinearBearing
+from lowfi.friction.linear.bearing import LinearBearing
+from meshes.arrays import Array
 
 
 def _second_kind(axis_ratio: float) -> float:

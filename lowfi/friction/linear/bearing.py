@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants
+from meshes.arrays import Array
 
-Array = NDArray[np.float64]
 CONTACTS = ("BL", "BR", "TR", "TL")
 #: Sense of the contacts' directions from the ball's centre: x, y.
 SENSE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])

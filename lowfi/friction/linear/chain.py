@@ -21,15 +21,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lowfi.friction.linear.bearing import MOVING, Array, LinearBearing, directions, semi_axes
+from lowfi.friction.linear.bearing import MOVING, LinearBearing, directions, semi_axes
 from lowfi.friction.linear.kernel.band import FILLED, WIDTH
 from lowfi.friction.linear.quadrature import contact_shape, node_count, nodes
 from lowfi.friction.linear.records import ChainArrays, ChainState, Work
 from lowfi.jit import LINEAR, kernels
+from meshes.arrays import Array, Mask
 
-Mask = NDArray[np.bool_]
 Status = Literal["converged", "not converged"]
 #: Creeping speed of sticking contacts in units of the carriage's speed, and force out of balance per largest bound.
 CREEP = 1e-8

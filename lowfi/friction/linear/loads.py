@@ -11,7 +11,8 @@ import numpy as np
 
 from lowfi.friction.contact.records import CellArrays
 from lowfi.friction.contact.rings import settle_cell
-from lowfi.friction.linear.bearing import SENSE, Array, LinearBearing, directions
+from lowfi.friction.linear.bearing import SENSE, LinearBearing, directions
+from meshes.arrays import Array
 
 Loads = Literal["diagonal", "balanced", "elastic"]
 #: Contacts with those of the carriage first, and back again.

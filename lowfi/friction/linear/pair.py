@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from lowfi.friction.linear import analytic
-from lowfi.friction.linear.bearing import Array, LinearBearing, deviations
+from lowfi.friction.linear.bearing import LinearBearing, deviations
 from lowfi.friction.linear.chain import ChainResult, prepare, solve
 from lowfi.friction.linear.loads import Loads, balanced_loads, diagonal_loads, elastic_loads
+from meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from meshes.arrays import Array
+
 #: Narrowest ellipse b/a with which the quadrature is used.
 NARROWEST = 1e-3
 

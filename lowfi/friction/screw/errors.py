@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.motion import ball_motion
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from meshes.parts import Scene
 
 

@@ -13,10 +13,10 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z, HelicalMotion, contact_axes
 from lowfi.hertz import contact_modulus, printed_hertz
 from lowfi.statics.problem import nominal_hertz
+from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import Balls, Material, Nut, Scene, Screw, Track

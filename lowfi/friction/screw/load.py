@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.contact.records import CellArrays
 from lowfi.friction.contact.rings import settle_cell
 from lowfi.friction.screw.arrays import plain_array
 from lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame
+from meshes.arrays import Array
 
 
 @dataclass(frozen=True)

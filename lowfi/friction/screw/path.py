@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lowfi.friction.contact.ellipse import Array
+from meshes.arrays import Array
 from meshes.parts import SIDE_SIGNS
 
 SIGN_X, SIGN_Z = np.array(SIDE_SIGNS).T

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.whole.chain import SceneGrooves, grooves_of
 from lowfi.friction.whole.circuit import Circuit, circuits
+from meshes.arrays import Array
 from meshes.errors import Drawn, draw_ball_radii
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.chain import AnyChain, ChainMotion, Rubs, solve_chain
 from lowfi.friction.screw.groove import Constants, Grooved
 from lowfi.friction.screw.path import ON_SCREW
@@ -14,6 +13,7 @@ from lowfi.friction.whole.contacts import StaticContacts
 from lowfi.friction.whole.losses import ball_path, rubs_of, shares, turn_back
 from lowfi.friction.whole.torque import about_axis
 from lowfi.statics.problem import nominal_hertz
+from meshes.arrays import Array
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive
 

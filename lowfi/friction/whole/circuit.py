@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.groove import contact_spacing
 from lowfi.friction.whole.losses import ball_path
+from meshes.arrays import Array
 from meshes.helix import reduced_lead
 from meshes.parts import Circulation, Motion, Scene
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.path import SIGN_X, SIGN_Z
 from lowfi.hertz import contact_modulus, printed_hertz
 from lowfi.statics.again import ContactLoads
 from lowfi.statics.problem import actual_hertz, drawn_hertz, nominal_curvatures, nominal_hertz, relative_curvatures
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout, groove_radii
 from meshes.parts import Errors, Scene

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.motion import Mixer
 from lowfi.friction.screw.path import ON_SCREW
 from lowfi.friction.whole.contacts import StaticContacts, with_loads
 from lowfi.friction.whole.losses import BallFriction, ball_friction
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from meshes.errors import Specimen, specimen
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.path import ON_SCREW, contact_axes
 from lowfi.friction.whole.contacts import StaticContacts
 from lowfi.friction.whole.losses import BallFriction, ball_path, shares
+from meshes.arrays import Array
 from meshes.helix import groove_radii
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive

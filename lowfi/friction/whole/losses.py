@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.contact.motion import STATUS
 from lowfi.friction.screw.chain import Rubs
 from lowfi.friction.screw.motion import contact_wrench
 from lowfi.friction.screw.path import HelicalMotion
 from lowfi.friction.whole.contacts import StaticContacts
 from lowfi.jit import CONTACT, kernels
+from meshes.arrays import Array
 from meshes.helix import reduced_lead
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive

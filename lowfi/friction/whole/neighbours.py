@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.whole.balls import balls_of
 from lowfi.friction.whole.chain import chain_motion
 from lowfi.friction.whole.contacts import StaticContacts, spread
 from lowfi.friction.whole.losses import BallFriction
+from meshes.arrays import Array
 from meshes.errors import draw
 from meshes.helix import layout_at, reduced_lead
 from meshes.parts import Friction, Scene

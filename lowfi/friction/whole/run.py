@@ -14,7 +14,6 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.chain import ChainMotion
 from lowfi.friction.screw.path import ON_SCREW
 from lowfi.friction.screw.steps import StepError, solve_steps
@@ -25,6 +24,7 @@ from lowfi.friction.whole.feedback import feed_back, feeds_back, seats_at
 from lowfi.friction.whole.torque import about_axis
 from lowfi.statics.again import ContactLoads
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from meshes.errors import Drawn, Specimen
 from meshes.helix import BallLayout, layout_at, reduced_lead
 from meshes.parts import Friction, Scene, Time

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.whole.contacts import StaticContacts, contacts_of
 from lowfi.friction.whole.feedback import JAMMED, feed_back, feeds_back, seats_of, second_states
 from lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds
@@ -14,6 +13,7 @@ from lowfi.friction.whole.neighbours import Neighbours, neighbours
 from lowfi.friction.whole.torque import ScrewTorque, sum_up
 from lowfi.jit import cached
 from lowfi.statics.result import StaticResult
+from meshes.arrays import Array
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lowfi.friction.contact.ellipse import Array
 from lowfi.friction.screw.path import ON_SCREW
 from lowfi.friction.whole.contacts import StaticContacts
 from lowfi.friction.whole.losses import BallFriction
+from meshes.arrays import Array
 from meshes.helix import reduced_lead
 from meshes.parts import Motion as Drive
 from meshes.parts import Scene

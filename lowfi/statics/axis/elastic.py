@@ -35,9 +35,8 @@ from lowfi.statics.records import BallContacts, Bodies, BodyOptions, BodyState
 from lowfi.statics.shaft import Shaft, flank_response, shaft_of
 from lowfi.statics.squeeze import Squeeze, squeezed, stretch_of
 from lowfi.statics.static import MAX_ITERATIONS, TOLERANCE
+from meshes.arrays import Array
 from meshes.section import screw_section
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from lowfi.statics.axis.structure import held_rows, rigid_motions
 from lowfi.statics.axis.system import System
 from lowfi.statics.problem import wrench_rows
+from meshes.arrays import Array
 from meshes.parts import FREEDOMS
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

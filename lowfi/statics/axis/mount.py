@@ -6,14 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.statics.axis.result import AxisResult
 from lowfi.statics.axis.system import tapered
 from lowfi.statics.problem import nominal_hertz
+from meshes.arrays import Array
 from meshes.axis import Assembly, RollerRow, RollingSet
-
-Array = NDArray[np.float64]
 
 #: Part of the largest preload that its error may have, and steps that are tried.
 ERROR, STEPS = 1e-12, 60

@@ -8,7 +8,6 @@ it as it is, while the loads do work. Only the second proves that they are not h
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import csr_array, hstack, vstack
 
@@ -17,8 +16,7 @@ from lowfi.statics.axis.structure import held_rows, rigid_motions
 from lowfi.statics.axis.system import BallSet, System
 from lowfi.statics.problem import SIGNS
 from lowfi.statics.proof import PROVEN
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 
 def opening_motion(system: System) -> Array | None:

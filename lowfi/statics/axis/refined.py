@@ -6,7 +6,6 @@ from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from lowfi import jit
@@ -24,9 +23,8 @@ from lowfi.statics.result import SolverReport
 from lowfi.statics.shaft import flank_loads, node_motions
 from lowfi.statics.static import MAX_ITERATIONS, NO_LOADS, Engine
 from lowfi.statics.summary import ELASTIC_ASSUMPTIONS
+from meshes.arrays import Array
 from meshes.axis import Assembly, RollerRow
-
-Array = NDArray[np.float64]
 
 #: Statements that hold for every run of the refined model on several sets.
 ASSUMPTIONS = (

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from lowfi.statics.result import Equilibrium, SolverReport, StaticResult
+from meshes.arrays import Array
 from meshes.axis import RollingSet
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

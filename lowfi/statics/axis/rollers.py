@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from lowfi.bearings.roller_slices import middles
 from lowfi.statics.axis.system import RollerSet
 from lowfi.statics.records import RollerContacts
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from lowfi.statics.axis.system import USE, BallSet, Placed, System
@@ -18,14 +17,12 @@ from lowfi.statics.problem import distances, nominal_hertz
 from lowfi.statics.records import AxisState
 from lowfi.statics.selection import all_clear, motions_in_section
 from lowfi.statics.shape import motion_matrices
+from meshes.arrays import Array, Mask
 from meshes.axis import Assembly, RollingSet
 from meshes.errors import Specimen
 from meshes.partition import contact_stations
 from meshes.parts import SIDES, Scene
 from meshes.section import BeamSection
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 def likely_sides(assembly: Assembly, places: Sequence[Placed]) -> list[Mask]:

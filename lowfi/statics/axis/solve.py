@@ -7,7 +7,6 @@ from time import perf_counter
 from types import ModuleType
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi import jit
 from lowfi.statics.axis.loose import loose_motions, pinned
@@ -23,9 +22,8 @@ from lowfi.statics.problem import actual_hertz
 from lowfi.statics.records import AxisSlopes, AxisState, BeamOptions, Outcome
 from lowfi.statics.result import SolverReport
 from lowfi.statics.static import ACCEPTED, MAX_ITERATIONS, NO_LOADS, TOLERANCE, Engine, contact_angles, pick_engine
+from meshes.arrays import Array
 from meshes.axis import Assembly, RollerRow
-
-Array = NDArray[np.float64]
 
 
 @dataclass

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from lowfi.statics.axis.system import BallSet, System
 from lowfi.statics.records import AxisState
 from lowfi.statics.shape import rigid_transport
-
-Array = NDArray[np.float64]
+from meshes.arrays import Array
 
 
 def asked_station(system: System) -> tuple[int, str]:

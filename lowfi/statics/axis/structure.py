@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lowfi.statics.shape import rigid_transport
+from meshes.arrays import Array
 from meshes.axis import Assembly, Housing
 from meshes.partition import MERGE, merge
 from meshes.parts import FREEDOMS, Scene
 from meshes.section import BeamSection, screw_section, tube_section
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 

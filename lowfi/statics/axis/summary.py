@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lowfi.statics.axis.proof import crossed
 from lowfi.statics.axis.result import AxisResult, HousingResult, SetResult
@@ -20,9 +19,8 @@ from lowfi.statics.shape import rigid_transport
 from lowfi.statics.solved import SolvedState
 from lowfi.statics.summary import MODEL_ASSUMPTIONS, contact_geometry
 from lowfi.statics.validity import warnings_of
+from meshes.arrays import Array
 from meshes.axis import Assembly
-
-Array = NDArray[np.float64]
 
 #: Statements that hold for every run of the source's low-order model on several sets.
 AXIS_ASSUMPTIONS = (

@@ -13,13 +13,13 @@ from lowfi.bearings.tapered_roller import TaperedBearing
 from lowfi.statics.axis.structure import Structure, structure_of
 from lowfi.statics.problem import Problem, flank_rows, hertz_C, pack_geometry
 from lowfi.statics.records import AxisArrays, AxisBalls, AxisRollers
+from meshes.arrays import Array
 from meshes.axis import Assembly, RollerRow, RollingSet
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
 from meshes.partition import contact_stations
 from meshes.parts import Scene
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 #: Balls of a set: where they are, and their specimen of random errors.
 Placed = tuple[BallLayout, Specimen]
