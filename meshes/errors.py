@@ -85,11 +85,11 @@ class Drawn:
     roundness: tuple[list[tuple[float, float, float]], ...]
     profile: tuple[list[float], ...]
 
-    def at(self, scene: Scene, on_screw: Array, on_nut: Array, ball_radius: Array) -> Specimen:
-        """What balls of these radii (n,) [m] meet at azimuths (n,) [rad] on the screw and from the nut's axis of errors."""
+    def at(self, scene: Scene, on_screw: Array, on_nut: Array, station: Array, ball_radius: Array) -> Specimen:
+        """What balls of these radii (n,) [m] meet at azimuths (n,) [rad] on the screw and from the nut's axis of errors, at
+        stations (n,) [m] along the axis."""
         n = ball_radius.size
-        centre, slopes = np.empty((n, 4, 2)), np.zeros((2, n, 4, 2))
-        centre[...] = nominal_groove_centres(scene)
+        centre, slopes = _shifted_centres(scene, station), np.zeros((2, n, 4, 2))
         for s, name in enumerate(SIDES):
             if not self.pitch[s] and not self.roundness[s]:
                 continue
@@ -104,6 +104,18 @@ class Drawn:
         if degree == 1:  # a constant offset is a change of radius, not of shape
             radius, table = radius - table[:, 0], np.zeros((4, 0))
         return Specimen(ball_radius, centre, slopes, radius, table)
+
+
+def _shifted_centres(scene: Scene, station: Array) -> Array:
+    """Groove centres ``(n, 4, 2)`` [m] of balls at stations (n,) [m]: nominal but for the nut's lead offset.
+
+    A helical groove that is shifted along the axis is shifted by cos(alpha) of it across the track, and along the track,
+    where it is the same everywhere.
+    """
+    centre = np.tile(nominal_groove_centres(scene), (station.size, 1, 1))
+    beyond = station > scene.nut.position
+    centre[beyond, 2:, 1] += scene.errors.lead_offset * cos(lead_angle(scene.track))
+    return centre
 
 
 def draw(scene: Scene, member: int = 0) -> Drawn:
@@ -123,7 +135,7 @@ def draw(scene: Scene, member: int = 0) -> Drawn:
 def specimen(scene: Scene, layout: BallLayout, member: int = 0) -> Specimen:
     """Specimen number ``member`` of a scene (see ``draw``) at the places of its balls."""
     found = draw(scene, member)
-    return found.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, found.ball_radius)
+    return found.at(scene, layout.azimuth, layout.azimuth - scene.nut.azimuth, layout.z, found.ball_radius)
 
 
 @dataclass(frozen=True)
@@ -157,7 +169,7 @@ def specimens(scene: Scene, layout: BallLayout, first: int, count: int) -> Speci
             rng.standard_normal(out=z[m] if balls.sigma > 0.0 else z[m, n:])
     half = np.sqrt(3.0) * balls.sigma
     radius += (-half + 2.0 * half * z[:, :n]) if uniform and balls.sigma > 0.0 else balls.sigma * z[:, :n]
-    centre = np.tile(nominal_groove_centres(scene), (count if drawn else 1, n, 1, 1))
+    centre = np.tile(_shifted_centres(scene, layout.z), (count if drawn else 1, 1, 1, 1))
     for k, term in enumerate(terms):
         phi = term.harmonic * (layout.azimuth - (scene.nut.azimuth if term.side >= 2 else 0.0))
         a, b = np.full(len(centre), term.sin), np.full(len(centre), term.cos)
@@ -218,4 +230,4 @@ def without_draws(scene: Scene) -> Scene:
         for name in SIDES
     }
     balls = BallErrors(oversize=e.balls.oversize, listed=e.balls.listed)
-    return replace(scene, errors=Errors(balls=balls, seed=e.seed, **sides))
+    return replace(scene, errors=Errors(balls=balls, seed=e.seed, lead_offset=e.lead_offset, **sides))

@@ -5,7 +5,7 @@ Both fidelities read these records and nothing else of each other.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Literal
 
 #: Contact sides in the order of every ``(n, 4)`` array: screw left, screw right, nut left, nut right.
@@ -136,7 +136,11 @@ class BallErrors:
 
 @dataclass(frozen=True)
 class Errors:
-    """All geometric errors of a scene, and the seed of every random one."""
+    """All geometric errors of a scene, and the seed of every random one.
+
+    ``lead_offset`` [m]: shift along the axis of the nut's groove beyond the nut's centre (z above its position) against the
+    rest of it, by which a single nut is preloaded in two-point contact.
+    """
 
     balls: BallErrors = field(default_factory=BallErrors)
     SL: SideErrors = field(default_factory=SideErrors)
@@ -144,6 +148,12 @@ class Errors:
     NL: SideErrors = field(default_factory=SideErrors)
     NR: SideErrors = field(default_factory=SideErrors)
     seed: int = 0
+    lead_offset: float = 0.0
+
+    def __repr__(self) -> str:
+        """As of any record, but without a lead offset of zero: keys of stored runs are made of it."""
+        shown = [f.name for f in fields(self) if f.name != "lead_offset" or self.lead_offset]
+        return f"Errors({', '.join(f'{name}={getattr(self, name)!r}' for name in shown)})"
 
     def side(self, name: str) -> SideErrors:
         """Errors of the flank ``name`` (one of SIDES)."""

@@ -61,6 +61,24 @@ def _path_error_faults(scene: Scene) -> Iterator[Fault]:
                 allowed = f"up to {mm(scene.balls.radius)}, the ball radius, in all ({SIGMAS:g} sigma of random ones)"
                 value = f"{kind} errors of {mm(size)}"
                 yield Fault((f"errors.{side}.{kind}",), allowed, "check the unit: such errors are micrometres", value)
+    if scene.errors.lead_offset:
+        yield from _lead_offset_faults(scene)
+
+
+def _lead_offset_faults(scene: Scene) -> Iterator[Fault]:
+    """A lead offset larger than a ball, of a nut all of whose balls are on one side, or at a ball."""
+    where, radius, offset = ("preload.lead_offset",), scene.balls.radius, scene.errors.lead_offset
+    beyond = ball_layout(scene).z - scene.nut.position
+    if abs(offset) > radius:
+        yield Fault(where, f"up to {mm(radius)}, the ball radius", "check the unit: offsets are micrometres", mm(offset))
+    if beyond.min() >= 0.0 or beyond.max() <= 0.0:
+        yield Fault(where, "balls on both sides of the nut's centre", "it shifts one half against the other", mm(offset))
+        return
+    nearest = float(np.abs(beyond).min()) / math.sin(lead_angle(scene.track))
+    if nearest < radius:
+        advice = "leave turns without balls in the middle: an even number of circuits with a circuit_gap, or arcs"
+        allowed = f"no ball within {mm(radius)} along the track of the nut's centre, where the groove steps"
+        yield Fault(where, allowed, advice, f"a ball {mm(nearest)} from it")
 
 
 def contact_faults(scene: Scene) -> Iterator[Fault]:

@@ -60,12 +60,12 @@ def _preload(keys: SceneKeys) -> Iterator[Fault]:
     found = keys.preload
     if found is None:
         return
-    if found.lead_offset is not None:
-        advice = "one nut has nothing to be shifted against: give force or oversize; two nuts are [[sets]] with an offset"
-        yield Fault(("preload.lead_offset",), "two nuts, or two halves of a nut", advice)
-    elif (found.force is None) == (found.oversize is None):
-        value = "neither" if found.force is None else "both"
-        yield Fault(("preload.force", "preload"), "either force or oversize", "one gives the other", value)
-    if keys.errors.balls.oversize != 0.0:
+    given = [name for name in ("force", "oversize", "lead_offset") if getattr(found, name) is not None]
+    if len(given) != 1:
+        where = (f"preload.{given[0] if given else 'force'}", "preload")
+        yield Fault(where, "one of force, oversize and lead_offset", "leave the others out", " and ".join(given) or "none")
+    if found.lead_offset is not None and keys.track.lead == 0.0:
+        yield Fault(("preload.lead_offset",), "a lead above zero", "rows of a bearing are [[sets]] with an offset")
+    if found.lead_offset is None and keys.errors.balls.oversize != 0.0:
         advice = "[preload] sets it: leave one of the two out"
         yield Fault(("errors.balls.oversize",), "0 um beside [preload]", advice)

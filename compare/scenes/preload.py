@@ -30,7 +30,7 @@ def oversize_for(scene: Scene, force: float) -> float:
 
 def preloaded(scene: Scene, keys: PreloadKeys | None) -> Scene:
     """The scene with its preload as an oversize, and what is idealised by it among the assumptions."""
-    if keys is None:
+    if keys is None or keys.lead_offset is not None:
         return scene
     size, said = keys.oversize or 0.0, scene.assumed
     if keys.force is not None:

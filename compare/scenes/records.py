@@ -66,7 +66,10 @@ def scene_of(keys: SceneKeys, name: str) -> Scene:
         ),
         balls=Balls(keys.balls.radius, material_of(keys.balls.material, default), _azimuths(keys.balls, track)),
         errors=Errors(
-            balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution), seed=e.seed, **sides
+            balls=BallErrors(e.balls.oversize, listed, e.balls.sigma, e.balls.distribution),
+            seed=e.seed,
+            lead_offset=0.0 if keys.preload is None else keys.preload.lead_offset or 0.0,
+            **sides,
         ),
         supports=tuple(support_of(s) for s in keys.supports),
         loads=tuple(Load(p.at, vector(p.force), vector(p.moment)) for p in keys.loads),

@@ -291,13 +291,17 @@ class TimeKeys(Table):
 
 
 class PreloadKeys(Table):
-    """Preload of one nut in four-point contact, instead of errors.balls.oversize. Give force or oversize."""
+    """Preload of one nut: in four-point contact by force or oversize (instead of errors.balls.oversize), or in two-point
+    contact by a lead offset of its halves. Give one of the three."""
 
     force: Preload | None = key(
         "axial force between the two pairs of flanks of nut and screw without load, both taken as rigid", None, "500 N"
     )
     oversize: Deviation | None = key("added to every ball's radius", None, "3 um")
-    lead_offset: Deviation | None = key("shift of two nuts, or of two halves of a nut, against each other", None)
+    lead_offset: Deviation | None = key(
+        "shift of the nut's groove beyond its centre along the axis, against the rest (two nuts: [[sets]] with an offset)",
+        None,
+    )
 
 
 class GateKeys(Table):

@@ -41,7 +41,7 @@ WORDS = {
     "conformity": "conformity = 0.52 under [screw] and under [nut]",
     "osculation": "conformity = 0.52 (groove radius over ball diameter) under [screw] and under [nut]",
     "preload_force": 'force = "500 N" under [preload]',
-    "preload": 'force = "500 N" or oversize = "3 um" under [preload]',
+    "preload": 'force = "500 N", oversize = "3 um" or lead_offset = "20 um" under [preload]',
     "oversize": 'oversize = "3 um" under [preload]',
     "axial_load": 'force = ["0 N", "0 N", "5 kN"] under [[loads]]',
     "axial_force": 'force = ["0 N", "0 N", "5 kN"] under [[loads]]',

@@ -5,7 +5,8 @@ and C the Hertz constants of both contacts of a ball together, flanks that press
 
     F = N s (((c_1 + s u)/C)^(3/2) - ((c_2 - s u)/C)^(3/2)),   terms of negative closure c +- s u zero,                (1)
 
-closed by c_1, c_2 at zero load (preload by large balls or errors); without preload u = C (F/(N s))^(2/3)/s.
+closed by c_1, c_2 at zero load (preload by large balls or errors; the two halves of a nut with a lead offset each by their
+own, the sum over both); without preload u = C (F/(N s))^(2/3)/s.
 
 With the bodies (R_nu): the radial part F/tan(alpha) of the contact forces widens the nut and squeezes the screw, as thick
 tubes under even pressure over the loaded length i P_h (Lame), which ISO 3408-4 takes too:
@@ -50,19 +51,26 @@ def slope_of(scene: Scene) -> float:
 
 
 def contacts_displacement(scene: Scene, force: float, member: int = 0) -> float:
-    """Axial displacement [m] by (1) under an axial load [N] above zero, from first contact."""
+    """Axial displacement [m] by (1) under an axial load [N] above zero, from first contact or, where a lead offset presses
+    the nut's halves against one another, from their equilibrium without load."""
     layout = ball_layout(scene)
-    closure = distances(scene, specimen(scene, layout, member))[1].mean(axis=0)
+    of_balls = distances(scene, specimen(scene, layout, member))[1]
+    beyond = layout.z > scene.nut.position
+    halves = [beyond, ~beyond] if scene.errors.lead_offset else [np.ones_like(beyond)]
+    closure = np.array([of_balls[half].mean(axis=0) for half in halves])
+    counts = np.array([half.sum() for half in halves])
     C = nominal_hertz(scene).C
     pair = np.array([C[0] + C[3], C[1] + C[2]])
     s, n = slope_of(scene), scene.ball_count
-    start = max(0.0, -float(closure[0]) / s)
 
-    def excess(u: float) -> float:
+    def excess(u: float, force: float = force) -> float:
         pressed = np.maximum(closure + s * u * np.array([1.0, -1.0]), 0.0) / pair
-        return float(n * s * (pressed[0] ** 1.5 - pressed[1] ** 1.5)) - force
+        return float(s * counts @ (pressed[:, 0] ** 1.5 - pressed[:, 1] ** 1.5)) - force
 
-    free = float(pair[0]) * (force / (n * s)) ** (2.0 / 3.0) / s
+    reach = 2.0 * float(np.abs(closure).max()) / s
+    held = float(brentq(excess, -reach, reach, args=(0.0,), xtol=1e-15)) if len(halves) > 1 else 0.0
+    start = max(held, -float(closure[:, 0].max()) / s)
+    free = reach * (len(halves) - 1) + float(pair[0]) * (force / (n * s)) ** (2.0 / 3.0) / s
     return float(brentq(excess, start, start + 2.0 * free, xtol=1e-15, rtol=1e-12)) - start
 
 

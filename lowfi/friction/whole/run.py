@@ -145,7 +145,8 @@ class Setting:
         who = np.flatnonzero(loaded)
         layout = layout_at(track, space, station)
         some = layout_at(track, space[who], station[who])
-        met = self.drawn.at(scene, space[who] - on_screw, space[who] - on_nut - scene.nut.azimuth, self.balls.radius[who])
+        on_errors = space[who] - on_screw, space[who] - on_nut - scene.nut.azimuth
+        met = self.drawn.at(scene, *on_errors, station[who], self.balls.radius[who])
         result = self.solve(met, some)
         at, status = None, "converged" if result.converged else f"contact loads: {result.status}"
         if result.converged:

@@ -21,6 +21,7 @@ from hifi.patch import hat_rows
 from hifi.pressures import mean_weights
 from hifi.response import compliance
 from hifi.side_by_side import Part, make
+from lowfi.statics.elastic import solve_elastic
 from meshes.cache import Cache
 from meshes.parts import Load, Support
 from meshes.sockets import local_points
@@ -277,6 +278,17 @@ def test_ball_errors_and_lost_contact(small):
     assert lost.load[0, 0] == 0.0
     assert lost.load[1, 0] > 400.0
     assert np.isnan(lost.contact_angle[0, 0])
+
+
+def test_a_lead_offset_of_the_nut_moves_load_as_in_the_low_order_model(small):
+    """The groove beyond the nut's centre, at ball 2, shifted by 2 um."""
+    shifted = replace(small.scene, errors=replace(small.scene.errors, lead_offset=2e-6))
+    moved = np.diff(
+        reference.solve_reference(small, shifted).load[:, 0] - reference.solve_reference(small, small.scene).load[:, 0]
+    )
+    low = [solve_elastic(s, engine="interpreted").load[:, 0] for s in (shifted, small.scene)]
+    assert abs(moved[0]) > 20.0
+    assert moved == pytest.approx(np.diff(low[0] - low[1]), rel=0.05)
 
 
 def test_a_prepared_geometry_comes_whole_from_the_cache(small, cache):

@@ -19,7 +19,7 @@ from compare.scenes.preload import oversize_for
 from compare.scenes.template import template
 from lowfi.statics.static import solve_static
 from meshes.helix import ball_layout
-from meshes.parts import Scene
+from meshes.parts import Errors, Scene
 
 GOOD = template()
 
@@ -43,6 +43,7 @@ def refused(*changes: tuple[str, str]) -> SceneError:
 
 PITCH = ('pitch_radius = "16.5 mm"', 'pitch_diameter = "33 mm"')
 BALL = ('radius = "2.778 mm"', 'diameter = "5.556 mm"')
+HALVES = (("count = 32", "count = 24"), ("turns = 2", "turns = 0.8\ncircuits = 2\ncircuit_gap = 0.6"))
 ARCS = 'arcs = [["-300 deg", "-60 deg"], ["60 deg", "300 deg"]]'
 
 
@@ -116,8 +117,22 @@ def test_filling_gives_the_count() -> None:
         ((("turns = 2", f"{ARCS}\ncircuits = 2"),), "balls.circuits", "1 beside arcs"),
         ((("turns = 2", f"{ARCS}\ncircuit_gap = 0.5"),), "balls.circuit_gap", "nothing beside arcs"),
         ((("count = 32", "filling = 0.9"), ("turns = 2", ARCS)), "balls.filling", "write count instead"),
-        ((("[[supports]]", '[preload]\nlead_offset = "5 um"\n[[supports]]'),), "preload.lead_offset", "force or oversize"),
-        ((("[[supports]]", "[preload]\n[[supports]]"),), "preload", "either force or oversize"),
+        (
+            (("count = 32", "count = 31"), ("[[supports]]", '[preload]\nlead_offset = "5 um"\n[[supports]]')),
+            "preload.lead_offset",
+            "the groove steps",
+        ),
+        (
+            (("[[supports]]", '[preload]\nlead_offset = "5 mm"\n[[supports]]'), *HALVES),
+            "preload.lead_offset",
+            "offsets are micrometres",
+        ),
+        (
+            (("[[supports]]", '[preload]\nlead_offset = "5 um"\nforce = "1 kN"\n[[supports]]'), *HALVES),
+            "preload.force",
+            "leave the others out",
+        ),
+        ((("[[supports]]", "[preload]\n[[supports]]"),), "preload", "one of force, oversize and lead_offset"),
         (
             (("[[supports]]", '[preload]\noversize = "5 um"\n[errors.balls]\noversize = "1 um"\n[[supports]]'),),
             "errors.balls.oversize",
@@ -142,6 +157,14 @@ def test_a_preload_force_is_what_rigid_bodies_press_with() -> None:
     axial = float((result.load[:, 0] * np.sin(result.contact_angle[:, 0])).sum()) * math.cos(alpha)
     assert axial == pytest.approx(3000.0, rel=0.02)
     assert oversize_for(scene, 3000.0) == scene.errors.balls.oversize
+
+
+def test_a_lead_offset_shifts_the_nut_s_halves_and_presses_both_ways() -> None:
+    given = ("[[supports]]", '[preload]\nlead_offset = "12 um"\n[[supports]]')
+    scene = read(given, *HALVES, ('force = ["0 N", "0 N", "5 kN"]', ""))
+    assert scene.errors == Errors(lead_offset=12e-6)
+    load = solve_static(scene).load
+    assert min(load[:, 0].sum(), load[:, 1].sum()) > 100.0
 
 
 def test_preload_by_oversize_is_that_of_the_errors() -> None:

@@ -1,0 +1,112 @@
+"""A nut whose halves are shifted against one another: closed form, two nuts on one shaft, rigidity, travelling balls."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lowfi.rating.rigidity import axial_displacement, contacts_displacement, slope_of
+from lowfi.statics.axis.solve import solve_assembly
+from lowfi.statics.elastic import solve_elastic
+from lowfi.statics.problem import nominal_hertz
+from lowfi.statics.static import solve_static
+from meshes.errors import draw, specimen, specimens
+from meshes.helix import ball_layout
+from meshes.parts import Errors, Load, Support
+from tests.axes import assembly, nut
+from tests.helpers import ALL_BUT_AXIAL, relative, small_screw
+
+OFFSET = 12e-6
+
+
+def halves(offset=OFFSET, force=0.0, hand="right", **ingredients):
+    """Two circuits of six balls, a turn each, a turn apart."""
+    scene = small_screw(count=6, lead=10e-3, force=(0.0, 0.0, force), hand=hand, **ingredients)
+    turn = 2.0 * np.pi * (1.0 if hand == "right" else -1.0)
+    azimuths = tuple(a + k * turn for k in (-1.0, 1.0) for a in scene.balls.azimuths)
+    return replace(scene, balls=replace(scene.balls, azimuths=azimuths), errors=Errors(lead_offset=offset))
+
+
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_rigid_bodies_share_the_offset_between_their_halves(hand):
+    """Without load the screw stands in the middle: each half presses its diagonal by s offset / 2."""
+    scene = halves(hand=hand, screw="rigid")
+    found = solve_static(scene)
+    assert found.status == "converged"
+    C = nominal_hertz(scene).C
+    expected = (0.5 * slope_of(scene) * OFFSET / (C[0] + C[3])) ** 1.5
+    first, second = found.load[:6], found.load[6:]
+    loaded, idle = ([0, 3], [1, 2]) if first[0, 0] > 0.0 else ([1, 2], [0, 3])
+    np.testing.assert_allclose(first[:, loaded], expected, rtol=0.02)
+    np.testing.assert_allclose(second[:, idle], expected, rtol=0.02)
+    assert not first[:, idle].any()
+    assert not second[:, loaded].any()
+
+
+def test_one_nut_is_two_nuts_of_which_one_is_shifted():
+    """Rigid nuts on an elastic shaft under load: another code path, in which a nut is moved instead of its groove."""
+    force = 300.0
+    sets = [nut(f"nut {k}", z, count=6, turns=1.0, offset=o) for k, z, o in ((1, 0.14, 0.0), (2, 0.16, OFFSET))]
+    held = (Support(0.0, ALL_BUT_AXIAL),)
+    load = (Load(0.0, (0.0, 0.0, force)),)
+    two = solve_assembly(assembly(*sets, supports=held, loads=load))
+    one = sets[0].parts
+    turn = 2.0 * np.pi
+    azimuths = tuple(a + k * turn for k in (-1.0, 1.0) for a in one.balls.azimuths)
+    single = replace(
+        one,
+        nut=replace(one.nut, position=0.15, length=60e-3),
+        balls=replace(one.balls, azimuths=azimuths),
+        errors=Errors(lead_offset=OFFSET),
+        supports=held,
+        loads=load,
+    )
+    found = solve_static(single)
+    assert found.status == two.status == "converged"
+    wanted = np.concatenate([s.balls.load for s in two.sets])
+    assert relative(found.load, wanted) < 2e-3  # a groove that is shifted turns its contacts by the offset, a nut does not
+    assert (found.load[:, 0] > 0.0).any()
+    assert (found.load[:, 1] > 0.0).any()
+
+
+def test_members_drawn_at_once_are_those_drawn_one_by_one():
+    scene = halves()
+    balls = replace(scene.errors.balls, sigma=0.5e-6)
+    scene = replace(scene, errors=replace(scene.errors, balls=balls, seed=3))
+    layout = ball_layout(scene)
+    many = specimens(scene, layout, 0, 3)
+    for m in range(3):
+        one = specimen(scene, layout, m)
+        np.testing.assert_allclose(many.ball_radius[m], one.ball_radius, atol=1e-15)
+        np.testing.assert_allclose(np.broadcast_to(many.centre, (3, 12, 4, 2))[m], one.centre, atol=1e-15)
+
+
+def test_a_ball_that_travels_meets_the_half_it_is_in():
+    scene = halves()
+    z = np.array([-9e-3, 9e-3]) + scene.nut.position
+    met = draw(scene).at(scene, np.zeros(2), np.zeros(2), z, np.full(2, scene.balls.radius))
+    step = met.centre[1] - met.centre[0]
+    np.testing.assert_allclose(step[:2], 0.0, atol=1e-15)
+    along = slope_of(scene) / np.sin(scene.track.contact_angle)
+    np.testing.assert_allclose(step[2:], [[0.0, OFFSET * along]] * 2, atol=1e-12)
+
+
+def test_preload_stiffens_the_contacts_as_the_solution_says():
+    """Rigid bodies: the displacement of (1) is that of the solved screw, half and half of both diagonals."""
+    force = 60.0
+    scene = halves(force=force, screw="rigid")
+    moved = [axial_displacement(s, solve_static(s)) for s in (scene, halves(screw="rigid"))]
+    assert contacts_displacement(scene, force) == pytest.approx(moved[0] - moved[1], rel=0.02)
+    assert contacts_displacement(scene, force) < 0.5 * contacts_displacement(halves(0.0, force), force)
+
+
+def test_elastic_bodies_are_pressed_alike_by_forces_this_small():
+    rigid, elastic = solve_static(halves(screw="rigid")), solve_elastic(halves(), engine="interpreted")
+    assert elastic.status == "converged"
+    assert elastic.load.mean() == pytest.approx(rigid.load.mean(), rel=0.02)
+    assert ((elastic.load > 0.0) == (rigid.load > 0.0)).all()
+
+
+def test_keys_of_stored_runs_without_an_offset_are_what_they_were():
+    assert "lead_offset" not in repr(Errors())
+    assert repr(Errors(lead_offset=OFFSET)).endswith(f"seed=0, lead_offset={OFFSET!r})")
