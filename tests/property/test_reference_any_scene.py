@@ -59,7 +59,8 @@ def scenes():
     own = even(45, 2.5)[18:27]
     yield "another lead and section", screw(20e-3, 10e-3, 3e-3, 3.18e-3, 38.6e-3, (20e-3, 64e-3), own)
     uneven = (-2.9, -2.4, -0.6, 0.4, 0.85, 2.6)
-    yield "uneven pattern", screw(16.5e-3, 20e-3, 2.778e-3, 3.254e-3, 32e-3, (36e-3, 48e-3), uneven)
+    shifted = screw(16.5e-3, 20e-3, 2.778e-3, 3.254e-3, 32e-3, (36e-3, 48e-3), uneven)
+    yield "uneven pattern, lead offset", replace(shifted, errors=replace(shifted.errors, lead_offset=1.5e-6))
     left = screw(16.5e-3, 20e-3, 2.778e-3, 3.254e-3, 32e-3, (36e-3, 48e-3), even(6, 1.0))
     yield (
         "left hand, load the other way",

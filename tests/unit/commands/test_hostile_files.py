@@ -152,14 +152,14 @@ def test_a_pipe_is_no_file(words, tmp_path, capsys):
 
 def test_devices_are_no_files(capsys):
     if not os.path.exists("/dev/zero"):
-        pytest.skip("no such device here")
+        pytest.skip("needs the device /dev/zero")
     refused(capsys, "solve", "/dev/zero")
 
 
 def test_a_pipe_without_a_name_is_no_file(capsys):
     reading, writing = os.pipe()
     if not os.path.exists(f"/dev/fd/{reading}"):
-        pytest.skip("no such folder here")
+        pytest.skip("needs the folder /dev/fd")
     try:
         refused(capsys, "solve", f"/dev/fd/{reading}")
     finally:

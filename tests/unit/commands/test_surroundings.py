@@ -27,7 +27,7 @@ def dead_process():
     return child.pid
 
 
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no such device here")
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs the device /dev/full")
 @pytest.mark.parametrize("words", [("list",), ("list", "--json")])
 def test_a_full_output_ends_in_one_line(words):
     with open("/dev/full", "w") as full:
