@@ -8,16 +8,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from compare.evidence.kalker import coefficients
+from compare.evidence.external.contacts import EXAMPLE_CELLS, example
+from compare.evidence.kalker import GRIDS, coefficients
 from compare.measure import error_percent
 from compare.printed.printed_data import entry
 from compare.rolling.cases import case_of
-from compare.rolling.runs import LEVELS
+from compare.rolling.runs import LEVELS, QUADRATURES
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
-from hifi.rolling.balls import Choices, place_of, solve_rolling
+from hifi.rolling.balls import NEARLY_RIGID, Choices, place_of, solve_rolling
 from hifi.rolling.bodies import Place, Sizes
-from hifi.rolling.patch import hertz_patch
+from hifi.rolling.patch import Patch, hertz_patch
 from hifi.rolling.verification import (
     Creep,
     Pressed,
@@ -26,22 +27,29 @@ from hifi.rolling.verification import (
     mindlin,
     rubbing,
     slip_everywhere,
+    slip_within_cells,
     static_reference,
     steady,
     uniform_on_half_space,
 )
+from meshes.arrays import Array
 
 #: Contact of the full-slip cases: load [N], relative radii [m], Young's modulus [Pa], Poisson's ratio; friction.
 GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
 #: Creepages of full slip: spin pole outside, near the edge, inside.
 SLIPS = {"pole outside": Creep(0.02, 0.004, 30.0), "pole inside": Creep(0.02, 0.004, 400.0)}
-#: CONTACT's example: load [N], halved curvatures [1/m], shear modulus [Pa], ratio, friction, creepages; its answers.
-EXAMPLE = (82e3, (0.8464, 2.406), 82e9, 0.28, 0.3, Creep(0.0, -6.25e-4, 0.625))
-EXAMPLE_FORCE, EXAMPLE_MOMENT = -0.6074, -48.21
-#: Errors [%] to reach: Carter, Cattaneo-Mindlin, full slip, Kalker's table, CONTACT's force and moment.
-REACH = (0.5, 0.5, 0.1, 2.0, 3.0, 5.0)
+#: What full slip is compared by.
+WRENCH = ("force [N]", "moment [N mm]")
+#: Errors [%] to reach: Carter, Cattaneo-Mindlin, full slip, Kalker's table.
+REACH = (0.5, 0.5, 0.1, 2.0)
 #: The same of grids alone whose spin pole lies inside a cell: what differencing against the rigid limit takes out.
 ALONE = 2.0
+#: Share of the compliance along tangents with which all of a contact slips as rigid bodies do.
+STIFF = 1e-3
+#: Cells along an axis of the finest level of runs over those of the coarsest.
+FINER = LEVELS[max(LEVELS)][0] / LEVELS[min(LEVELS)][0]
+#: Cells along each axis of CONTACT's example on coarser grids and as printed.
+EXAMPLE_GRIDS = (22, 33, EXAMPLE_CELLS)
 #: A contact at rest beside the static reference: quantities, errors to reach [%], cells of that one's zone; where.
 #: What is to be reached is what that one's grid leaves open: from 6 x 6 to 10 x 10 cells its peak falls by 2.9 %, its
 #: semi-axes grow by 1.4 and 1.0 % (`pytest -m survey tests/literature/test_rolling_at_rest.py`).
@@ -56,8 +64,9 @@ RUB_REACH = 0.01
 
 @dataclass(frozen=True)
 class Proof:
-    """A known answer: values on three grids, the exact or printed one, error of the answer [%] to reach; the answer is the
-    finest grid's unless another is given."""
+    """A known answer: values on three grids, the exact or printed one, error of the answer [%] to reach; the answer, of the
+    finest grid where not said otherwise; cells of the finest grid over those of the coarsest along an axis (None: the
+    grids' errors have no order)."""
 
     case: str
     quantity: str
@@ -65,6 +74,7 @@ class Proof:
     exact: float
     reach: float
     answer: float
+    finer: float | None = 2.0
 
     @property
     def error(self) -> float:
@@ -78,16 +88,11 @@ class Proof:
 
     @property
     def order(self) -> float | None:
-        """Observed order of the errors from the first grid to the last, whose cells are `FINER` times smaller; None
-        where an error is round-off or grows."""
+        """Observed order of the errors from the first grid to the last; None where an error is round-off or grows."""
         first, last = (abs(v - self.exact) for v in (self.values[0], self.values[-1]))
-        if not last > 1e-12 * abs(self.exact) or first <= last:
+        if self.finer is None or not last > 1e-12 * abs(self.exact) or first <= last:
             return None
-        return float(np.log(first / last) / np.log(FINER))
-
-
-#: Cells of the finest grid over those of the coarsest, along each axis.
-FINER = 2.0
+        return float(np.log(first / last) / np.log(self.finer))
 
 
 @lru_cache(maxsize=2)
@@ -115,7 +120,7 @@ def _at_rest() -> Iterator[Proof]:
     found = [_read(at_rest(at, load, *material, shape, Sizes())) for shape in LEVELS.values()]
     for k, (name, reach) in enumerate(zip(AT_REST, STATIC_REACH, strict=True)):
         values = tuple(one[k] for one in found)
-        yield Proof("no motion: the static reference's patch", name, values, exact[k], reach, values[-1])
+        yield Proof("no motion: the static reference's patch", name, values, exact[k], reach, values[-1], FINER)
 
 
 def _read(one: Pressed) -> tuple[float, ...]:
@@ -155,34 +160,53 @@ def _carter() -> Iterator[Proof]:
         found = [carter(n, share) for n in (41, 61, 82)]
         for k, name in enumerate(("force over mu P", "half width of stick over a")):
             values = tuple(float(f[0][k]) for f in found)
-            reach = REACH[0] if k == 0 else 100.0 * 2.1 / 82 / float(found[-1][1][1])
-            yield Proof(f"Carter, Q = {share:g} mu P", name, values, float(found[-1][1][k]), reach, values[-1])
+            yield Proof(f"Carter, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[0], values[-1])
 
 
 def _mindlin() -> Iterator[Proof]:
     for balls, what in ((None, "Cattaneo-Mindlin"), (Sizes(), "Cattaneo-Mindlin on two finite balls")):
         for share in (0.25, 0.5, 0.75):
-            found = [mindlin(n, share, balls=balls) for n in (10, 14, 20)]
+            found = [mindlin(n, share, balls=balls) for n in (14, 20, 28)]
             for k, name in enumerate(("force over mu P", "stick radius over a")):
                 values = tuple(float(f[0][k]) for f in found)
-                reach = REACH[1] if k == 0 else 100.0 * 2.0 / 20 / float(found[-1][1][1])
-                yield Proof(f"{what}, Q = {share:g} mu P", name, values, float(found[-1][1][k]), reach, values[-1])
+                yield Proof(f"{what}, Q = {share:g} mu P", name, values, float(found[-1][1][k]), REACH[1], values[-1])
 
 
 def _full_slip() -> Iterator[Proof]:
-    load, radii, young, poisson = GROOVE
     for where, creep in SLIPS.items():
-        exact, moment = slip_everywhere(load, radii, young, poisson, creep, MU, 1200)
-        fine = [slip_everywhere(load, radii, young, poisson, creep, MU, n) for n in (150, 225, 300)]
-        pulls, turns = tuple(float(f[0][0]) for f in fine), tuple(1e3 * f[1] for f in fine)
-        yield Proof(f"full slip by quadrature, {where}", "force [N]", pulls, float(exact[0]), REACH[2], pulls[-1])
-        yield Proof(f"full slip by quadrature, {where}", "moment [N mm]", turns, 1e3 * moment, REACH[2], turns[-1])
-        reach = ALONE if "inside" in where else REACH[2]
-        found = [steady(hertz_patch(load, radii, young, poisson, (n, n)), creep, MU, elastic=1e-3) for n in (16, 24, 32)]
-        forces = tuple(float(f.force[0]) for f in found)
-        moments = tuple(1e3 * f.moment for f in found)
-        yield Proof(f"full slip on a grid, {where}", "force [N]", forces, float(exact[0]), reach, forces[-1])
-        yield Proof(f"full slip on a grid, {where}", "moment [N mm]", moments, 1e3 * moment, reach, moments[-1])
+        exact = _wrench(*slip_everywhere(*GROOVE, creep, MU, 1200))
+        patches = [hertz_patch(*GROOVE, (n, n)) for n in (16, 24, 32)]
+        ways = {
+            "by quadrature": [_wrench(*slip_everywhere(*GROOVE, creep, MU, n)) for n in (150, 225, 300)],
+            "on a grid alone": [_stiff(p, creep, STIFF) for p in patches],
+        }
+        if "inside" in where:
+            ways["on a grid, slip resolved within cells"] = [_wrench(*slip_within_cells(p, creep, MU)) for p in patches]
+        for way, found in ways.items():
+            reach = ALONE if way == "on a grid alone" and "inside" in where else REACH[2]
+            for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
+                yield Proof(f"full slip {way}, {where}", name, values, known, reach, values[-1])
+        limits = [_wrench(*slip_everywhere(*GROOVE, creep, MU, n)) for n in QUADRATURES]
+        found = [_differenced(hertz_patch(*GROOVE, shape), creep, limits) for shape in LEVELS.values()]
+        for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
+            worst = values[int(np.argmax(np.abs(np.array(values) - known)))]
+            yield Proof(f"full slip as runs have it, worst level, {where}", name, values, known, REACH[2], worst, None)
+
+
+def _wrench(force: Array, moment: float) -> tuple[float, float]:
+    return float(force[0]), 1e3 * moment
+
+
+def _stiff(patch: Patch, creep: Creep, share: float) -> tuple[float, float]:
+    found = steady(patch, creep, MU, elastic=share)
+    return _wrench(found.force, found.moment)
+
+
+def _differenced(patch: Patch, creep: Creep, limits: list[tuple[float, float]]) -> tuple[float, float]:
+    """What elasticity changes on a grid, on top of the mean of the rigid limit's quadratures, as runs are put together."""
+    limit, elastic, near = np.mean(limits, axis=0), _stiff(patch, creep, STIFF), _stiff(patch, creep, STIFF * NEARLY_RIGID)
+    force, moment = limit + np.subtract(elastic, near)
+    return float(force), float(moment)
 
 
 def _kalker() -> Iterator[Proof]:
@@ -190,15 +214,28 @@ def _kalker() -> Iterator[Proof]:
         name, ratio, poisson = one.key.split("_")
         value = entry("kalker-E3", one.key).value
         assert value is not None
-        yield Proof(f"Kalker, a/b = {ratio}, nu = {poisson}", name, one.values, value, REACH[3], one.answer)
+        yield Proof(
+            f"Kalker, a/b = {ratio}, nu = {poisson}",
+            name,
+            one.values,
+            value,
+            REACH[3],
+            one.answer,
+            GRIDS[ratio][-1][1] / GRIDS[ratio][0][1],
+        )
 
 
 def _contact() -> Iterator[Proof]:
-    load, halves, shear, poisson, mu, creep = EXAMPLE
-    radii = (0.5 / halves[0], 0.5 / halves[1])
-    young = 2.0 * shear * (1.0 + poisson)
-    found = [steady(hertz_patch(load, radii, young, poisson, (n, n)), creep, mu) for n in (16, 24, 32)]
-    forces = tuple(float(f.force[1]) / (mu * load) for f in found)
-    moments = tuple(f.moment for f in found)
-    yield Proof("CONTACT's example", "lateral force over mu P", forces, EXAMPLE_FORCE, REACH[4], forces[-1])
-    yield Proof("CONTACT's example", "moment [N m]", moments, EXAMPLE_MOMENT, REACH[5], moments[-1])
+    """By its own differences to the digits printed, and by ours to the error of these: of first order, that is about what
+    half as many cells change."""
+    own = [example(n, by_cells=True) for n in EXAMPLE_GRIDS]
+    other = [example(n) for n in (16, 24, 32)]
+    for k, (key, name) in enumerate((("lateral", "lateral force over mu P"), ("moment", "moment [N mm]"))):
+        printed = entry("external-contact", key)
+        assert printed.value is not None
+        values = tuple(v[k] for v in own)
+        digits = 100.0 * printed.tolerance / abs(printed.value)
+        yield Proof("CONTACT's example, discretised as there", name, values, printed.value, digits, values[-1], None)
+        reach = abs(float(error_percent(values[0], values[-1])))
+        values = tuple(v[k] for v in other)
+        yield Proof("CONTACT's example", name, values, printed.value, reach, values[-1])

@@ -34,7 +34,7 @@ PROOF = (
     Column("middle", "middle grid", "", "g5"),
     Column("fine", "fine grid", "", "g5"),
     Column("exact", "exact or printed", "", "g5"),
-    Column("error", "error of the fine grid", "%", ".2f"),
+    Column("error", "error of the answer", "%", ".2f"),
     Column("order", "order", "", ".1f"),
     Column("reach", "to reach", "%", "g3"),
     Column("verdict", "verdict", "", "s"),

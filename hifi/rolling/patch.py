@@ -141,16 +141,18 @@ def hertz_patch(
     poisson: float,
     shape: tuple[int, int],
     regular: Regular | None = None,
+    margin: float = MARGIN,
 ) -> Patch:
     """Contact of two bodies of one material with relative radii [m] along x and y under ``load`` [N] on a grid.
 
-    regular: what finite bodies add to half spaces; of their pressure, what tangential forces do to it is left out.
+    regular: what finite bodies add to half spaces; of their pressure, what tangential forces do to it is left out. margin:
+    width of the grid over that of Hertz's ellipse.
 
     The pressure solves the contact on the grid: cells beyond its edge are dropped. Raises ValueError for what Hertz's
     formulas refuse, and where the active set does not settle.
     """
     found = hertz(load, *seen_radii(load, radii, young, poisson, regular), young, poisson)
-    size = 2.0 * MARGIN * np.array([found.semi_x, found.semi_y]) / np.array(shape)
+    size = 2.0 * margin * np.array([found.semi_x, found.semi_y]) / np.array(shape)
     cells, at = grid(shape, size)
     solids = Solids.same(young, poisson)
     gap = 0.5 * (at[:, 0] ** 2 / radii[0] + at[:, 1] ** 2 / radii[1])

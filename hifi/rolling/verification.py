@@ -69,12 +69,33 @@ def given_motion(patch: Patch, elastic: Array, slip: Array, mu: float) -> tuple[
 
 def steady(patch: Patch, creep: Creep, mu: float, elastic: float = 1.0) -> Answer:
     """Steady rolling at 1 m/s under given creepages; elastic: share of the tangential compliance."""
-    contact, found = given_motion(patch, elastic * patch.transport, creep.slip(patch.at), mu)
+    return _rolled(patch, elastic * patch.transport, creep.slip(patch.at), mu)
+
+
+def steady_by_cells(patch: Patch, creep: Creep, mu: float) -> Answer:
+    """The same discretised as by CONTACT: differences of first order over a whole cell, the spin's slip seen a sixth of a
+    cell upstream (its `set_tang_rhs`, `influe_cv_csv`)."""
+    step = float(patch.size[0])
+    transport = (patch.tangential() - patch.tangential(step)) / step
+    return _rolled(patch, transport, creep.slip(patch.at + np.array([step / 6.0, 0.0])), mu)
+
+
+def _rolled(patch: Patch, transport: Array, slip: Array, mu: float) -> Answer:
+    contact, found = given_motion(patch, transport, slip, mu)
     q = found.forces[0]
-    x, y = q.reshape(2, -1)
-    moment = float(patch.at[:, 0] @ y - patch.at[:, 1] @ x)
     loss, upwind = -float(q @ found.slips[0]), float(q @ (contact.elastic @ q))
-    return Answer(np.array([x.sum(), y.sum()]), moment, patch, found, loss, upwind)
+    return Answer(*_resultant(patch.at, q), patch, found, loss, upwind)
+
+
+def deviations(patch: Patch, bound: Array, tangential: Array) -> Array:
+    """Standard deviations ``(2,)`` [m] along x and y of what forces ``(2 n,)`` [N] leave of their bound ``(n,)`` [N].
+
+    Nothing is left where cells slip, and tractions are uniform over a cell: the zone that sticks is measured without
+    counting its cells, and with an error of second order in them where that of a count is of first.
+    """
+    left = bound - np.linalg.norm(tangential.reshape(2, -1), axis=0)
+    share = left / left.sum()
+    return np.asarray(np.sqrt(share @ (patch.at - share @ patch.at) ** 2 + patch.size**2 / 12.0))
 
 
 # --- the static reference
@@ -127,6 +148,7 @@ def carter(cells: int, share: float) -> tuple[Array, Array]:
 
     Johnson (1985) (8.26): creep mu a/R (1 - sqrt(1 - Q/(mu P))), stick over a strip of half width a sqrt(1 - Q/(mu P))
     at the leading edge. Returns, computed and in closed form: Q/(mu P), half width of stick over a. nu: 0.3; plane strain.
+    The width is that of the half ellipse which mu p - q is over the strip: twice its standard deviation.
     """
     shear, nu, radius, mu, load = 80e9, 0.3, 10e-3, 0.1, 2e5
     modulus = shear / (1.0 - nu)
@@ -140,8 +162,8 @@ def carter(cells: int, share: float) -> tuple[Array, Array]:
     patch = Patch(index[inside], at[inside], size, forces[inside], solids, approach)
     rest = float(np.sqrt(1.0 - share))
     found = steady(patch, Creep(mu * half / radius * (1.0 - rest), 0.0, 0.0), mu)
-    stick = 0.5 * size[0] * np.count_nonzero(found.friction.stick[0]) / half
-    return np.array([-found.force[0] / (mu * load * long), stick]), np.array([share, rest])
+    stick = 2.0 * deviations(patch, mu * patch.normal, found.friction.forces[0])[0]
+    return np.array([-found.force[0] / (mu * load * long), stick / half]), np.array([share, rest])
 
 
 # --- Cattaneo and Mindlin
@@ -153,7 +175,8 @@ def mindlin(cells: int, share: float, poisson: float = 0.0, balls: Sizes | None 
     Johnson (1985) (7.38), (7.39): stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G
     (1 - (1 - Q/(mu P))^(2/3)); exact where nu is zero, tractions across the push being left out otherwise. balls: finite
     ones, whose shift is that of half spaces and what Q shifts the bodies by besides. Returns, computed at the exact shift
-    and in closed form: Q/(mu P), stick radius over a (from the area that sticks).
+    and in closed form: Q/(mu P), stick radius over a. The radius is that of the half ellipsoid which mu p - |q| is over the
+    circle: sqrt(5) times its standard deviation along an axis.
     """
     shear, mu, load, radius = 80e9, 0.1, 100.0, 10e-3
     young = 2.0 * shear * (1.0 + poisson)
@@ -169,9 +192,9 @@ def mindlin(cells: int, share: float, poisson: float = 0.0, balls: Sizes | None 
         shift += share * mu * load * float(spread @ kernel.block(patch.at, along, along) @ spread)
     slip = np.concatenate([np.full(len(patch.at), shift), np.zeros(len(patch.at))])
     _, found = given_motion(patch, patch.tangential(), slip, mu)
-    area = np.count_nonzero(found.stick[0]) * float(patch.size.prod())
+    stick = np.sqrt(2.5) * float(np.linalg.norm(deviations(patch, mu * patch.normal, found.forces[0])))
     force = -found.forces[0][: len(patch.at)].sum() / (mu * load)
-    return np.array([force, np.sqrt(area / np.pi) / size]), np.array([share, rest ** (1.0 / 3.0)])
+    return np.array([force, stick / size]), np.array([share, rest ** (1.0 / 3.0)])
 
 
 def two_balls(radius: float, semi: float, young: float, poisson: float, sizes: Sizes) -> Regular:
@@ -273,5 +296,19 @@ def slip_everywhere(
     unit, weight = quadrature(points)
     at = unit * np.array([found.semi_x, found.semi_y])
     normal = found.pressure(at[:, 0], at[:, 1]) * weight * found.semi_x * found.semi_y
-    x, y = full_slip(mu * normal, creep.slip(at)).reshape(2, -1)
+    return _resultant(at, full_slip(mu * normal, creep.slip(at)))
+
+
+def slip_within_cells(patch: Patch, creep: Creep, mu: float, points: int = 20) -> tuple[Array, float]:
+    """The same under a grid's pressures, by so many midpoints along each axis of every cell: the turn of the slip about its
+    pole is resolved, the staircase edge is left."""
+    unit = (np.arange(points) + 0.5) / points - 0.5
+    inside = np.stack(np.meshgrid(unit, unit, indexing="ij"), axis=-1).reshape(-1, 2) * patch.size
+    at = (patch.at[:, None] + inside).reshape(-1, 2)
+    return _resultant(at, full_slip(np.repeat(mu * patch.normal / points**2, points**2), creep.slip(at)))
+
+
+def _resultant(at: Array, forces: Array) -> tuple[Array, float]:
+    """Sum ``(2,)`` [N] and moment about the normal [N m] of forces ``(2 n,)`` at ``(n, 2)``."""
+    x, y = forces.reshape(2, -1)
     return np.array([x.sum(), y.sum()]), float(at[:, 0] @ y - at[:, 1] @ x)

@@ -6,8 +6,19 @@ from scipy.optimize import brentq
 
 from hifi.hertz import hertz
 from hifi.rolling.bodies import ball_kernel
-from hifi.rolling.patch import hertz_patch
-from hifi.rolling.verification import Creep, carter, linear_coefficients, mindlin, slip_everywhere, steady
+from hifi.rolling.elements import Solids
+from hifi.rolling.patch import Patch, grid, hertz_patch
+from hifi.rolling.verification import (
+    Creep,
+    carter,
+    deviations,
+    linear_coefficients,
+    mindlin,
+    slip_everywhere,
+    slip_within_cells,
+    steady,
+    steady_by_cells,
+)
 from lowfi.friction.contact.ellipse import contacts, friction
 from meshes.contact_bodies import Zone
 
@@ -17,27 +28,39 @@ GROOVE = (100.0, (5e-3, 46.667e-3), 210e9, 0.28)
 
 @pytest.mark.parametrize("share", [0.1, 0.25, 0.5, 0.75, 0.9])
 def test_carter(share):
-    """Creep force to 0.5 %, stick width to a cell, in the first and second halves of the range."""
-    found, exact = carter(80, share)
-    assert found[0] == pytest.approx(exact[0], rel=5e-3)
-    assert found[1] == pytest.approx(exact[1], abs=2.1 / 80)
+    """Creep force and stick width to 0.5 %, in the first and second halves of the range."""
+    found, exact = carter(82, share)
+    assert found == pytest.approx(exact, rel=5e-3)
 
 
-def test_carter_converges_with_the_grid():
-    errors = [abs(carter(n, 0.5)[0][0] - 0.5) for n in (20, 80)]
+@pytest.mark.parametrize("quantity", [0, 1])
+def test_carter_converges_with_the_grid(quantity):
+    errors = [abs(np.subtract(*carter(n, 0.5))[quantity]) for n in (20, 80)]
     assert errors[1] < 0.2 * errors[0]
 
 
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
 def test_cattaneo_and_mindlin(share):
-    found, exact = mindlin(18, share)
-    assert found[0] == pytest.approx(exact[0], rel=5e-3)
-    assert found[1] == pytest.approx(exact[1], abs=2.0 / 18)
+    found, exact = mindlin(28, share)
+    assert found == pytest.approx(exact, rel=5e-3)
 
 
-def test_cattaneo_and_mindlin_stick_radius_converges():
-    errors = [mindlin(n, 0.5)[0][1] - 0.5 ** (1.0 / 3.0) for n in (12, 24)]
-    assert abs(errors[1]) < 0.6 * abs(errors[0])
+@pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
+def test_cattaneo_and_mindlin_stick_radius_converges(share):
+    """In second order; a count of cells, of first, halves its error."""
+    errors = [abs(np.subtract(*mindlin(n, share))[1]) for n in (14, 28)]
+    assert errors[1] < 0.3 * errors[0]
+
+
+def test_stick_is_measured_by_what_the_tractions_leave_of_their_bound():
+    """Uniform remainders of friction on known cells: deviations of a rectangle, exact on any grid, whatever else slips."""
+    size = np.array([0.5, 0.25])
+    index, at = grid((8, 6), size)
+    patch = Patch(index, at, size, np.ones(48), Solids.same(210e9, 0.3), 0.0)
+    held = (index[:, 0] >= 2) & (index[:, 1] < 3)
+    forces = np.concatenate([np.where(held, 0.06, 0.1), np.where(held, 0.08, 0.0)])
+    bound = np.where(held, 0.3, 0.1)
+    assert deviations(patch, bound, forces) == pytest.approx(np.array([3.0, 0.75]) / np.sqrt(12.0))
 
 
 def test_lateral_and_longitudinal_creep_are_alike_without_poisson():
@@ -59,6 +82,29 @@ def test_full_slip_is_that_of_rigid_bodies_under_the_same_pressure(spin):
         errors.append(max(np.abs(found.force - exact).max() / scale, abs(found.moment - moment) / (scale * 1e-4)))
     assert errors[1] < 5e-3
     assert errors[1] < max(0.5 * errors[0], 1e-3)
+
+
+def test_the_bias_of_a_spin_pole_inside_a_cell_is_that_of_slip_at_its_centre():
+    """Of a per cent and more where the slip is taken at centres; the staircase edge alone leaves less than 0.1 %."""
+    creep, patch = Creep(0.02, 0.004, 400.0), hertz_patch(*GROOVE, (32, 32))
+    exact, moment = slip_everywhere(*GROOVE, creep, 0.1, 1200)
+    alone = steady(patch, creep, 0.1, elastic=1e-3)
+    force, turn = slip_within_cells(patch, creep, 0.1)
+    assert abs(alone.force[0] / exact[0] - 1.0) > 0.01
+    assert force == pytest.approx(exact, rel=1e-3)
+    assert turn == pytest.approx(moment, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_contact_of_another_program_to_its_digits():
+    """CONTACT's example fastsim.ref_out, case 1, by its own differences: what its other digits print too."""
+    touch = (82e3, (0.5 / 0.8464, 0.5 / 2.406), 2.0 * 82e9 * 1.28, 0.28)
+    patch = hertz_patch(*touch, (44, 44), margin=1.1)
+    found = steady_by_cells(patch, Creep(0.0, -6.25e-4, 0.625), 0.3)
+    cells, sticking, power = 1276, 356, 540.4
+    assert len(patch.at) == cells
+    assert np.count_nonzero(found.friction.stick[0]) == sticking
+    assert 30.0 * found.loss == pytest.approx(power, abs=0.05)
 
 
 @pytest.mark.parametrize("spin", [30.0, 400.0, 4000.0])

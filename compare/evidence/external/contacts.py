@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from compare.evidence.external.case import assembly, given, inputs
 from compare.evidence.record import Evidence, Sheet
 from compare.models.study import Study
 from hifi.rolling.patch import hertz_patch
-from hifi.rolling.verification import Creep, steady
+from hifi.rolling.verification import Creep, steady, steady_by_cells
 from lowfi.bearings.angular_contact import curvatures, of_angle
 from lowfi.hertz import contact_modulus, hertz_constants
 from meshes.parts import Scene
 
-#: Cells of the rolling contact along and across.
-GRID = (24, 16)
+#: Cells of CONTACT's grid along each axis, and its width over the contact's.
+EXAMPLE_CELLS, EXAMPLE_MARGIN = 44, 1.1
 
 
 def ball_of_bearing(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
@@ -48,12 +50,28 @@ def sphere(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table 
     return sheet.evidence()
 
 
+def _example() -> tuple[float, tuple[float, float], float, float]:
+    """Load [N], relative radii [m], Young's modulus [Pa] and Poisson's ratio of CONTACT's example."""
+    poisson, shear = inputs()["contact"]["poissons_ratio"], given("contact", "shear_modulus", "pressure")
+    radii = (given("contact", "along", "length"), given("contact", "across", "length"))
+    return given("contact", "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
+
+
+@lru_cache(maxsize=8)
+def example(cells: int, *, by_cells: bool = False) -> tuple[float, float]:
+    """Lateral force over mu P and moment [N mm] of CONTACT's example on a grid; by_cells: discretised as by CONTACT."""
+    case, touch = inputs()["contact"], _example()
+    creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
+    if by_cells:
+        found = steady_by_cells(hertz_patch(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu)
+    else:
+        found = steady(hertz_patch(*touch, (cells, cells)), creep, mu)
+    return float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment
+
+
 def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """CONTACT's example with lateral creepage and spin: Hertz's part, and the force and moment of exact half spaces."""
-    sheet, case = Sheet("external-contact"), inputs()["contact"]
-    load, poisson, mu = given("contact", "force", "force"), case["poissons_ratio"], case["friction"]
-    young = 2.0 * given("contact", "shear_modulus", "pressure") * (1.0 + poisson)
-    radii = (given("contact", "along", "length"), given("contact", "across", "length"))
+    sheet, (load, radii, young, poisson) = Sheet("external-contact"), _example()
     modulus = contact_modulus(young, poisson, young, poisson)
     hertz = hertz_constants(np.array(1.0 / radii[0]), np.array(1.0 / radii[1]), modulus)
     cube = float(np.cbrt(load))
@@ -61,8 +79,7 @@ def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table
     sheet.number("b", 1e3 * float(hertz.C_b) * cube)
     sheet.number("approach", 1e3 * float(hertz.C) * cube**2)
     sheet.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
-    patch = hertz_patch(load, radii, young, poisson, GRID)
-    found = steady(patch, Creep(0.0, case["creep_across"], case["spin"]), mu)
-    sheet.number("lateral", float(found.force[1]) / (mu * load), "exact half spaces")
-    sheet.number("moment", 1e3 * found.moment, "exact half spaces")
+    shown = [f"{value:.4g}" for value in example(EXAMPLE_CELLS)]
+    for key, value, finer in zip(("lateral", "moment"), example(EXAMPLE_CELLS, by_cells=True), shown, strict=True):
+        sheet.number(key, value, f"by CONTACT's differences over one cell; by those of rolling in 3D {finer}")
     return sheet.evidence()

@@ -1,0 +1,24 @@
+"""Rolling contacts with known answers: all as close as the report says that they are to be."""
+
+import pytest
+
+from compare.evidence.rolling_proof import FINER, Proof, proofs
+from tests.evidence_study import GROUP
+
+pytestmark = pytest.mark.xdist_group(GROUP)
+
+
+@pytest.mark.slow
+def test_known_answers_are_reached():
+    found = proofs(meshing=False)
+    assert [(p.case, p.quantity, p.error) for p in found if not p.reached] == []
+    strict = [p.reach for p in found if p.case.startswith(("Carter", "Cattaneo", "full slip")) and "alone" not in p.case]
+    assert max(strict) == 0.5
+    assert sum(reach == 0.1 for reach in strict) == 10
+
+
+def test_order_counts_the_cells_of_its_own_grids():
+    values = (1.0 + 0.1, 1.0, 1.0 + 0.1 / FINER**2)
+    assert Proof("", "", values, 1.0, 1.0, values[-1], FINER).order == pytest.approx(2.0)
+    assert Proof("", "", values, 1.0, 1.0, values[-1], None).order is None
+    assert Proof("", "", values[::-1], 1.0, 1.0, values[-1]).order is None
