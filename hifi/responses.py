@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from skfem import condense
+from skfem import Mesh, condense
 
 from hifi.bodies import (
     Socket,
@@ -36,7 +36,7 @@ from meshes.fem import nodes_on
 from meshes.groove_map import GrooveMap
 from meshes.grooved_body import GroovedBody
 from meshes.helix import BallLayout
-from meshes.parts import Scene
+from meshes.parts import Material, Scene
 from meshes.solid import Dimensions
 
 #: Boundaries of the nut's mesh by where it is held.
@@ -88,17 +88,28 @@ class Shaft:
     homogenised: Homogenised | None
 
 
+def _with_modes(
+    material: Material,
+    mesh: Mesh,
+    sockets: Sequence[Socket],
+    own: dict[int, CondensedPatch],
+    count: int,
+    settings: Settings,
+) -> tuple[sp.csc_matrix, sp.csr_matrix, dict[int, tuple[Array, Array]]]:
+    """Stiffness of a body with its patches, rows of the ``count`` modes of every socket; modes V and their rows by side."""
+    K = assemble(of_order(mesh, body_kind(settings)), sockets, own, material.youngs_modulus, material.poissons_ratio)
+    kept = {s: patch_modes(p, count) for s, p in own.items()}
+    return K, mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]), kept
+
+
 def ball_compliance(scene: Scene, mesh: BallBody, patches: dict[int, SidePatches], settings: Settings) -> BallResponse:
     """How one ball couples the contacts of all its sides, rigid motions held isostatically (its loads balance)."""
-    e = scene.balls.material
     own = {s: p.ball for s, p in patches.items()}
     sockets = [Socket(mesh.socket_nodes[s], np.eye(3), s) for s in own]
-    K = assemble(of_order(mesh.mesh, body_kind(settings)), sockets, own, e.youngs_modulus, e.poissons_ratio)
+    K, rows, kept = _with_modes(scene.balls.material, mesh.mesh, sockets, own, settings.ball_modes, settings)
     held = isostatic(mesh.points, np.concatenate([s.nodes for s in sockets]))
     free = np.setdiff1d(np.arange(K.shape[0]), held)
-    kept = {s: patch_modes(p, settings.ball_modes) for s, p in own.items()}
-    rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0])[:, free]
-    G = compliance(condense(K, D=held, expand=False), rows)
+    G = compliance(condense(K, D=held, expand=False), rows[:, free])
     return BallResponse(G, {s: k[0] for s, k in kept.items()}, int(free.size))
 
 
@@ -132,14 +143,10 @@ def screw_response(
     dims: Dimensions,
 ) -> ScrewResponse:
     """The 3D stretch of the screw, held at its base; ``inside``: stations of supports and loads within it."""
-    e = scene.screw.material
     places = sockets_of(layout, sides, True)
-    sockets = placed(mesh, places)
-    K = assemble(of_order(mesh.mesh, body_kind(settings)), sockets, own, e.youngs_modulus, e.poissons_ratio)
+    K, modes, kept = _with_modes(scene.screw.material, mesh.mesh, placed(mesh, places), own, settings.modes, settings)
     size = K.shape[0]
     low, high = dims.ends(scene)
-    kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
-    modes = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, size)
     bore = dims.screw_held == "bore"
     T = screw_transform(mesh, dims, high)
     base = scene.nut.position if bore else low
@@ -201,11 +208,8 @@ def nut_response(
     dims: Dimensions,
 ) -> NutResponse:
     """Response of the nut held where the scene says."""
-    e = scene.nut.material
     sockets = placed(mesh, sockets_of(layout, sides, False))
-    K = assemble(of_order(mesh.mesh, body_kind(settings)), sockets, own, e.youngs_modulus, e.poissons_ratio)
+    K, rows, kept = _with_modes(scene.nut.material, mesh.mesh, sockets, own, settings.modes, settings)
     T = nut_transform(mesh, dims)
-    kept = {s: patch_modes(p, settings.modes) for s, p in own.items()}
-    rows = mode_rows(sockets, {s: k[1] for s, k in kept.items()}, K.shape[0]) @ T
     K = (T.T @ K @ T).tocsc()
-    return NutResponse(compliance(K, rows), {s: k[0] for s, k in kept.items()}, T.shape[1])
+    return NutResponse(compliance(K, rows @ T), {s: k[0] for s, k in kept.items()}, T.shape[1])

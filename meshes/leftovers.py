@@ -27,7 +27,7 @@ def temporary(path: Path, ending: str = "tmp") -> Path:
 
 def for_group(path: Path) -> None:
     """Let the group read a file of this user's, whatever the mask of new files: what is stored is meant to be shared."""
-    with suppress(OSError):
+    with suppress(OSError):  # another user's file, or a file system without modes: the owner reads it all the same
         path.chmod(path.stat().st_mode | 0o440)
 
 
@@ -36,14 +36,14 @@ def folder_for_group(path: Path) -> None:
     made = [folder for folder in (path, *path.parents) if not folder.exists()]
     path.mkdir(parents=True, exist_ok=True)
     for folder in made:
-        with suppress(OSError):
+        with suppress(OSError):  # as above
             folder.chmod(folder.stat().st_mode | 0o050)
 
 
 def clean(path: Path, ending: str = "tmp") -> None:
     """Remove the temporary files and folders of ``path`` whose process is dead, or that are a day old."""
     name = re.compile(rf"\.{re.escape(path.name)}\.([0-9a-f]{{8}})-(\d+)-[0-9a-f]{{8}}\.{re.escape(ending)}")
-    with suppress(OSError):
+    with suppress(OSError):  # no such folder, or one that may not be listed: nothing to tidy
         for other in path.parent.iterdir():
             found = name.fullmatch(other.name)
             if found is None or not _dead(other, found[1], int(found[2])):
@@ -51,7 +51,7 @@ def clean(path: Path, ending: str = "tmp") -> None:
             if other.is_dir() and not other.is_symlink():
                 shutil.rmtree(other, ignore_errors=True)
             else:
-                with suppress(OSError):
+                with suppress(OSError):  # another process was faster
                     other.unlink()
 
 

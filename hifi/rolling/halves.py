@@ -12,17 +12,18 @@ from scipy.spatial import KDTree
 from hifi.response import compliance
 from meshes.arrays import Array, Index
 
-#: Distance of mirror images over the body's size, and part of a load that is of the other kind, that are round-off.
+#: Distance of mirror images over the body's size, and parts of loads and forces that are of the other kind, that are
+#: round-off.
 ROUND_OFF = 1e-9
 
 
 def compliance_by_halves(K: sp.csc_matrix, rows: sp.csr_matrix, points: Array, free: Index) -> Array:
     """`hifi.response.compliance` ``(m, m)`` of K ``(f, f)`` for ``rows`` ``(m, f)`` on the freedoms ``free`` ``(f,)`` of
-    ``points`` ``(n, 3)`` [m]; by halves where points, free ones and loads allow it.
-
-    Cells are taken to be mirror images where all points are.
+    ``points`` ``(n, 3)`` [m]; by halves where points, free ones, stiffness and loads allow it.
     """
     halves = mirror_halves(points, free)
+    if halves and not _apart(K, *halves):
+        halves = []
     parts = [sp.csr_matrix(rows @ T) for T in halves]
     size = np.array([abs(part).max(axis=1).toarray().ravel() for part in parts])
     if not parts or np.any(size.min(axis=0) > ROUND_OFF * size.max(axis=0)):
@@ -31,6 +32,14 @@ def compliance_by_halves(K: sp.csc_matrix, rows: sp.csr_matrix, points: Array, f
     for T, part, own in zip(halves, parts, (size[0] >= size[1], size[0] < size[1]), strict=True):
         out[np.ix_(own, own)] = compliance(_on_one_side(K, T), part[np.flatnonzero(own)])
     return out
+
+
+def _apart(K: sp.csc_matrix, alike: sp.csc_matrix, opposite: sp.csc_matrix) -> bool:
+    """Whether motions of one kind, of like energy in all freedoms, need no forces of the other: cells are mirror images."""
+    weight = 1.0 / np.sqrt(K.diagonal())
+    motion = alike @ (alike.T @ (weight * np.random.default_rng(3).standard_normal(weight.size)))
+    forces = K @ motion
+    return bool(np.abs(weight * (opposite @ (opposite.T @ forces))).max() <= ROUND_OFF * np.abs(weight * forces).max())
 
 
 def _on_one_side(K: sp.csc_matrix, T: sp.csc_matrix) -> sp.csc_matrix:

@@ -101,7 +101,7 @@ def test_kernels_are_mirror_images_in_x():
 
 @pytest.mark.parametrize("size", [(2, 2), (3, 2)])
 def test_bodies_are_solved_by_halves_only_where_they_are_mirror_images(size, monkeypatch):
-    """Whole, by halves, with a load to one side, and with a node moved."""
+    """Whole, by halves, with a load to one side, with a node moved, and with one that is stiffer than its image."""
     zone = Zone(ZONE.half, size, 3.0)
     body = whole_ball(R, zone)
     points, rows = points_of(body.mesh), tractions(body, zone, 1, (100.0, 90.0))
@@ -112,7 +112,7 @@ def test_bodies_are_solved_by_halves_only_where_they_are_mirror_images(size, mon
     solved = []
     monkeypatch.setattr(halves, "compliance", lambda A, B: solved.append(A.shape[0]) or compliance(A, B))
 
-    def split(rows, points):
+    def split(rows, points, K=K):
         solved.clear()
         return compliance_by_halves(K, rows, points, free)
 
@@ -128,6 +128,10 @@ def test_bodies_are_solved_by_halves_only_where_they_are_mirror_images(size, mon
     assert solved == [K.shape[0]]
     moved = points + np.eye(3)[0] * (np.arange(len(points)) == 7)[:, None] * 1e-6
     split(rows, moved)
+    assert solved == [K.shape[0]]
+    stiffer = (K + sp.diags_array(1e-6 * K.diagonal() * (np.arange(K.shape[0]) == 7))).tocsc()
+    wanted = compliance(stiffer, rows)
+    assert split(rows, points, stiffer) == pytest.approx(wanted, abs=1e-12 * np.abs(wanted).max())
     assert solved == [K.shape[0]]
 
 
