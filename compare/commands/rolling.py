@@ -51,7 +51,7 @@ def runs_of(
     stores = (store, shipped_store())
     found = {} if fresh else {k: run for k in levels if (run := load(scene, k, stores, bodies)) is not None}
     missing = [k for k in levels if k not in found]
-    jobs = [(compute, (scene, k, bodies)) for k in missing]
+    jobs = [(compute, (scene, k, bodies, engine.processes)) for k in missing]
     for number, run in as_done(jobs, engine.backend, engine.scheduler, engine.workers):
         save(store, scene, run)
         found[missing[number]] = run

@@ -15,7 +15,8 @@ from compare.rolling.low_order import low_order
 from compare.rolling.runs import LEVELS
 from compare.scenes.catalogue import shipped
 from compare.scenes.kinds.common import KindScene
-from hifi.rolling.balls import Choices, Rolling, finite_patch, solve_rolling, unit_patch
+from compare.system import cores
+from hifi.rolling.balls import Choices, Rolling, finite_patch, prepare_bodies, solve_rolling, unit_patch
 from hifi.rolling.bodies import Sizes, forget_kernels
 from hifi.rolling.transient import run_from_rest
 from meshes.memory import peak_MB
@@ -27,7 +28,7 @@ AGAIN, STEPS, STEPS_TARGET = 1.0, 50, 30.0
 
 
 def jobs(repeats: int = 3) -> Iterator[Job]:
-    """Steady pairs with all set-up, a further load case, steps from rest; one core."""
+    """Steady pairs with all set-up, a further load case, steps from rest; one core but for the set-up of finite bodies."""
     with threadpool_limits(1, "blas"):
         for name, target in TARGETS.items():
             yield _steady(name, target, repeats)
@@ -61,10 +62,16 @@ def _steady(name: str, target: float, repeats: int) -> Job:
 
 
 def _finite(name: str, target: float) -> Job:
-    """The first solve on finite bodies: meshes and their answers once for all scenes of a geometry."""
-    whole = _scene(name, PRODUCTION)
-    seconds = timed(lambda: solve_rolling(whole, Choices(PRODUCTION, bodies=Sizes())), 1, _forget)
-    note = f"{PRODUCTION[0]} x {PRODUCTION[1]} cells, meshes of the bodies included; {_aim(target)}"
+    """The first solve on finite bodies: meshes and their answers once for all scenes of a geometry, on all cores."""
+    whole, processes = _scene(name, PRODUCTION), cores()
+
+    def solve() -> None:
+        prepare_bodies((whole,), Sizes(), processes)
+        solve_rolling(whole, Choices(PRODUCTION, bodies=Sizes()))
+
+    seconds = timed(solve, 1, _forget)
+    cells = f"{PRODUCTION[0]} x {PRODUCTION[1]} cells"
+    note = f"{cells}, meshes of the bodies included, in {processes} processes that run already; {_aim(target)}"
     return Job(f"rolling: {name}, steady, finite bodies", seconds, None, _unknowns(whole, PRODUCTION), peak_MB(), note)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from compare.evidence.external.contacts import EXAMPLE_CELLS, example
 from compare.evidence.kalker import GRIDS, coefficients
@@ -98,8 +99,9 @@ class Proof:
 @lru_cache(maxsize=2)
 def proofs(*, meshing: bool = True) -> tuple[Proof, ...]:
     """All known answers, without ``meshing`` all but the static reference's, which gmsh meshes."""
-    static = _at_rest() if meshing else ()
-    return (*static, *_elements(), *_carter(), *_mindlin(), *_full_slip(), *_rubbing(), *_kalker(), *_contact())
+    parts = (_elements, _carter, _mindlin, _full_slip, _rubbing, _kalker, _contact)
+    with threadpool_limits(1):  # as `hifi.rolling.balls.solve_rolling`
+        return tuple(proof for part in ((_at_rest,) if meshing else ()) + parts for proof in part())
 
 
 def resting(cells: tuple[int, int] = STATIC_CELLS) -> tuple[float, ...]:

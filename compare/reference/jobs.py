@@ -37,6 +37,11 @@ class Engine:
     workers: int | None = None
     cache: Path | None = None
 
+    @property
+    def processes(self) -> int:
+        """Processes that one job may use: the cores of this machine, divided among the workers; one on a cluster."""
+        return max(cores() // (self.workers or 1), 1) if self.backend == "joblib" else 1
+
 
 def plan(
     scenes: Sequence[Scene],
@@ -115,8 +120,7 @@ def ensure(
 
     wanted = tasks if fresh else missing(tasks, (store, *stores))
     here = engine.backend == "joblib"
-    processes = max(cores() // (engine.workers or 1), 1) if here else 1
-    left = [replace(task, cache=engine.cache, processes=processes) for task in wanted]
+    left = [replace(task, cache=engine.cache, processes=engine.processes) for task in wanted]
     failed: list[Run] = []
     if not left:
         return failed

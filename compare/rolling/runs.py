@@ -23,7 +23,7 @@ from compare.errors import Refusal
 from compare.rolling.cases import Case, case_of
 from compare.scenes.kinds.common import KindScene
 from compare.writing import replace_file
-from hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, RollingResult, hertz_size, solve_rolling
+from hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, RollingResult, hertz_size, prepare_bodies, solve_rolling
 from hifi.rolling.bodies import Sizes
 from hifi.rolling.patch import MARGIN
 from hifi.rolling.rigid_limit import RigidResult, solve_rigid_rolling
@@ -123,20 +123,22 @@ def shape_of(case: Case, level: int) -> tuple[int, int]:
     return along, across
 
 
-def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE) -> RollingRun:
-    """Run a level. Raises Refusal for a scene that is beyond the 3D model, or whose bodies cannot be meshed."""
+def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: int = 1) -> RollingRun:
+    """Run a level, in so many processes where it meshes bodies. Raises Refusal for a scene that is beyond the 3D model, or
+    whose bodies cannot be meshed."""
     try:
-        return _compute(scene, level, bodies)
+        return _compute(scene, level, bodies, processes)
     except ValueError as error:
         if bodies == HALF_SPACE:
             raise
         raise Refusal(scene.name, "bodies", str(error), f'take bodies = "{HALF_SPACE}"') from error
 
 
-def _compute(scene: KindScene, level: int, bodies: str) -> RollingRun:
+def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> RollingRun:
     begin, sizes = process_time(), BODIES[bodies]
     case = case_of(scene, Choices(LEVELS.get(level, LEVELS[1])))
     shape = shape_of(case, level)
+    prepare_bodies((case.apart, case.touching), sizes, processes)
     pairs = {
         name: _both(case, Choices(shape, share, curved, sizes))
         for name, share, curved in (("elastic", 1.0, True), ("near", NEARLY_RIGID, True), ("flat", 1.0, False))

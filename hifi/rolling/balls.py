@@ -14,9 +14,10 @@ from time import process_time
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from hifi.hertz import hertz
-from hifi.rolling.bodies import Place, Sizes, contact_kernel
+from hifi.rolling.bodies import Place, Sizes, contact_kernel, make_kernels
 from hifi.rolling.friction import PATH, Contact, Friction, solve_friction
 from hifi.rolling.kinematics import MOTIONS, Touch, Track, axes_of, ball_contact, surface
 from hifi.rolling.neighbours import Meeting, Together
@@ -156,11 +157,22 @@ def kernel_of(scene: Rolling, touch: Touch, bodies: Sizes | None) -> Regular | N
     """What finite bodies add at a contact, in its axes; None for half spaces. Raises ValueError as `place_of`."""
     if bodies is None:
         return None
-    largest = max(t.load for b in scene.balls for t in b.touches)
     at, bottom = place_of(scene, touch)
-    kernel = contact_kernel(at, largest, scene.young, scene.poisson, bodies)
+    kernel = contact_kernel(at, _largest(scene), scene.young, scene.poisson, bodies)
     axes = axes_of(touch, scene.track, scene.radius, scene.orbit)
     return kernel if axes[1] @ bottom > 0.0 else kernel.turned
+
+
+def prepare_bodies(scenes: Sequence[Rolling], bodies: Sizes | None, processes: int) -> None:
+    """Make the bodies at the contacts of scenes of one material in so many processes at once. Raises as `kernel_of`."""
+    if bodies is not None:
+        contacts = [(place_of(s, t)[0], _largest(s)) for s in scenes for _, _, t in touching(s)]
+        make_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
+
+
+def _largest(scene: Rolling) -> float:
+    """Largest force of a contact [N]."""
+    return max(t.load for b in scene.balls for t in b.touches)
 
 
 def place_of(scene: Rolling, touch: Touch) -> tuple[Place, Array]:
@@ -229,10 +241,11 @@ def solve_rolling(
     begin, choices = process_time(), choices or Choices()
     if any(max((t.load for t in b.touches), default=0.0) <= 0.0 for b in scene.balls):
         raise ValueError("a ball without a loaded contact has no steady motion")
-    contacts = contacts_of(scene, choices)
-    balance = balance_of(scene, contacts)
-    y = start_of(scene) if near is None else near.friction.motions
-    found = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
+    with threadpool_limits(1):  # many small matrices: the threads of two BLAS libraries only wait for one another
+        contacts = contacts_of(scene, choices)
+        balance = balance_of(scene, contacts)
+        y = start_of(scene) if near is None else near.friction.motions
+        found = solve_friction(contacts, balance, y, None if near is None else near.friction.forces, path)
     return _result(scene, choices, contacts, found, process_time() - begin)
 
 

@@ -8,8 +8,10 @@ tractions on its contact zone, in all three directions, less those of a half spa
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial, wraps
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -17,8 +19,10 @@ from hifi.hertz import hertz
 from hifi.rolling.answers import Frame, beside, free_answer, held_answer, tractions
 from hifi.rolling.regular import Regular
 from hifi.rolling.static_patches import Curve, cuts_of
+from hifi.side_by_side import Part, make
 from hifi.submodel import piece_compliance
 from meshes.arrays import Array
+from meshes.cache import Cache
 from meshes.contact_bodies import ContactBody, Groove, Zone, grooved_bar, whole_ball
 
 
@@ -37,7 +41,38 @@ class Sizes:
     patches: bool = True
 
 
-@lru_cache(maxsize=8)
+P = ParamSpec("P")
+T = TypeVar("T")
+#: What bodies answered, by function and arguments, made here or by other processes; most that are kept.
+_KEPT: dict[tuple[object, ...], Any] = {}
+MOST = 32
+
+
+def kept(make: Callable[P, T]) -> Callable[P, T]:
+    """Make the same but once; arguments are hashed."""
+
+    @wraps(make)
+    def found(*arguments: P.args, **named: P.kwargs) -> T:
+        key = _key(partial(make, *arguments, **named))
+        if key not in _KEPT:
+            _keep(key, make(*arguments, **named))
+        value: T = _KEPT[key]
+        return value
+
+    return found
+
+
+def _key(part: partial[Any]) -> tuple[object, ...]:
+    return part.func.__name__, part.args, *part.keywords.items()
+
+
+def _keep(key: tuple[object, ...], value: Any) -> None:
+    _KEPT[key] = value
+    while len(_KEPT) > MOST:
+        del _KEPT[next(iter(_KEPT))]
+
+
+@kept
 def ball_kernel(
     radius: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
@@ -47,7 +82,7 @@ def ball_kernel(
     return Regular(found - beside(body, zone, radius, young, poisson, degree), zone.half, degree)
 
 
-@lru_cache(maxsize=8)
+@kept
 def bar_kernel(
     groove: Groove, size: float, zone: Zone, bends: tuple[float, float], young: float, poisson: float, degree: int
 ) -> Regular:
@@ -57,7 +92,7 @@ def bar_kernel(
     return of_groove(found - beside(body, zone, groove.ball, young, poisson, degree), zone, degree)
 
 
-@lru_cache(maxsize=8)
+@kept
 def patch_kernels(
     curve: Curve,
     radii: tuple[float, float],
@@ -124,15 +159,27 @@ class Place:
         return Zone((sizes.margin * found.semi_x, sizes.margin * found.semi_y), sizes.cells, sizes.growth)
 
 
-@lru_cache(maxsize=8)
-def _kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+def _parts(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> list[partial[Any]]:
+    """What makes the kernels of which a contact's is the sum: ball and bar, or both patches at once."""
     zone, rest = at.zone(load, young, poisson, sizes), (at.bends, young, poisson, sizes.degree)
     if sizes.patches and at.curve is not None:
-        radii = at.ball, at.arc
-        groove, ball = patch_kernels(Curve(*at.curve), radii, at.angle, zone, *rest, outer=at.bend > 0.0)
-        return groove + ball
-    bar = bar_kernel(Groove(at.ball, at.arc, at.angle, sizes.opening, at.bend), sizes.bar * at.ball, zone, *rest)
-    return (ball_kernel(at.ball, zone, *rest) + bar).even
+        curve, radii = Curve(*at.curve), (at.ball, at.arc)
+        return [partial(patch_kernels, curve, radii, at.angle, zone, *rest, outer=at.bend > 0.0)]
+    groove = Groove(at.ball, at.arc, at.angle, sizes.opening, at.bend)
+    return [partial(ball_kernel, at.ball, zone, *rest), partial(bar_kernel, groove, sizes.bar * at.ball, zone, *rest)]
+
+
+@lru_cache(maxsize=8)
+def _kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
+    made = [part() for part in _parts(at, load, young, poisson, sizes)]
+    one, two = made if len(made) == 2 else made[0]
+    found: Regular = one + two
+    return found if len(made) == 1 else found.even
+
+
+def _shared(at: Place, load: float) -> tuple[Place, float]:
+    """Place and load of the kernel that contacts like this one share."""
+    return replace(at, angle=STEP * round(at.angle / STEP)), float(2.0 ** np.ceil(np.log2(load)))
 
 
 def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: Sizes) -> Regular:
@@ -141,11 +188,27 @@ def contact_kernel(at: Place, load: float, young: float, poisson: float, sizes: 
     load: the largest of the contacts that share it [N]. Other contacts of the ball are not felt. Raises ValueError where
     groove, ring or nut have no room for the zone, the bar or a socket.
     """
-    shared = float(2.0 ** np.ceil(np.log2(load)))
-    return _kernel(replace(at, angle=STEP * round(at.angle / STEP)), shared, young, poisson, sizes)
+    return _kernel(*_shared(at, load), young, poisson, sizes)
+
+
+def make_kernels(
+    contacts: Iterable[tuple[Place, float]], young: float, poisson: float, sizes: Sizes, processes: int
+) -> None:
+    """Make what the kernels of contacts (places, loads) need in so many processes at once. Raises as `contact_kernel`."""
+    parts = [part for at, load in contacts for part in _parts(*_shared(at, load), young, poisson, sizes)]
+    missing = {key: part for part in parts if (key := _key(part)) not in _KEPT}
+    if processes > 1 and len(missing) > 1:
+        jobs = [Part("kernels", "kernels", key, _anew, (part,), object) for key, part in missing.items()]
+        for key, one in zip(missing, make(jobs, Cache(None), processes), strict=True):
+            _keep(key, one.value)
+
+
+def _anew(part: partial[Any]) -> Any:
+    """What is not to be kept by the process that makes it."""
+    return part.func.__wrapped__(*part.args, **part.keywords)  # type: ignore[attr-defined]
 
 
 def forget_kernels() -> None:
     """Let the next contact mesh its bodies anew."""
-    for kept in (_kernel, ball_kernel, bar_kernel, patch_kernels):
-        kept.cache_clear()
+    _kernel.cache_clear()
+    _KEPT.clear()

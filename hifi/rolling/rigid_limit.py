@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from hifi.hertz import hertz
 from hifi.rolling.balls import Rolling, balance_of, kernel_of, start_of, touching
@@ -61,10 +62,11 @@ def solve_rigid_rolling(
     bodies: finite ones, by the half spaces that touch as they do (`hifi.rolling.patch.seen_radii`); None: half spaces.
     """
     y = start_of(scene)
-    for count in (FIRST, points):
-        contacts = _contacts(scene, count, curved, bodies)
-        path = PATH if count == FIRST else PATH[-2:]
-        y, remainder = solve_rigid(contacts, balance_of(scene, contacts), y, path)
+    with threadpool_limits(1):  # as `hifi.rolling.balls.solve_rolling`
+        for count in (FIRST, points):
+            contacts = _contacts(scene, count, curved, bodies)
+            path = PATH if count == FIRST else PATH[-2:]
+            y, remainder = solve_rigid(contacts, balance_of(scene, contacts), y, path)
     return _result(scene, contacts, y, remainder)
 
 

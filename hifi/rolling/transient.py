@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from time import process_time
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from hifi.rolling.balls import Choices, Rolling, balance_of, contacts_of, patch_of, start_of, touching
 from hifi.rolling.friction import Contact, solve_friction
@@ -72,7 +73,12 @@ def run_from_rest(
     """
     if not duration > 0.0 or steps < 1 or gap < 0.0:
         raise ValueError("need a duration > 0, at least one step and no negative gap")
-    begin, choices, dt = process_time(), choices or Choices(), duration / steps
+    with threadpool_limits(1):  # as `hifi.rolling.balls.solve_rolling`
+        return _run(scene, duration / steps, steps, gap, choices or Choices())
+
+
+def _run(scene: Rolling, dt: float, steps: int, gap: float, choices: Choices) -> TransientResult:
+    begin = process_time()
     carried = _carried(scene, choices, dt)
     forces = [np.zeros(c.contact.given.size) for c in carried]
     y, gaps, out, status = start_of(scene), np.full(len(scene.meetings), gap), [], "converged"

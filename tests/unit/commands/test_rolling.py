@@ -44,9 +44,7 @@ def test_mesh_study_resumes_from_its_store(capsys, tmp_path, monkeypatch):
     assert len(list(tmp_path.glob("rolling-lin-rotary-3-level1-*.json"))) == 1
     computed = []
     real = rolling.compute
-    monkeypatch.setattr(
-        rolling, "compute", lambda scene, level, bodies: computed.append(level) or real(scene, level, bodies)
-    )
+    monkeypatch.setattr(rolling, "compute", lambda scene, level, *rest: computed.append(level) or real(scene, level, *rest))
     code, rows = call(capsys, "mesh-study", "lin-rotary-3", "--levels", "2", "--store", str(tmp_path))
     assert code == 0
     assert computed == [2]
@@ -61,10 +59,10 @@ def test_a_grid_is_stored_as_soon_as_it_is_done(tmp_path, monkeypatch):
     """What ends a study later loses no grid that was done before."""
     real = rolling.compute
 
-    def until_the_second(scene, level, bodies):
+    def until_the_second(scene, level, *rest):
         if level == 2:
             raise KeyboardInterrupt
-        return real(scene, level, bodies)
+        return real(scene, level, *rest)
 
     monkeypatch.setattr(rolling, "compute", until_the_second)
     with pytest.raises(KeyboardInterrupt):

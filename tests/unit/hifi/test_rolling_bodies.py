@@ -12,10 +12,10 @@ from hifi.assembly import assemble
 from hifi.forms import elasticity
 from hifi.hertz import hertz
 from hifi.response import compliance
-from hifi.rolling import halves, verification
+from hifi.rolling import bodies, halves, verification
 from hifi.rolling.answers import beside, free_answer, half_space_answer, tractions
-from hifi.rolling.balls import NEARLY_RIGID, Choices, solve_rolling
-from hifi.rolling.bodies import Place, Sizes, ball_kernel, bar_kernel, contact_kernel, patch_kernels
+from hifi.rolling.balls import NEARLY_RIGID, Choices, kernel_of, prepare_bodies, solve_rolling, touching
+from hifi.rolling.bodies import Place, Sizes, ball_kernel, bar_kernel, contact_kernel, forget_kernels, patch_kernels
 from hifi.rolling.elements import Solids, influence
 from hifi.rolling.halves import compliance_by_halves, mirror_halves
 from hifi.rolling.patch import grid, hertz_patch, seen_radii
@@ -133,6 +133,19 @@ def test_bodies_are_solved_by_halves_only_where_they_are_mirror_images(size, mon
     wanted = compliance(stiffer, rows)
     assert split(rows, points, stiffer) == pytest.approx(wanted, abs=1e-12 * np.abs(wanted).max())
     assert solved == [K.shape[0]]
+
+
+@pytest.mark.slow
+def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
+    scene = linear_pair()
+    touches = [t for _, _, t in touching(scene)]
+    here = [kernel_of(scene, t, COARSE).M for t in touches]
+    forget_kernels()
+    prepare_bodies((scene, scene), COARSE, 2)
+    monkeypatch.setattr(bodies, "whole_ball", None)  # nothing is meshed any more
+    monkeypatch.setattr(bodies, "grooved_bar", None)
+    there = np.array([kernel_of(scene, t, COARSE).M for t in touches])
+    assert there == pytest.approx(np.array(here), rel=0.0, abs=1e-12 * np.abs(here).max())
 
 
 def test_large_bodies_are_half_spaces():
