@@ -32,6 +32,18 @@ TITLES = {
     "external-gmn": "Preloaded pairs of a series of GMN",
     "external-thk": "Ball nuts of THK and HIWIN",
 }
+#: Names of their sources in the figure.
+SOURCES = {
+    "external-masta": "MASTA",
+    "external-nsk": "NSK's programs",
+    "external-harris": "textbooks, 218 bearing",
+    "external-sjovall": "Sjövall, load zone",
+    "external-contact": "CONTACT",
+    "external-vm63": "Ansys, case 63",
+    "external-snfa": "SNFA",
+    "external-gmn": "GMN",
+    "external-thk": "THK and HIWIN",
+}
 
 
 def summary(found: Sequence[Evidence]) -> str:
@@ -70,7 +82,7 @@ def agreement_figure(found: Sequence[Evidence]) -> Figure:
         x = [float(start + k + 1) for k in range(len(errors))]
         start += len(errors)
         if errors:
-            series.append(Series(table.removeprefix(PREFIX), x, errors, "markers"))
+            series.append(Series(SOURCES[table], x, errors, "markers"))
     panel = Panel("computed against published", "entry", "error / %", tuple(series), integer_x=True)
     caption = "Numbers of class hard and band; claims and open entries are in the tables."
     return Figure("external-errors", "Error against published values", (panel,), caption, columns=1)

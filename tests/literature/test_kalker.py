@@ -2,7 +2,10 @@
 
 import pytest
 
+from tests.evidence_study import GROUP
 from tests.literature.entries import check, keys
+
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 @pytest.mark.parametrize("key", keys("kalker-E3"))

@@ -6,14 +6,14 @@ from compare.evidence.record import Evidence
 from compare.models.study import Study
 from compare.models.u_val import Scatter, Validated
 from compare.printed.printed_data import load_table, tables
-from compare.sections.external import TITLES, assumed_table, summary
+from compare.sections.external import SOURCES, TITLES, assumed_table, summary
 from compare.sections.rigidity_stages import stages_table
 from compare.sections.u_val import scatter_figure, scatter_table, u_val_table
 from reports.figures import draw
 
 
 def test_every_external_table_has_a_title():
-    assert sorted(TITLES) == [name for name in tables() if name.startswith("external-")]
+    assert sorted(TITLES) == sorted(SOURCES) == [name for name in tables() if name.startswith("external-")]
 
 
 def test_summary_counts_what_comes_out():
