@@ -39,6 +39,8 @@ from meshes.arrays import Array
 GROOVE, MU = (100.0, (5e-3, 46.667e-3), 210e9, 0.28), 0.1
 #: Creepages of full slip: spin pole outside, near the edge, inside.
 SLIPS = {"pole outside": Creep(0.02, 0.004, 30.0), "pole inside": Creep(0.02, 0.004, 400.0)}
+#: How full slip is computed on grids: alone, with the slip resolved within cells, and as runs have it.
+BY_GRID, RESOLVED, AS_RUNS = "on a grid alone", "on a grid, slip resolved within cells", "as runs have it, worst level"
 #: What full slip is compared by.
 WRENCH = ("force [N]", "moment [N mm]")
 #: Errors [%] to reach: Carter, Cattaneo-Mindlin, full slip, Kalker's table.
@@ -180,19 +182,19 @@ def _full_slip() -> Iterator[Proof]:
         patches = [hertz_patch(*GROOVE, (n, n)) for n in (16, 24, 32)]
         ways = {
             "by quadrature": [_wrench(*slip_everywhere(*GROOVE, creep, MU, n)) for n in (150, 225, 300)],
-            "on a grid alone": [_stiff(p, creep, STIFF) for p in patches],
+            BY_GRID: [_stiff(p, creep, STIFF) for p in patches],
         }
         if "inside" in where:
-            ways["on a grid, slip resolved within cells"] = [_wrench(*slip_within_cells(p, creep, MU)) for p in patches]
+            ways[RESOLVED] = [_wrench(*slip_within_cells(p, creep, MU)) for p in patches]
         for way, found in ways.items():
-            reach = ALONE if way == "on a grid alone" and "inside" in where else REACH[2]
+            reach = ALONE if way == BY_GRID and "inside" in where else REACH[2]
             for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
                 yield Proof(f"full slip {way}, {where}", name, values, known, reach, values[-1])
         limits = [_wrench(*slip_everywhere(*GROOVE, creep, MU, n)) for n in QUADRATURES]
         found = [_differenced(hertz_patch(*GROOVE, shape), creep, limits) for shape in LEVELS.values()]
         for name, values, known in zip(WRENCH, zip(*found, strict=True), exact, strict=True):
             worst = values[int(np.argmax(np.abs(np.array(values) - known)))]
-            yield Proof(f"full slip as runs have it, worst level, {where}", name, values, known, REACH[2], worst, None)
+            yield Proof(f"full slip {AS_RUNS}, {where}", name, values, known, REACH[2], worst, None)
 
 
 def _wrench(force: Array, moment: float) -> tuple[float, float]:

@@ -138,7 +138,7 @@ def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> Rolli
     begin, sizes = process_time(), BODIES[bodies]
     case = case_of(scene, Choices(LEVELS.get(level, LEVELS[1])))
     shape = shape_of(case, level)
-    prepare_bodies((case.apart, case.touching), sizes, processes)
+    elsewhere = prepare_bodies((case.apart, case.touching), sizes, processes)
     pairs = {
         name: _both(case, Choices(shape, share, curved, sizes))
         for name, share, curved in (("elastic", 1.0, True), ("near", NEARLY_RIGID, True), ("flat", 1.0, False))
@@ -160,8 +160,8 @@ def _compute(scene: KindScene, level: int, bodies: str, processes: int) -> Rolli
         states[0] if states else "converged",
         max(r.upwind / r.power for r in (apart, touching)),
         max(r.residual for pair in pairs.values() for r in pair),
-        apart.seconds + touching.seconds,
-        process_time() - begin,
+        elsewhere + apart.seconds + touching.seconds,
+        elsewhere + process_time() - begin,
         int(sum(int(c.stick.sum()) for c in touching.contacts)),
         bodies,
     )

@@ -163,11 +163,12 @@ def kernel_of(scene: Rolling, touch: Touch, bodies: Sizes | None) -> Regular | N
     return kernel if axes[1] @ bottom > 0.0 else kernel.turned
 
 
-def prepare_bodies(scenes: Sequence[Rolling], bodies: Sizes | None, processes: int) -> None:
-    """Make the bodies at the contacts of scenes of one material in so many processes at once. Raises as `kernel_of`."""
-    if bodies is not None:
-        contacts = [(place_of(s, t)[0], _largest(s)) for s in scenes for _, _, t in touching(s)]
-        make_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
+def prepare_bodies(scenes: Sequence[Rolling], bodies: Sizes | None, processes: int) -> float:
+    """Make bodies of scenes of one material as `hifi.rolling.bodies.make_kernels`; raises as `kernel_of`."""
+    if bodies is None:
+        return 0.0
+    contacts = [(place_of(s, t)[0], _largest(s)) for s in scenes for _, _, t in touching(s)]
+    return make_kernels(contacts, scenes[0].young, scenes[0].poisson, bodies, processes)
 
 
 def _largest(scene: Rolling) -> float:

@@ -141,7 +141,9 @@ def test_bodies_made_by_two_processes_are_those_made_here(monkeypatch):
     touches = [t for _, _, t in touching(scene)]
     here = [kernel_of(scene, t, COARSE).M for t in touches]
     forget_kernels()
-    prepare_bodies((scene, scene), COARSE, 2)
+    assert prepare_bodies((scene, scene), COARSE, 1) == 0.0  # later, where they are needed
+    assert prepare_bodies((scene, scene), COARSE, 2) > 0.0
+    assert prepare_bodies((scene, scene), COARSE, 2) == 0.0
     monkeypatch.setattr(bodies, "whole_ball", None)  # nothing is meshed any more
     monkeypatch.setattr(bodies, "grooved_bar", None)
     there = np.array([kernel_of(scene, t, COARSE).M for t in touches])

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.evidence.rolling_proof import Proof
+from compare.evidence.rolling_proof import AS_RUNS, BY_GRID, RESOLVED, Proof
 from compare.gate import gate
 from compare.models.study import Study
 from compare.reference.store import shipped_store
@@ -50,6 +50,10 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     proof = (
         Proof("Carter", "force", (0.51, 0.505, 0.501), 0.5, 0.5, 0.501),
         Proof("balls that touch, over a patch", "loss", (1.0, 1.0, 0.9), 1.0, 20.0, 0.9),
+        *(
+            Proof(f"full slip {way}, pole inside", "force", (1.0,) * 3, 1.0, 2.0, 1.0 + 0.01 * error)
+            for way, error in ((BY_GRID, -1.5), (RESOLVED, 0.05), (AS_RUNS, 0.02), (AS_RUNS, -0.01))
+        ),
     )
     series = (Series(10, (0.01, 0.02), (0.0, 4.0), ((0.005, 0.004), (0.005, 0.005)), 4.0, 1.0, "converged"),)
     monkeypatch.setattr(rolling, "proofs", lambda **_: proof)
@@ -73,7 +77,9 @@ def test_section_shows_both_tables_beside_low_order_and_3d(monkeypatch):
     assert states == {name: "inferred" if "inferred" in name else "plain" for name in LOW if "screw" in name}
     assert forces["lin-pair-a"]["state"] is None
     assert {row["scene"] for row in tables["rolling-ring"].rows} == {"lin-rotary-1", "lin-rotary-2", "lin-rotary-3"}
-    assert any("the same to 10 %" in line for item in made.items if isinstance(item, Text) for line in item.paragraphs)
+    words = [line for item in made.items if isinstance(item, Text) for line in item.paragraphs]
+    assert any("the same to 10 %" in line for line in words)
+    assert any("off by 1.5 %" in line and "leaves 0.05 %" in line and "within 0.02 %" in line for line in words)
     assert [row["verdict"] for row in tables["rolling-choices"].rows] == ["beyond", "within"]
     assert made.headline
     finite = {row["scene"]: row for row in tables["rolling-bodies"].rows if row["quantity"] in ("force 1-2", "torque")}

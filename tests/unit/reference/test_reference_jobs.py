@@ -30,6 +30,12 @@ def test_a_task_without_its_bodies_is_missing(tmp_path: Path) -> None:
     assert jobs.missing([task], (tmp_path,)) == []
 
 
+def test_cores_are_divided_among_workers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jobs, "cores", lambda: 4)
+    engines = [jobs.Engine(), jobs.Engine(workers=2), jobs.Engine(workers=5), jobs.Engine("dask")]
+    assert [engine.processes for engine in engines] == [4, 2, 1, 1]
+
+
 def test_plan_and_what_is_missing(tmp_path: Path) -> None:
     scenes = [catalogue.scene(n) for n in ("lin-case1", "lin-case2")]
     tasks = jobs.plan(scenes, (1, 2), ("land",), ablate=True)
