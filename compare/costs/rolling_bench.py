@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from joblib.externals.loky import get_reusable_executor
 from threadpoolctl import threadpool_limits
 
 from compare.costs.timing import Job, timed
@@ -71,11 +72,12 @@ def _finite(name: str, target: float) -> Job:
 
     seconds = timed(solve, 1, _forget)
     cells = f"{PRODUCTION[0]} x {PRODUCTION[1]} cells"
-    note = f"{cells}, meshes of the bodies included, in {processes} processes that run already; {_aim(target)}"
+    note = f"{cells}, meshes of the bodies and start of {processes} processes included; {_aim(target)}"
     return Job(f"rolling: {name}, steady, finite bodies", seconds, None, _unknowns(whole, PRODUCTION), peak_MB(), note)
 
 
 def _forget() -> None:
+    get_reusable_executor().shutdown(wait=True)
     forget_kernels()
     finite_patch.cache_clear()
 

@@ -22,6 +22,7 @@ import numpy as np
 from compare.errors import Refusal
 from compare.rolling.cases import Case, case_of
 from compare.scenes.kinds.common import KindScene
+from compare.system import out_of_memory
 from compare.writing import replace_file
 from hifi.rolling.balls import NEARLY_RIGID, Choices, Rolling, RollingResult, hertz_size, prepare_bodies, solve_rolling
 from hifi.rolling.bodies import Sizes
@@ -125,9 +126,11 @@ def shape_of(case: Case, level: int) -> tuple[int, int]:
 
 def compute(scene: KindScene, level: int, bodies: str = HALF_SPACE, processes: int = 1) -> RollingRun:
     """Run a level, in so many processes where it meshes bodies. Raises Refusal for a scene that is beyond the 3D model, or
-    whose bodies cannot be meshed."""
+    whose bodies cannot be meshed, InputError where memory does not suffice."""
     try:
         return _compute(scene, level, bodies, processes)
+    except MemoryError as error:
+        raise out_of_memory(error) from error
     except ValueError as error:
         if bodies == HALF_SPACE:
             raise

@@ -139,6 +139,15 @@ def test_finite_bodies_have_keys_of_their_own_and_half_spaces_beside_them(capsys
     ]
 
 
+def test_a_process_that_ends_for_want_of_memory_is_bad_input(monkeypatch):
+    def ended(*_):
+        raise MemoryError("ended from outside")
+
+    monkeypatch.setattr(runs, "prepare_bodies", ended)
+    with pytest.raises(InputError, match="memory"):
+        runs.compute(catalogue.any_scene("lin-rotary-3"), 1)
+
+
 def test_unknown_bodies_and_a_choice_of_them_under_a_whole_screw_are_refused():
     with pytest.raises(InputError, match="--bodies"):
         app(["compare", "lin-pair-a", "--bodies", "rubber"], exit_on_error=False, print_error=False)
