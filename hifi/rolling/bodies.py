@@ -197,7 +197,7 @@ def make_kernels(
 ) -> float:
     """Make what the kernels of contacts (places, loads) need in so many processes at once; their processor time [s].
 
-    Nothing is made, but where it is needed, by one process or of one part. Raises as `contact_kernel`.
+    By one process, or of one part, nothing is made before it is needed. Raises as `contact_kernel`.
     """
     parts = [part for at, load in contacts for part in _parts(*_shared(at, load), young, poisson, sizes)]
     missing = {key: part for part in parts if (key := _key(part)) not in _KEPT}
