@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import Answer, Column
+from compare.commands.answer import NOTHING, Answer, Column
 from compare.commands.friction_output import BALL_COLUMNS, ball_rows, flat_rows, left_out, loss_rows, sums, warnings_of
 from compare.commands.friction_whole import COMPILING, NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
 from compare.commands.solve_output import number
@@ -115,6 +115,7 @@ def _answer(
         "balls": balls,
         "torque": torque,
         "losses": {"total_W": number(sum(x.torque.power for _, _, x in solved)), "by_contact_W": losses},
+        "energy": _energy(solved),
         "assumed": [
             *friction.assumed,
             *(() if assembly.motion else (NO_SPEED,)),
@@ -128,9 +129,44 @@ def _answer(
     every = [("per ball", (("set", "set", "s"), *BALL_COLUMNS), flat)]
     lines = [
         f"friction torque of all sets {torque['friction_torque_Nmm']:.6g} N mm; torque that drives the shaft "
-        f"{torque['driving_torque_on_screw_Nmm']:+.6g} N mm about +z at {motion.speed:.6g} rad/s"
+        f"{torque['driving_torque_on_screw_Nmm']:+.6g} N mm about +z at {motion.speed:.6g} rad/s",
+        _energy_line(data["energy"]),
     ]
     return Answer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
+
+
+def _energy(solved: Solved) -> dict[str, Any]:
+    """Powers [W] of all sets together: what the contacts take and lose, what the shaft's torque and the axial loads of the
+    sets put in; efficiency where one of these two drives the other."""
+    turning, along, taken, lost = (
+        float(np.sum([power(x.torque) for _, _, x in solved]))
+        for power in (
+            lambda t: t.on_screw * t.speed,
+            lambda t: t.load * t.ratio * t.speed,
+            lambda t: t.input_power,
+            lambda t: t.power,
+        )
+    )
+    driving, driven = max(turning, along), min(turning, along)
+    return {
+        "input_power_W": number(taken),
+        "loss_W": number(lost),
+        "balance_W": number(taken - lost),
+        "axial_load_power_W": number(along),
+        "torque_power_W": number(turning),
+        "efficiency_percent": number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
+    }
+
+
+def _energy_line(values: dict[str, Any]) -> str:
+    """The powers in words."""
+    part = values["efficiency_percent"]
+    by = "the torque" if values["torque_power_W"] > values["axial_load_power_W"] else "the axial load"
+    worth = "no power leaves the shaft" if part is None else f"{by} drives with an efficiency of {part:.2f} %"
+    return (
+        f"energy: contacts take {values['input_power_W']:.6g} W, lose {values['loss_W']:.6g} W, difference "
+        f"{values['balance_W']:.1e} W; {worth}"
+    )
 
 
 def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:

@@ -113,6 +113,23 @@ def test_drag_is_the_friction_torque_of_the_scene_without_loads():
     assert bare["load_moves"] is None
 
 
+def test_powers_of_several_sets_on_a_shaft_add_up():
+    """What the axial loads of both nuts put in is what the shaft's torque takes out and friction loses."""
+    data = solve_friction("double-nut", Choices(mu=(0.1,))).data
+    power, torque = data["energy"], data["torque"]
+    speed = data["motion"]["speed_rad_s"]
+    assert power["torque_power_W"] == pytest.approx(1e-3 * torque["driving_torque_on_screw_Nmm"] * speed, rel=1e-12)
+    assert power["torque_power_W"] + power["axial_load_power_W"] == pytest.approx(power["loss_W"], rel=1e-9)
+    assert power["efficiency_percent"] == pytest.approx(100.0 * (1.0 - power["loss_W"] / power["axial_load_power_W"]))
+
+
+def test_without_friction_nothing_is_said_of_feedback_or_slip():
+    lines = " ".join(answer(mine(), mu=(0.0,)).lines)
+    assert "contacts take 0 W" in lines
+    assert "feedback" not in lines
+    assert "Heathcote" not in lines
+
+
 def test_drag_without_preload_is_nothing():
     loose = answer(small_screw(force=(0.0, 0.0, 500.0)), mu=(0.1,)).data
     assert (loose["torque"]["drag_torque_Nmm"], loose["drag_unknown"], loose["drag_note"]) == (0.0, None, None)
@@ -311,8 +328,12 @@ def test_coefficients_of_the_command_line_have_a_range(mu):
 
 def test_member_draws_the_specimen_of_loads_and_friction():
     scene = mine(('oversize = "4 um"', 'oversize = "4 um"\nsigma = "0.5 um"'))
-    first, second = (answer(scene, member=m).data["torque"]["friction_torque_Nmm"] for m in (0, 1))
+    found = [answer(scene, member=m) for m in (0, 1)]
+    first, second = (a.data["torque"]["friction_torque_Nmm"] for a in found)
     assert abs(first - second) > 1e-6 * first
+    assert [a.data["member"] for a in found] == [0, 1]
+    assert ", member 1 of its random errors, " in str(as_table(found[1])[0])
+    assert answer(mine()).data["member"] is None
     with pytest.raises(InputError, match="no random errors"):
         answer(mine(), member=1)
 
