@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.pressed import Pressed, pressed
 from lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
-from lowfi.statics.records import MemberArrays, MemberStates, PairMembers
+from lowfi.statics.records import MemberArrays, MemberStates
 from lowfi.statics.result import StaticResult
 from lowfi.statics.selection import all_clear, choose_sides
 from lowfi.statics.shape import motion_matrices
@@ -39,7 +39,7 @@ ENOUGH = 1e-11
 #: Members tried first with fewer sides; the rest only if at least half of them pass.
 TRIAL = 32
 #: Members per call of the kernel that runs through them: so few that the memory of a call is not given back in between.
-CHUNK = 100
+CHUNK = 96
 BATCH_PATH = "one system, members in a batch"
 GENERAL_PATH = "member by member"
 
@@ -201,12 +201,11 @@ class _Batch:
         if prepared is None:
             return
         near = None if np.all(use) else _Nearness(prepared, self.layout)
-        quick = None
-        if near is not None and len(self.drawn.centre) == 1:
-            quick = pressed(prepared, np.concatenate([near.rows, prepared.beam.load.reshape(1, -1)]))
+        seen = [] if near is None else [near.rows]
+        quick = pressed(prepared, np.concatenate([*seen, prepared.beam.load.reshape(1, -1)]), len(self.drawn.centre) > 1)
         for first, last in pairwise(sorted({0, *range(min(TRIAL, members.size), members.size, CHUNK), members.size})):
             part = members[first:last]
-            if near is not None and quick is not None:
+            if quick is not None:
                 part = part[self._press(quick, near, part)]
             if part.size:
                 self._follow(prepared, near, part)
@@ -220,14 +219,15 @@ class _Batch:
         self.loads[kept], self.residuals[kept], self.works[kept] = loads[good], residuals[good], works[good]
         self.solved[kept] = True
 
-    def _press(self, quick: Pressed, near: _Nearness, part: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def _press(self, quick: Pressed, near: _Nearness | None, part: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Some members on the motions of their flanks alone; returns which were not solved so."""
-        offset, closure = distances(self.scene, self._of(part))
-        found = quick.solve(PairMembers(offset, closure, self.C[part]), self._side_by_side)
+        drawn = self._of(part)
+        offset, closure = distances(self.scene, drawn)
+        found = quick.solve(drawn, offset, closure, self.C[part], self._side_by_side)
         done = found.status == 0
         motions = quick.functions(found.pull)
-        clear = near.clear(motions[:, :-1], found.p, offset, found.force)
-        self._keep(part, done & clear, found.force, found.residual, motions[:, -1])
+        good = done if near is None else done & near.clear(motions[:, :-1], found.p, offset, found.force)
+        self._keep(part, good, found.force, found.residual, motions[:, -1])
         return np.asarray(~done)
 
     def _follow(self, prepared: Prepared, near: _Nearness | None, part: NDArray[np.int64]) -> None:

@@ -21,7 +21,7 @@ from lowfi.statics.records import (
 )
 
 from .ball import FORCE, nudge
-from .banded import factor_band, substitute_band
+from .banded import factor_band, substitute_band, substitute_rows
 from .newton import (
     CONVERGED,
     ITERATIONS,
@@ -50,6 +50,25 @@ def common_stiffness(
     evaluate(beam, contacts, state, out)
     assemble(band, beam, contacts, out.hessians, ROUND_OFF * max(0.0, beam.band[:, 0].max()), options.arm)
     return bool(factor_band(band))
+
+
+@kernel
+def answers(
+    beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, X: Array, hessians: Array
+) -> bool:
+    """Replace rows X (k, 6 n), linear functions of the motions of the nodes, by these motions under the unit force of each,
+    at the stiffness of the state; fills the contacts' part of it, hessians (N, 4, 4). False where that stiffness is not
+    positive definite."""
+    n = state.q.shape[0]
+    out = BeamSlopes(np.empty((n, 6)), hessians)
+    band = np.empty((6 * n, options.half_band + 1))
+    if not common_stiffness(beam, contacts, state, options, out, band):
+        return False
+    for j in range(6 * n):
+        if beam.fixed[j // 6, j % 6]:
+            X[:, j] = 0.0
+    substitute_rows(band, X)
+    return True
 
 
 @kernel
