@@ -5,7 +5,6 @@ One kernel serves balls that one diagonal pair each holds, specimens alike in le
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,23 +34,9 @@ class Pressed:
     seen: Array
     at_start: Array
 
-    def solve(
-        self,
-        drawn: Specimens,
-        offset: Array,
-        closure: Array,
-        C: Array,
-        side_by_side: Callable[[Callable[[slice], None], int], None],
-    ) -> PairStates:
-        """Solutions of specimens of given `distances` and Hertz constants (m, N, 4); ``side_by_side`` calls a function with
-        slices of their range."""
+    def solve(self, drawn: Specimens, offset: Array, closure: Array, C: Array) -> PairStates:
+        """Solutions of specimens of given `distances` and Hertz constants (m, N, 4)."""
         k, n = closure.shape[:2]
-        members: PairMembers | FlankMembers
-        if isinstance(self.common, PairCommon):
-            members = PairMembers(offset, closure, C)
-        else:
-            beside = (drawn.centre - self.prepared.problem.drawn.centre)[:, :, :2] / self.prepared.options.arm
-            members = FlankMembers(offset, C, beside + np.zeros((k, 1, 1, 1)))
         found = PairStates(
             np.empty((k, n, 4)),
             np.empty(k, dtype=np.int64),
@@ -59,16 +44,12 @@ class Pressed:
             np.empty((k, len(self.seen))),
             np.empty((k, n, 2)),
         )
-
-        def some(own: slice) -> None:
-            given, into = type(members)(*(x[own] for x in members)), PairStates(*(x[own] for x in found))
-            p = self.prepared
-            if isinstance(self.common, PairCommon):
-                p.engine.press_members(self.common, p.options, p.contacts.tiny, given, into)
-            else:
-                p.engine.flank_members(self.common, p.options, given, into)
-
-        side_by_side(some, k)
+        p = self.prepared
+        if isinstance(self.common, PairCommon):
+            p.engine.press_members(self.common, p.options, p.contacts.tiny, PairMembers(offset, closure, C), found)
+        else:
+            lever = (drawn.centre - p.problem.drawn.centre)[:, :, :2] / p.options.arm + np.zeros((k, 1, 1, 1))
+            p.engine.flank_members(self.common, p.options, FlankMembers(offset, C, lever), found)
         return found
 
     def functions(self, pulls: Array) -> Array:

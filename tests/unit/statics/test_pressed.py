@@ -53,7 +53,7 @@ def solved_at_once(prepared, scene, layout, count, functions):
     offset, closure = distances(scene, drawn)
     C = hertz_C(scene, prepared.problem.drawn, drawn.ball_radius)
     quick = pressed(prepared, functions, len(drawn.centre) > 1)
-    return quick, quick.solve(drawn, offset, closure, C, lambda some, k: [some(slice(0, 1)), some(slice(1, k))])
+    return quick, quick.solve(drawn, offset, closure, C)
 
 
 @pytest.mark.parametrize("engine", ["interpreted", "compiled"])
