@@ -126,7 +126,7 @@ def _ensemble_jobs(repeats: int) -> Iterator[Job]:
     note = f"the same in two threads, the same numbers: {whole / both:.2f} times as fast"
     yield Job("ensemble, two threads", both, _ratio(slow, both), unknowns, peak_MB(), note)
     yield Job("source, per member", slow, None, members[0].unknowns, peak_MB(), "Newton from its good guess, no set-up")
-    scene, count = shipped("lin-case3-tolerances"), max(10, count // 4)
+    scene = shipped("lin-case3-tolerances")
     last = run_ensemble(scene, count)
     whole = timed(lambda: run_ensemble(scene, count), min(repeats, 3)) / count
     note = f"per member of {count}, preloaded, all four flanks, random balls, pitch and roundness; {last.path}; "

@@ -146,14 +146,15 @@ class _Batch:
         begin = perf_counter()
         # sides that the loads would leave idle if no ball were tight: tried, then verified member by member
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
-        if self._held(np.ones(4, dtype=bool)) is None:
+        whole = self._held(np.ones(4, dtype=bool))
+        if whole is None:
             return None
         count = self.solved.size
         if not np.all(few):
-            self._solve(few, np.arange(count))
+            self._solve(self._held(few), np.arange(count))
         rest = np.flatnonzero(~self.solved)
         if rest.size:
-            self._solve(np.ones(4, dtype=bool), rest)
+            self._solve(whole, rest)
         statuses = ["converged"] * count
         left = np.flatnonzero(~self.solved)
         for m in left:
@@ -183,25 +184,22 @@ class _Batch:
             return None
         return pin(problem, mechanism)
 
-    def _system(self, use: NDArray[np.bool_]) -> Prepared | None:
-        """The common system in its solution without random errors; None where the screw is not held."""
-        problem = self._held(use)
-        if problem is None:
-            return None
+    def _system(self, problem: Problem) -> Prepared:
+        """The common system in its solution without random errors."""
         prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
         run(prepared)
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
-    def _solve(self, use: NDArray[np.bool_], members: NDArray[np.int64]) -> None:
-        """Members with the sides ``use``; only those count as solved that no flank left out comes near.
+    def _solve(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
+        """Members with the sides of a problem; only those count as solved that no flank left out comes near.
 
         Gives up after ``TRIAL`` members if sides are left out and fewer than half of them pass.
         """
-        prepared = self._system(use)
-        if prepared is None:
+        if problem is None:
             return
-        near = None if np.all(use) else _Nearness(prepared, self.layout)
+        prepared = self._system(problem)
+        near = None if np.all(problem.use) else _Nearness(prepared, self.layout)
         seen = [] if near is None else [near.rows]
         quick = pressed(prepared, np.concatenate([*seen, prepared.beam.load.reshape(1, -1)]), len(self.drawn.centre) > 1)
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial.chebyshev import cheb2poly, chebinterpolate
-from numpy.polynomial.polynomial import polyval
+from numpy.polynomial.chebyshev import chebinterpolate, chebval
 from numpy.typing import NDArray
 
 from lowfi.compliance.bodies import geometry_only
@@ -206,8 +205,7 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
     shown = np.flatnonzero((np.abs(series) > ROUND_OFF * np.abs(series[0])).any(axis=1))[-1]
     distinct, of_side = np.unique(series[: shown + 1], axis=1, return_inverse=True)
-    powers = np.stack([np.pad(c, (0, shown + 1 - c.size)) for c in map(cheb2poly, distinct.T)], axis=1)
-    values = polyval((own - middle) / half, powers)
+    values = chebval((own - middle) / half, distinct)
     return np.stack([values[k] for k in of_side.ravel()], axis=-1)
 
 
