@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lowfi.statics.problem import lever_arms
 from lowfi.statics.records import FlankCommon, FlankMembers, PairCommon, PairMembers, PairStates
@@ -18,7 +19,7 @@ from meshes.errors import Specimens
 #: Most balls: above, the product with a matrix of that size costs more than the beam's own equations.
 LARGEST = 128
 #: Number of soft modes, and how often random forces go through flanks and contacts to find them.
-SOFT, PASSES = 8, 4
+SOFT, PASSES = 8, 2
 
 
 @dataclass(frozen=True)
@@ -67,40 +68,36 @@ def pressed(prepared: Prepared, functions: Array, own_arms: bool) -> Pressed | N
     count, side = contacts.r_ball.size, int(engine.pair_alone(contacts))
     if not 0 < count <= LARGEST or options.floor == 0.0 or contacts.profile.shape[1]:
         return None
-    pair = side >= 0 and not own_arms
-    rows = flank_rows(prepared)
-    rows = rows[:, 2 * side : 2 * side + 2] if pair else rows
-    rows = rows.reshape(-1, state.q.size)
-    motions, stiffness = rows.copy(), np.zeros((count, 4, 4))
-    if not engine.answers(prepared.beam, contacts, state, options, motions, stiffness):
+    pair, (arms, first) = side >= 0 and not own_arms, flank_rows(prepared)
+    picked = slice(2 * side, 2 * side + 2) if pair else slice(None)
+    arms, first = np.ascontiguousarray(arms[:, picked]).reshape(-1, arms.shape[2]), first[:, picked].ravel()
+    motions, reach, stiffness = np.empty((state.q.size, first.size)), np.empty((first.size,) * 2), np.zeros((count, 4, 4))
+    found = motions, reach, stiffness
+    if not engine.answers(prepared.beam, contacts, state, options, (arms, first), found):
         return None
-    moments = np.where(np.arange(state.q.size) % 6 < 3, 1.0, 1.0 / options.arm)
-    spread = float((np.abs(rows).sum(axis=0) * moments)[~prepared.beam.fixed.ravel()].max(initial=0.0))
-    motion, reach = (rows @ state.q.ravel()).reshape(count, -1), motions @ rows.T
+    own, flat = first[:, None] + np.arange(arms.shape[1]), state.q.ravel()
+    motion = (arms * flat[own]).sum(axis=1).reshape(count, -1)
+    sums = np.bincount(own.ravel(), np.abs(arms).ravel(), flat.size).reshape(-1, 6) / np.repeat([1.0, options.arm], 3)
+    spread = float(sums[~prepared.beam.fixed].max(initial=0.0))
     force = prepared.force[:, :2, None] * prepared.normal[:, :2]
     common: PairCommon | FlankCommon
     if pair:
-        own = slice(2 * side, 2 * side + 2)
-        common = PairCommon(side, reach, motion, -force[:, side], stiffness[:, own, own].copy(), spread)
+        common = PairCommon(side, reach, motion, -force[:, side], stiffness[:, picked, picked].copy(), spread)
     else:
         forces, centre, use = force.reshape(count, 4), state.p.copy(), prepared.problem.use
         modes = soft_modes(reach, stiffness)
         common = FlankCommon(reach, motion, forces, stiffness, centre, *modes, use, spread, contacts.tiny)
-    return Pressed(prepared, common, motions @ functions.T, functions @ state.q.ravel())
+    return Pressed(prepared, common, (functions @ motions).T, functions @ flat)
 
 
-def flank_rows(prepared: Prepared) -> Array:
-    """Motions of each ball's flanks SL and SR along x3, z3, and their turns about the track times ``options.arm``, by the
-    motions of the nodes (N, 6, 6 n)."""
+def flank_rows(prepared: Prepared) -> tuple[Array, NDArray[np.int64]]:
+    """Motions of each ball's flanks SL and SR along x3, z3, and their turns about the track times ``options.arm``:
+    coefficients (N, 6, m) of the motions of the nodes, and the freedoms (N, 6) from which on these are."""
     problem, B = prepared.problem, prepared.contacts.B
-    count, _, _, m = B.shape
     # a centre that is further out moves along z3 by that distance times the turn more
     turns = lever_arms(problem, (problem.drawn.centre + np.array([prepared.options.arm, 0.0]))[None])[0] - B
-    rows, node = np.zeros((count, 6, prepared.state.q.size)), problem.node
-    own, columns = np.arange(count)[:, None, None], 6 * node[:, :, None] + np.arange(m)
-    for s in range(2):
-        rows[own, [[2 * s], [2 * s + 1], [4 + s]], columns[:, s, None]] = np.concatenate([B[:, s], turns[:, s, 1:]], axis=1)
-    return rows
+    arms = np.concatenate([B.reshape(len(B), 4, -1), turns[:, :, 1]], axis=1)
+    return arms, 6 * problem.node[:, [0, 0, 1, 1, 0, 1]]
 
 
 def soft_modes(reach: Array, stiffness: Array) -> tuple[Array, Array]:

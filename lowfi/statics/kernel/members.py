@@ -21,7 +21,7 @@ from lowfi.statics.records import (
 )
 
 from .ball import FORCE, nudge
-from .banded import factor_band, substitute_band, substitute_rows
+from .banded import factor_band, substitute_band, substitute_columns, take
 from .newton import (
     CONVERGED,
     ITERATIONS,
@@ -54,20 +54,31 @@ def common_stiffness(
 
 @kernel
 def answers(
-    beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, X: Array, hessians: Array
+    beam: BeamArrays,
+    contacts: BeamContacts,
+    state: BeamState,
+    options: BeamOptions,
+    rows: tuple[Array, Array],
+    found: tuple[Array, Array, Array],
 ) -> bool:
-    """Replace rows X (k, 6 n), linear functions of the motions of the nodes, by these motions under the unit force of each,
-    at the stiffness of the state; fills the contacts' part of it, hessians (N, 4, 4). False where that stiffness is not
-    positive definite."""
-    n = state.q.shape[0]
+    """Answers to unit forces at the stiffness of a state. rows: functions of the motions of the nodes, their coefficients
+    (c, m), and the freedoms (c,) from which on these are; found: motions of the nodes (6 n, c) by the force of each, the
+    functions (c, c) by these, and the contacts' part of the stiffness (N, 4, 4). False where that stiffness is not positive
+    definite."""
+    n, (arms, first), (motions, reach, hessians) = state.q.shape[0], rows, found
     out = BeamSlopes(np.empty((n, 6)), hessians)
     band = np.empty((6 * n, options.half_band + 1))
     if not common_stiffness(beam, contacts, state, options, out, band):
         return False
-    for j in range(6 * n):
-        if beam.fixed[j // 6, j % 6]:
-            X[:, j] = 0.0
-    substitute_rows(band, X)
+    motions[:, :], reach[:, :] = 0.0, 0.0
+    for a in range(arms.shape[0]):
+        for k in range(arms.shape[1]):
+            j = first[a] + k
+            motions[j, a] = 0.0 if beam.fixed[j // 6, j % 6] else arms[a, k]
+    substitute_columns(band, motions)
+    for a in range(arms.shape[0]):
+        for k in range(arms.shape[1]):
+            take(reach[a], motions[first[a] + k], -arms[a, k])
     return True
 
 
