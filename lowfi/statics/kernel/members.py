@@ -1,4 +1,6 @@
-"""Many specimens of one screw: each from the solution without random errors, by the stiffness there, else by Newton.
+"""Many specimens of one screw that are not solved on their flanks alone (``press``, ``flanks``: more balls, or too far off).
+
+Each goes from the solution without random errors, by the stiffness there, else by Newton's method.
 
 The members of an ensemble differ by micrometres, so that the stiffness of their common start, factored once, serves all of
 them: the motion is corrected by it until the member's own equations hold (the chord method; its error falls by the change

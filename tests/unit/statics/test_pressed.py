@@ -83,6 +83,15 @@ def test_flanks_alone_give_what_the_whole_screw_gives(engine, use, oversize, sid
         np.testing.assert_allclose(motions[m], q, rtol=0, atol=1e-8 * np.abs(q).max())
 
 
+@pytest.mark.parametrize(("steps", "solved"), [(3, False), (6, True)])
+def test_soft_modes_and_balls_that_go_along_save_steps(monkeypatch, steps, solved):
+    """Without the one or the other the same specimens take seven or more."""
+    prepared, scene, layout = ready(1e-6, ALL, 7e-6, "interpreted", OWN_ARMS)
+    monkeypatch.setattr(prepared.engine.flanks, "STEPS", steps)
+    _, found = solved_at_once(prepared, scene, layout, 8, np.zeros((0, prepared.state.q.size)))
+    assert found.status.any() is np.bool_(not solved)
+
+
 def test_residual_bounds_that_of_the_nodes():
     """With the first step taken only, the unbalanced force at a node is below the bound."""
     prepared, scene, layout = ready()
