@@ -113,9 +113,10 @@ def _shifted_centres(scene: Scene, station: Array) -> Array:
     A helical groove that is shifted along the axis is shifted by cos(alpha) of it across the track, and along the track,
     where it is the same everywhere.
     """
-    centre = np.tile(nominal_groove_centres(scene), (station.size, 1, 1))
-    beyond = station > scene.nut.position
-    centre[beyond, 2:, 1] += scene.errors.lead_offset * cos(lead_angle(scene.track))
+    centre = np.empty((station.size, 4, 2))
+    centre[:] = nominal_groove_centres(scene)
+    if scene.errors.lead_offset != 0.0:
+        centre[station > scene.nut.position, 2:, 1] += scene.errors.lead_offset * cos(lead_angle(scene.track))
     return centre
 
 

@@ -1,4 +1,4 @@
-"""Many specimens of one screw that are not solved on their flanks alone (``press``, ``flanks``: more balls, or too far off).
+"""Many specimens of one screw that are not solved on their flanks alone (``press``, ``flanks``): more balls, too far off.
 
 Each goes from the solution without random errors, by the stiffness there, else by Newton's method.
 
