@@ -138,15 +138,10 @@ def _answer(
 def _energy(solved: Solved) -> dict[str, Any]:
     """Powers [W] of all sets together: what the contacts take and lose, what the shaft's torque and the axial loads of the
     sets put in; efficiency where one of these two drives the other."""
-    turning, along, taken, lost = (
-        float(np.sum([power(x.torque) for _, _, x in solved]))
-        for power in (
-            lambda t: t.on_screw * t.speed,
-            lambda t: t.load * t.ratio * t.speed,
-            lambda t: t.input_power,
-            lambda t: t.power,
-        )
-    )
+    torques = [x.torque for _, _, x in solved]
+    turning = float(np.sum([t.on_screw * t.speed for t in torques]))
+    along = float(np.sum([t.load * t.ratio * t.speed for t in torques]))
+    taken, lost = (float(np.sum([getattr(t, name) for t in torques])) for name in ("input_power", "power"))
     driving, driven = max(turning, along), min(turning, along)
     return {
         "input_power_W": number(taken),
