@@ -99,7 +99,7 @@ def _answer(
     losses = [{"set": i + 1} | row for i, _, state in solved for row in loss_rows(state)]
     good = all(settled(state) for _, _, state in solved)
     failed = next((x for x in solved if not settled(x[2])), None)
-    torque = _sum(solved, drag)
+    torque, power = _sum(solved, drag), _energy(solved)
     without = any(s.balls is None for s in result.sets)
     warnings = list(result.warnings)
     for _, s, state in solved:
@@ -115,7 +115,7 @@ def _answer(
         "balls": balls,
         "torque": torque,
         "losses": {"total_W": number(sum(x.torque.power for _, _, x in solved)), "by_contact_W": losses},
-        "energy": _energy(solved),
+        "energy": power,
         "assumed": [
             *friction.assumed,
             *(() if assembly.motion else (NO_SPEED,)),
@@ -130,7 +130,7 @@ def _answer(
     lines = [
         f"friction torque of all sets {torque['friction_torque_Nmm']:.6g} N mm; torque that drives the shaft "
         f"{torque['driving_torque_on_screw_Nmm']:+.6g} N mm about +z at {motion.speed:.6g} rad/s",
-        _energy_line(data["energy"]),
+        _energy_line(power),
     ]
     return Answer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
 
