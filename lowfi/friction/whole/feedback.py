@@ -17,6 +17,7 @@ from lowfi.friction.screw.path import ON_SCREW
 from lowfi.friction.whole.contacts import StaticContacts, with_loads
 from lowfi.friction.whole.losses import BallFriction, ball_friction
 from lowfi.statics.result import StaticResult
+from lowfi.statics.static import contact_angles
 from meshes.arrays import Array
 from meshes.errors import Specimen, specimen
 from meshes.parts import Friction, Scene
@@ -155,6 +156,8 @@ def _stiffness(place: Seats, force: Array, normal: Array, length: Array) -> Arra
 class FedBack:
     """Contacts and friction that agree, balls whose feedback did not settle (N,), and rounds.
 
+    A ball fails where the contacts and the friction returned leave it, or the axial load that it carried without friction,
+    out of balance by more than ``ACCEPTED`` of its contact forces.
     change: largest change of a ball's friction in its last round, as a fraction of its contact forces; push (N, 3):
     forces of friction on balls and screw that the contacts balance, see ``settle`` [N].
     """
@@ -194,19 +197,24 @@ def feed_back(
         rounds += 1
         some = now.part(active)
         found = ball_friction(scene, some, friction, drive, fast)
-        wrench = found.wrench(some.normals)[..., :3]
-        drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], place.axis)
-        answer = np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
+        answer = _answer(found, some, place.axis)
         last[active] = np.abs(answer - guess[active]).max(axis=1) / np.maximum(some.force.sum(axis=1), 1e-300)
         more = (last[active] > AGREED) | failed[active]
         for k in np.flatnonzero(more):
             guess[active[k]] = mixers[active[k]].next(guess[active[k]], answer[k])
         active = active[more]
         now, shift[active], failed[active] = _seated(now, place, active, still[active] + guess[active], shift[active], at)
-    failed |= last > ACCEPTED
-    return FedBack(
-        now, ball_friction(scene, now, friction, drive, fast), failed, rounds, float(last.max(initial=0.0)), guess
-    )
+    final = ball_friction(scene, now, friction, drive, fast)
+    off = _left(now.force, now.normals[..., [0, 2]], along, still + _answer(final, now, place.axis))
+    failed |= np.abs(off).max(axis=1) > ACCEPTED * now.force.sum(axis=1)
+    return FedBack(now, final, failed, rounds, float(last.max(initial=0.0)), guess)
+
+
+def _answer(found: BallFriction, at: StaticContacts, axis: Array) -> Array:
+    """Friction on balls along x3, z3 and on the screw along its axis (3,), (N, 3) [N]."""
+    wrench = found.wrench(at.normals)[..., :3]
+    drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], axis)
+    return np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
 
 
 def second_states(
@@ -237,5 +245,5 @@ def _seated(
     failed = left > 1e-8 * np.maximum(force.sum(axis=1), bare.force[which].sum(axis=1))
     new_force, angle = now.force.copy(), now.angle.copy()
     new_force[which] = force
-    angle[which] = np.arctan2(np.abs(normal[..., 1]), np.abs(normal[..., 0]))
+    angle[which] = contact_angles(normal)
     return with_loads(now, new_force, angle), x, failed

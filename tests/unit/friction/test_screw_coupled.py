@@ -127,3 +127,15 @@ def test_mixed_rounds_settle_where_plain_ones_run_away_and_keep_their_history():
     for _ in range(8):
         x[:] = mixer.next(x, slope @ x)
     assert np.abs(x).max() < 1e-10
+
+
+def test_a_contact_past_the_apex_keeps_its_sign():
+    groove = replace(table_3_6(), contact_angle=0.02)
+    cell = ball_cell(groove, np.zeros(4), 2e-6, "z", np.array([200.0]))
+    found = settle_load(cell)
+    normal = groove.normals(found.angle)
+    assert found.converged
+    assert found.angle[0].min() < 0.0
+    # the balance of the ball in its section, summed from forces and angles
+    left = np.einsum("ns,nsi->ni", found.force, normal)[:, [0, 2]]
+    assert np.abs(left).max() < 1e-8 * found.force.sum()

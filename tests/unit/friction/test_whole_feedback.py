@@ -13,6 +13,7 @@ from lowfi.friction.whole.feedback import feed_back, seats
 from lowfi.friction.whole.losses import ball_friction
 from lowfi.friction.whole.run import simulate
 from lowfi.friction.whole.torque import about_axis, sum_up
+from lowfi.statics.static import contact_angles
 from meshes.parts import Friction, Motion
 from tests.friction_oracles import ball_cell, coupled_ball
 from tests.friction_runs import setting
@@ -91,6 +92,24 @@ def test_feedback_keeps_loads_balances_and_matters_most_in_two_point_contact(nam
     four = name in ("four-point", "left hand", "two starts")
     assert 0.95 < t.friction / found.bare.friction < 1.2 if four else t.friction > 1.3 * found.bare.friction
     assert t.forward != t.backward
+
+
+def past_the_apex():
+    """A screw of hardly any contact angle under an axial load: balls climb one side of the groove."""
+    return small_screw(5, 0.9, beta=np.radians(0.001), force=(0.0, 0.0, 300.0))
+
+
+def test_feedback_keeps_the_load_of_contacts_past_the_apex():
+    found = state(past_the_apex(), COUPLED)
+    assert np.any((found.at.angle < -0.05) & (found.at.force > 0.0))
+    assert not found.unsettled
+    assert found.torque.load == pytest.approx(300.0, rel=1e-5)
+
+
+def test_feedback_that_loses_the_axial_load_fails(monkeypatch):
+    """As it did where angles had lost their signs past the apex."""
+    monkeypatch.setattr(feedback, "contact_angles", lambda normal: np.abs(contact_angles(normal)))
+    assert state(past_the_apex(), COUPLED).unsettled == (0, 1, 2, 3, 4)
 
 
 def test_feedback_mirrors_reverses_and_leaves_rings_alone():
