@@ -303,6 +303,23 @@ def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
     assert printed[0]["kind"] == "bearing ball"
 
 
+@pytest.mark.parametrize(
+    ("lead", "coupling", "words"),
+    [
+        (20e-3, "ball", ("from four displaced starts",)),
+        (20e-3, "none", ("none was searched for", 'coupling = "ball"')),
+        (0.0, "ball", ("none was searched for", "along the grooves")),
+    ],
+)
+def test_second_states_that_were_not_searched_for_are_not_said_to_be_absent(lead, coupling, words):
+    scene = small_screw(3, 0.7, lead=lead, force=(0.0, 0.0, 300.0), screw="rigid")
+    found = answer(replace(scene, friction=Friction(0.4, 0.4, coupling=coupling), motion=Motion(3.0)))
+    note = next(n for n in found.data["warnings"] if "jammed" in n)
+    assert all(word in note for word in words)
+    assert (found.data["solver"]["second_states"] is None) is ("none was searched for" in note)
+    assert "rolls" not in note
+
+
 @pytest.mark.parametrize("mu", [-0.1, 2.1, math.nan])
 def test_coefficients_of_the_command_line_have_a_range(mu):
     with pytest.raises(InputError, match=r"--mu.*0 to 2"):
