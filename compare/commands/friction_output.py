@@ -33,7 +33,9 @@ def jam_words(state: FrictionState) -> str:
     """What is known of second, jammed states of balls at a high coefficient of friction."""
     start = "at this coefficient of friction a ball may have a second, jammed state"
     if state.second is None:
-        return f"{start}: this is the one that rolls"
+        along = "without lead friction runs along the grooves and moves no ball across them"
+        why = along if state.torque.ratio == 0.0 else 'it takes friction that moves balls in grooves, coupling = "ball"'
+        return f"{start}; none was searched for: {why}"
     if not state.second:
         return f"{start}; none was found from four displaced starts of every ball"
     numbers = ", ".join(str(k + 1) for k in state.second[:8])

@@ -236,7 +236,7 @@ def test_two_point_contact_on_a_helix_is_warned_of():
 
 
 def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
-    monkeypatch.setattr(ball_feedback, "ROUNDS", 1)
+    monkeypatch.setattr(ball_feedback, "ROUNDS", 0)
     found = answer(mine())
     assert not found.converged
     assert found.data["status"].startswith("friction and place do not agree on 20 balls: 1, 2")
@@ -318,6 +318,23 @@ def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
     printed = []
     assert run_friction("lin-rotary-1", Choices(), True, print, printed.append) == 0
     assert printed[0]["kind"] == "bearing ball"
+
+
+@pytest.mark.parametrize(
+    ("lead", "coupling", "words"),
+    [
+        (20e-3, "ball", ("from four displaced starts",)),
+        (20e-3, "none", ("none was searched for", 'coupling = "ball"')),
+        (0.0, "ball", ("none was searched for", "along the grooves")),
+    ],
+)
+def test_second_states_that_were_not_searched_for_are_not_said_to_be_absent(lead, coupling, words):
+    scene = small_screw(3, 0.7, lead=lead, force=(0.0, 0.0, 300.0), screw="rigid")
+    found = answer(replace(scene, friction=Friction(0.4, 0.4, coupling=coupling), motion=Motion(3.0)))
+    note = next(n for n in found.data["warnings"] if "jammed" in n)
+    assert all(word in note for word in words)
+    assert (found.data["solver"]["second_states"] is None) is ("none was searched for" in note)
+    assert "rolls" not in note
 
 
 @pytest.mark.parametrize("mu", [-0.1, 2.1, math.nan])
