@@ -182,17 +182,16 @@ def solve_static(
     refine: int = 1,
     discretisation: bool = False,
     drawn: Specimen | None = None,
-    layout: BallLayout | None = None,
 ) -> StaticResult:
     """Contact loads, contact angles and shaft motion of a scene in static equilibrium (Lin 2.23-2.25).
 
     engine: interpreted, compiled, or chosen by size; everything: leave nothing out; member: which specimen of a scene
     with random errors; refine: split every element; discretisation: also estimate the beam's discretisation error;
-    drawn, layout: other balls than the scene's, with their errors and places (not with discretisation). Never raises for
+    drawn: other balls than the scene's, with their errors (not with discretisation). Never raises for
     a scene without equilibrium: ``status`` names the reason.
     """
     start = perf_counter()
-    layout = ball_layout(scene) if layout is None else layout
+    layout = ball_layout(scene)
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     known = distances(scene, drawn)

@@ -109,14 +109,12 @@ class PairMaps:
         return self.ratio_analytic - self.ratio
 
 
-def maps(
-    bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float, loads: Loads = "balanced"
-) -> PairMaps:
+def maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float) -> PairMaps:
     """Both models over theta [rad] and rho (Lin Figures 3.14, 3.15)."""
     shape = len(theta), len(rho)
     out, closed, failures = np.empty((3, *shape)), np.empty((3, *shape)), 0
     for i, j in np.ndindex(*shape):
-        result = solve_pair(bearing, float(theta[i]), float(rho[j]), vertical, loads=loads)
+        result = solve_pair(bearing, float(theta[i]), float(rho[j]), vertical)
         failures += sum(r.status != "converged" for r in (result.free, result.touching))
         out[:, i, j] = result.difference, result.force, result.rubbing_ratio
         closed[:, i, j] = pair_formulas(bearing, float(theta[i]), float(rho[j]), vertical, k_f)

@@ -17,7 +17,7 @@ from lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball
 from lowfi.friction.linear.bearing import LinearBearing
 from lowfi.friction.linear.chain import prepare, solve
 from lowfi.friction.linear.pair import solve_pair
-from tests.shipped_texts import changed
+from tests.shipped_texts import axis_names, changed
 
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
 LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
@@ -30,7 +30,7 @@ def solved(name, *changes):
 
 
 def test_every_shipped_scene_converges_and_balances_power():
-    names = sorted(set(catalogue.scene_names()) - set(catalogue.whole_names()) - set(catalogue.axis_names()))
+    names = sorted(set(catalogue.scene_names()) - set(catalogue.whole_names()) - set(axis_names()))
     assert names == [
         "lin-bearing-pairs",
         "lin-chain-10",
