@@ -6,18 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import (
-    NOTHING,
-    Answer,
-    Column,
-    energy,
-    energy_line,
-    flat_ball,
-    head,
-    increase,
-    load_row,
-    size_warnings,
-)
+from compare.commands.answer import NOTHING, Answer, Column, energy, energy_line, flat_ball, head, increase, load_row
 from compare.commands.solve_output import number
 from compare.errors import Refusal
 from compare.scenes.kinds.common import KindScene
@@ -25,6 +14,7 @@ from compare.scenes.kinds.linear import LinearScene
 from lowfi.friction.linear.bearing import CONTACTS, directions
 from lowfi.friction.linear.chain import ChainResult, prepare, solve
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+from lowfi.statics.validity import size_warnings
 from meshes.arrays import Array
 
 #: Force out of balance over the largest up to which loads count as solved.
