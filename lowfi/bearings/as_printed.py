@@ -38,12 +38,6 @@ def fitted(difference: float, which: str) -> float:
     return float(10.0 ** (1.0 / value if which == "major" else -1.0 / value))
 
 
-def interpolated(difference: float, table: Sequence[tuple[float, float]]) -> float:
-    """Value at a curvature difference F from rows (F, value) of a table like 2-1, linear between them."""
-    columns = np.array(table, dtype=float)
-    return float(np.interp(difference, columns[:, 0], columns[:, 1]))
-
-
 def curvature_difference(curvatures: Sequence[float]) -> float:
     """|(rho_11 - rho_12) + (rho_21 - rho_22)| / sum of the four (2.16; the absolute value is missing in print)."""
     a, b, c, d = curvatures

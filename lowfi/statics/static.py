@@ -148,7 +148,7 @@ def _lift(problem: Problem) -> Array:
     return q
 
 
-def run(prepared: Prepared, *, start: bool = True) -> Outcome:
+def iterate(prepared: Prepared, *, start: bool = True) -> Outcome:
     """Solve from the linear start (or from the state as it is)."""
     solve = prepared.engine.start_and_solve if start else prepared.engine.solve
     outcome: Outcome = solve(prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history)
@@ -303,7 +303,7 @@ def lost(outcome: Outcome) -> bool:
 
 def solve_with_hertz(prepared: Prepared) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
-    outcome = run(prepared)
+    outcome = iterate(prepared)
     problem = prepared.problem
     if problem.scene.ingredients.hertz != "actual" or lost(outcome):
         return outcome
@@ -314,7 +314,7 @@ def solve_with_hertz(prepared: Prepared) -> Outcome:
         updated = actual_hertz(problem.scene, problem.drawn, gamma).C
         change = float(np.abs(updated / problem.C - 1.0).max())
         problem.C[:] = updated
-        outcome = run(prepared, start=False)
+        outcome = iterate(prepared, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
         if change < 1e-13 or lost(outcome):
             break
@@ -346,7 +346,7 @@ def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, 
         rebuilt.C[:] = problem.C
         prepared.problem = rebuilt
         prepared.contacts = prepared.contacts._replace(B=rebuilt.B, geometry=rebuilt.geometry)
-        outcome = run(prepared, start=False)
+        outcome = iterate(prepared, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
         if change < 1e-13 or lost(outcome):
             break
@@ -404,4 +404,4 @@ def with_discretisation(
     return replace(result, solver=replace(result.solver, discretisation=(change, mean)))
 
 
-__all__ = ["BallLayout", "Prepared", "prepare", "run", "solve_static"]
+__all__ = ["BallLayout", "Prepared", "iterate", "prepare", "solve_static"]

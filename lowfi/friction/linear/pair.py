@@ -8,7 +8,7 @@ import numpy as np
 
 from lowfi.friction.linear import analytic
 from lowfi.friction.linear.bearing import LinearBearing, deviations
-from lowfi.friction.linear.chain import ChainResult, prepare, solve
+from lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
 from lowfi.friction.linear.loads import Loads, balanced_loads, diagonal_loads, elastic_loads
 from meshes.arrays import Array
 
@@ -72,7 +72,7 @@ def solve_pair(
     """
     angles, force = pair_state(bearing, theta, rho, vertical, mated=mated, loads=loads)
     apart, together = (prepare(bearing, angles, force, touching) for touching in (False, True))
-    return PairResult(solve(apart, fast=fast), solve(together, fast=fast))
+    return PairResult(solve_linear_chain(apart, fast=fast), solve_linear_chain(together, fast=fast))
 
 
 @dataclass(frozen=True)

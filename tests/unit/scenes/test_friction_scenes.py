@@ -15,7 +15,7 @@ from compare.scenes.kinds.linear import LinearScene
 from compare.scenes.kinds.table import KINDS
 from lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed, source_law
 from lowfi.friction.linear.bearing import LinearBearing
-from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.chain import prepare, solve_linear_chain
 from lowfi.friction.linear.pair import solve_pair
 from tests.shipped_texts import axis_names, changed
 
@@ -93,7 +93,7 @@ def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
     np.testing.assert_allclose(np.degrees(scene.angles), [[43.0, 47.0, 45.0, 45.0]] * 10, rtol=1e-12)
     found = solve_kind(scene).data
     loads = np.array([[b["load_N"][c] for c in ("BL", "BR", "TR", "TL")] for b in found["balls"]])
-    one = solve(prepare(LINEAR, scene.angles, loads))
+    one = solve_linear_chain(prepare(LINEAR, scene.angles, loads))
     assert [p["force_N"] for p in found["pairs"]] == pytest.approx(one.ball_force, rel=1e-8)
     assert np.all(one.ball_force > 0.0)
     cut = solved("lin-chain-10", ("side_force_ratio = -0.6\n", 'side_force_ratio = -0.6\ngap = "0.5 mm"\n')).data
