@@ -22,7 +22,7 @@ TOLERANCE = 1e-10
 WARM_LOAD = 1.01
 
 
-class Ours:
+class Energy:
     """The energy solver on one scene, compiled, with the start that each run begins from."""
 
     def __init__(self, scene: Scene, *, everything: bool = False, tolerance: float = TOLERANCE) -> None:
@@ -47,7 +47,7 @@ class Ours:
         self._check(iterate(self.prepared))
 
     def warm(self) -> None:
-        """From the state as it is."""
+        """From the present state."""
         self._check(iterate(self.prepared, start=False))
 
     def change_load(self) -> None:

@@ -46,7 +46,7 @@ MARGIN = 0.2e-6
 
 
 def iterate(elastic: Elastic, *, start: bool = True) -> Outcome:
-    """Solve from the linear start, or from the state as it is."""
+    """Solve from the linear start, or from the present state."""
     bodies, contacts, state, options = elastic.bodies, elastic.contacts, elastic.state, elastic.options
     if start:
         elastic.engine.start_forces(bodies, state, elastic.springs, options)

@@ -71,7 +71,7 @@ def prepare(system: System, engine: ModuleType, *, tolerance: float = TOLERANCE)
 
 
 def iterate(prepared: Prepared, *, start: bool = True) -> Outcome:
-    """Solve from the linear start, or from the state as it is."""
+    """Solve from the linear start, or from the present state."""
     arrays = prepared.system.axis, prepared.system.contacts, prepared.system.slices
     if start:
         prepared.engine.start_axis(*arrays, prepared.state, prepared.options)
