@@ -94,7 +94,8 @@ def as_table(answer: Answer, width: int = 100, *, balls: bool = False) -> list[R
     from rich.table import Table
 
     data = answer.data
-    parts: list[Any] = [f"{data['scene']}, {data['kind']}: {data['status']}", data["title"], *answer.lines]
+    drawn = "" if data.get("member") is None else f", member {data['member']} of its random errors"
+    parts: list[Any] = [f"{data['scene']}{drawn}, {data['kind']}: {data['status']}", data["title"], *answer.lines]
     for title, columns, rows in [*answer.tables, *(answer.ball_tables if balls else ())]:
         table = Table(title=title, title_justify="left")
         for _, heading, _ in columns:

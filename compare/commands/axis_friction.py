@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import Answer, Column
+from compare.commands.answer import NOTHING, Answer, Column
 from compare.commands.friction_output import BALL_COLUMNS, ball_rows, flat_rows, left_out, loss_rows, sums, warnings_of
 from compare.commands.friction_whole import COMPILING, NO_SPEED, ONE_TURN, Choices, coefficients, settled, status_of
 from compare.commands.solve_output import number
@@ -99,7 +99,7 @@ def _answer(
     losses = [{"set": i + 1} | row for i, _, state in solved for row in loss_rows(state)]
     good = all(settled(state) for _, _, state in solved)
     failed = next((x for x in solved if not settled(x[2])), None)
-    torque = _sum(solved, drag)
+    torque, power = _sum(solved, drag), _energy(solved)
     without = any(s.balls is None for s in result.sets)
     warnings = list(result.warnings)
     for _, s, state in solved:
@@ -115,6 +115,7 @@ def _answer(
         "balls": balls,
         "torque": torque,
         "losses": {"total_W": number(sum(x.torque.power for _, _, x in solved)), "by_contact_W": losses},
+        "energy": power,
         "assumed": [
             *friction.assumed,
             *(() if assembly.motion else (NO_SPEED,)),
@@ -128,9 +129,39 @@ def _answer(
     every = [("per ball", (("set", "set", "s"), *BALL_COLUMNS), flat)]
     lines = [
         f"friction torque of all sets {torque['friction_torque_Nmm']:.6g} N mm; torque that drives the shaft "
-        f"{torque['driving_torque_on_screw_Nmm']:+.6g} N mm about +z at {motion.speed:.6g} rad/s"
+        f"{torque['driving_torque_on_screw_Nmm']:+.6g} N mm about +z at {motion.speed:.6g} rad/s",
+        _energy_line(power),
     ]
     return Answer(data, [("sets", SET_COLUMNS, rows)], lines, good, every)
+
+
+def _energy(solved: Solved) -> dict[str, Any]:
+    """Powers [W] of all sets together: what the contacts take and lose, what the shaft's torque and the axial loads of the
+    sets put in; efficiency where one of these two drives the other."""
+    torques = [x.torque for _, _, x in solved]
+    turning = float(np.sum([t.on_screw * t.speed for t in torques]))
+    along = float(np.sum([t.load * t.ratio * t.speed for t in torques]))
+    taken, lost = (float(np.sum([getattr(t, name) for t in torques])) for name in ("input_power", "power"))
+    driving, driven = max(turning, along), min(turning, along)
+    return {
+        "input_power_W": number(taken),
+        "loss_W": number(lost),
+        "balance_W": number(taken - lost),
+        "axial_load_power_W": number(along),
+        "torque_power_W": number(turning),
+        "efficiency_percent": number(-100.0 * driven / driving) if driven < -NOTHING * driving else None,
+    }
+
+
+def _energy_line(values: dict[str, Any]) -> str:
+    """The powers in words."""
+    part = values["efficiency_percent"]
+    by = "the torque" if values["torque_power_W"] > values["axial_load_power_W"] else "the axial load"
+    worth = "no power leaves the shaft" if part is None else f"{by} drives with an efficiency of {part:.2f} %"
+    return (
+        f"energy: contacts take {values['input_power_W']:.6g} W, lose {values['loss_W']:.6g} W, difference "
+        f"{values['balance_W']:.1e} W; {worth}"
+    )
 
 
 def _sum(solved: Solved, drag: dict[int, float]) -> dict[str, Any]:

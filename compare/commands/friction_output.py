@@ -31,7 +31,9 @@ def jam_words(state: FrictionState) -> str:
     """What is known of second, jammed states of balls at a high coefficient of friction."""
     start = "at this coefficient of friction a ball may have a second, jammed state"
     if state.second is None:
-        return f"{start}: this is the one that rolls"
+        along = "without lead friction runs along the grooves and moves no ball across them"
+        why = along if state.torque.ratio == 0.0 else 'it takes friction that moves balls in grooves, coupling = "ball"'
+        return f"{start}; none was searched for: {why}"
     if not state.second:
         return f"{start}; none was found from four displaced starts of every ball"
     numbers = ", ".join(str(k + 1) for k in state.second[:8])
@@ -40,10 +42,12 @@ def jam_words(state: FrictionState) -> str:
 
 def slip_warnings(part: float) -> list[str]:
     """What to say where Heathcote slip, left out, would add much to the losses."""
-    if not part > WIDE:
-        return []
-    size = f"{100.0 * part:.2g} %"
-    return [f"the contacts are so wide that their curvature (Heathcote slip, left out) would raise friction by {size}"]
+    return [f"the contacts are so wide that {slip_words(part)}"] if part > WIDE else []
+
+
+def slip_words(part: float) -> str:
+    """What Heathcote slip, left out, would add to the losses."""
+    return f"their curvature (Heathcote slip, left out) would raise friction by {100.0 * part:.2g} %"
 
 
 def neighbour_data(state: FrictionState) -> dict[str, Any]:
@@ -225,8 +229,10 @@ def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: 
 def _torque_lines(t: ScrewTorque, drag: tuple[float | None, str]) -> list[str]:
     inner = "inner ring" if t.ratio == 0.0 else "screw"
     without = "unknown: " + drag[1] if drag[0] is None else f"{1e3 * drag[0]:.6g} N mm" + f" ({drag[1]})" * bool(drag[1])
+    outer = "outer ring" if t.ratio == 0.0 else "nut"
     lines = [
-        f"friction torque {1e3 * t.friction:.6g} N mm, against the {inner}'s motion; drag torque without loads {without}"
+        f"friction torque {1e3 * t.friction:.6g} N mm against the turning of {inner} in {outer}; drag torque without loads "
+        f"{without}"
     ]
     if t.ratio == 0.0:
         return lines
@@ -256,8 +262,9 @@ def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str
         f"the {part} turns at {motion.speed:.6g} rad/s{moving}; torque on the {inner} "
         f"{1e3 * t.on_screw:+.6g} N mm about +z, the opposite on the other part"
     )
+    taken = t.input_power if t.power else 0.0  # else round-off
     lines.append(
-        f"energy: contacts take {t.input_power:.6g} W (forces and moments about the axis), lose {t.power:.6g} W "
+        f"energy: contacts take {taken:.6g} W (forces and moments about the axis), lose {t.power:.6g} W "
         f"(sum over contacts), difference {t.input_power - t.power:.1e} W"
     )
     if state.neighbours is not None:
@@ -266,11 +273,11 @@ def lines_of(motion: Motion, state: FrictionState, drag: tuple[float | None, str
             f"{n.touching} pairs of neighbours touch, with up to {n.force.max(initial=0.0):.4g} N; between balls "
             f"{n.power:.4g} W are lost; without them the friction torque is {1e3 * state.bare.friction:.6g} N mm"
         )
-    elif t.ratio != 0.0:
+    elif t.ratio != 0.0 and t.friction != 0.0:
         how = "friction moves the balls in their grooves" if state.coupled else "loads are those without friction"
-        bare = f"{1e3 * state.bare.friction:.6g} N mm"
+        without = f"; without this feedback the friction torque is {1e3 * state.bare.friction:.6g} N mm" * state.coupled
         lines.append(
             f"{how}: it pulls the screw along its axis with {t.pull:.4g} N and a ball across its path with up to "
-            f"{t.tilt:.3g} of its largest load; without this feedback the friction torque is {bare}"
+            f"{t.tilt:.3g} of its largest load{without}"
         )
     return lines

@@ -90,10 +90,20 @@ def judged(time: Time, history: History, error: StepError | None) -> Run:
 def run_data(run: Run) -> dict[str, Any]:
     """Values of a run for JSON; histories step by step at the middle of each, gaps at its end."""
     h, e = run.history, run.error
-    data: dict[str, Any] = {"status": run.status, "converged": run.converged, "steps": h.steps, "left_out": list(LEFT_OUT)}
+    reached, asked = (number(math.degrees(angle)) for angle in h.angles)
+    data: dict[str, Any] = {
+        "status": run.status,
+        "converged": run.converged,
+        "complete": h.complete,
+        "steps": h.steps,
+        "reached_deg": reached,
+        "asked_deg": asked,
+        "step_error": None if e is None else error_data(e, run.time.goal),
+        "step_error_unknown": no_error(run),
+        "left_out": list(LEFT_OUT),
+    }
     if not h.steps:
         return data
-    data["step_error"] = None if e is None else error_data(e, run.time.goal)
     data["circuits"] = [
         {
             "start": t.start + 1,
@@ -135,10 +145,17 @@ def error_data(e: StepError, goal: float) -> dict[str, Any]:
     }
 
 
+def no_error(run: Run) -> str | None:
+    """Why a run has no estimate of the error of its steps; None where it has one."""
+    if run.error is not None:
+        return None
+    return "a step did not converge" if run.history.complete else "the run stopped before its end"
+
+
 def energy_data(h: History) -> dict[str, Any]:
     """Work over the run [J] of the torque on the screw and of its axial load, losses, and the largest imbalance of a step
     over its losses: of the power that contacts take in, and of torque and load against losses."""
-    dt, (turning, along) = h.span / h.steps, h.advance
+    dt, (turning, along) = h.step, h.advance
     loss = h.torque * abs(turning)
     rubs = bool(np.all(loss > 0.0))
     return {
@@ -215,8 +232,10 @@ def run_lines(run: Run) -> list[str]:
     if not h.steps:
         return [f"run in time: {run.status}"]
     t = torque_data(h)
+    reached, asked = (f"{math.degrees(angle):.6g} deg" for angle in h.angles)
+    far = f"over {reached}" if h.complete else f"stopped at {reached} of {asked},"
     lines = [
-        f"over {math.degrees(abs(h.balls.grooves.speed) * h.span):.6g} deg in {h.steps} steps: friction torque "
+        f"{far} in {h.steps} steps: friction torque "
         f"{t['mean_Nmm']:.6g} N mm in the mean, {t['least_Nmm']:.6g} to {t['most_Nmm']:.6g} N mm; grooves "
         f"{t['groove_mean_Nmm']:.6g}, ball to ball {t['ball_to_ball_mean_Nmm']:.4g} N mm in the mean"
     ]
@@ -227,6 +246,8 @@ def run_lines(run: Run) -> list[str]:
             f"its mean, from {', '.join(str(n) for n in e.steps)} steps ({order}, {e.used:.2g} used); goal "
             f"{100.0 * run.time.goal:g} %"
         )
+    else:
+        lines.append(f"error of the steps: unknown, {no_error(run)}")
     return lines if run.converged else [*lines, f"run in time: {run.status}"]
 
 

@@ -23,6 +23,7 @@ from compare.commands.friction_output import (
     mu_row,
     neighbour_data,
     slip_warnings,
+    slip_words,
     sums,
     warnings_of,
 )
@@ -31,7 +32,7 @@ from compare.commands.solve_output import number
 from compare.errors import InputError, Refusal
 from compare.models.registry import DEFAULT, Options, run_model
 from compare.scenes.scene_file import kind_of
-from lowfi.friction.whole.heathcote import heathcote
+from lowfi.friction.whole.heathcote import WIDE, heathcote
 from lowfi.friction.whole.state import FrictionState, friction_state
 from lowfi.statics.result import StaticResult
 from meshes.parts import Friction, Motion, Scene, Support
@@ -96,7 +97,8 @@ def solve_scene(scene: Scene, choices: Choices) -> Answer:
         raise InputError("command line", "--condensed", str(choices.condensed), allowed, "leave --model out")
     options = Options(member=choices.member, condensed=choices.condensed, discretisation=False)
     result = run_model(scene, model, options)
-    head: dict[str, object] = {"scene": scene.name, "title": scene.title, "kind": kind_of(scene), "model": result.model}
+    named = {"scene": scene.name, "title": scene.title, "kind": kind_of(scene), "model": result.model}
+    head: dict[str, object] = named | {"member": choices.member if scene.errors.random else None}
     if not result.converged:
         status = f"contact loads: {result.status}"
         data = head | {"status": status, "converged": False, "assumed": list(scene.assumed), "left_out": [], "warnings": []}
@@ -248,4 +250,7 @@ def _answer(scene: Scene, result: StaticResult, head: dict[str, object], solved:
     if len(over) > 1:
         tables.append(("over the coefficient of friction", mu_columns(kind_of(scene)), over))
     every = [("per ball", BALL_COLUMNS, flat_rows(rows))] if state.loaded else []
-    return Answer(data, tables, lines_of(motion, state, (drag.torque, drag.reason or drag.note)), good, every)
+    lines = lines_of(motion, state, (drag.torque, drag.reason or drag.note))
+    if e.friction and slip <= WIDE:
+        lines.append("contacts are not flat: " + slip_words(slip))
+    return Answer(data, tables, lines, good, every)

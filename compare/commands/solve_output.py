@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 
 def number(value: float) -> float | None:
-    """A JSON number: nan and infinity become null."""
-    value = float(value)
+    """A JSON number: nan and infinity become null, and no zero has a sign."""
+    value = float(value) + 0.0
     return value if math.isfinite(value) else None
 
 

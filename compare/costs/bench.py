@@ -21,11 +21,10 @@ from compare.costs.prepared import TOLERANCE, Energy, Refined, Source
 from compare.costs.startup import command_line_job, startup_jobs
 from compare.costs.timing import Job, launch, timed
 from compare.extremes.static import with_balls
-from compare.models.ensemble import run_ensemble
+from compare.models.ensemble import ENOUGH, run_ensemble
 from compare.scenes.catalogue import scene as shipped
 from lowfi.as_source import static as lin
 from lowfi.compliance.ends import forget
-from lowfi.statics.static import TOLERANCE as OWN_TOLERANCE
 from lowfi.statics.static import solve_static
 from meshes.memory import peak_MB, reset_peak
 from meshes.parts import Scene
@@ -115,7 +114,7 @@ def _ensemble_jobs(repeats: int) -> Iterator[Job]:
     whole = timed(lambda: run_ensemble(scene, count), min(repeats, 5)) / count
     good = int(last.converged.sum())
     note = (
-        f"per member of {count} on one core, to {OWN_TOLERANCE:g}, with drawing, packing and the check of the "
+        f"per member of {count} on one core, to {ENOUGH:g}, with drawing, packing and the check of the "
         f"sides left out; {good} converged; the source (no set-up, to {TOLERANCE:g}) solved {len(seconds)} of "
         f"{len(members)} tried; aim {1e6 * MEMBER_AIM:g} us"
     )
@@ -126,7 +125,7 @@ def _ensemble_jobs(repeats: int) -> Iterator[Job]:
     note = f"the same in two threads, the same numbers: {whole / both:.2f} times as fast"
     yield Job("ensemble, two threads", both, _ratio(slow, both), unknowns, peak_MB(), note)
     yield Job("source, per member", slow, None, members[0].unknowns, peak_MB(), "Newton from its good guess, no set-up")
-    scene, count = shipped("lin-case3-tolerances"), max(10, count // 4)
+    scene = shipped("lin-case3-tolerances")
     last = run_ensemble(scene, count)
     whole = timed(lambda: run_ensemble(scene, count), min(repeats, 3)) / count
     note = f"per member of {count}, preloaded, all four flanks, random balls, pitch and roundness; {last.path}; "

@@ -49,9 +49,10 @@ DENSE_LIMIT = 2000
 #: Loads of two formulations that differ by less than this share of the largest load [%] are the same solution.
 SAME = 1e-4
 
-HELIX = "not held: screw motion along the helix: no support and no contact resists it, and the loads drive it"
-ROTATION = "not held: rotation about the screw's axis: no support and no contact resists it, and the loads drive it"
-TWO_BALLS = "not held: rigid motion in ux, uy, uz, rx, ry: no support and no contact resists it, and the loads drive it"
+UNHELD = "not held: {}: no support and no contact resists it, and the loads drive it"
+HELIX = UNHELD.format("screw motion along the helix")
+ROTATION = UNHELD.format("rotation about the screw's axis")
+TWO_BALLS = UNHELD.format("rigid motion in uy, uz, rx, ry at the nut's centre")
 
 
 @dataclass(frozen=True)

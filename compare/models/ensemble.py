@@ -6,19 +6,18 @@ packed at once, and compiled kernels run through them. Anything else goes member
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lowfi.statics.elastic_system import one_thread
 from lowfi.statics.mechanism import free_motions
 from lowfi.statics.pressed import Pressed, pressed
 from lowfi.statics.problem import Problem, build, distances, hertz_C, lever_arms
-from lowfi.statics.records import MemberArrays, MemberStates, PairMembers
+from lowfi.statics.records import MemberArrays, MemberStates
 from lowfi.statics.result import StaticResult
 from lowfi.statics.selection import all_clear, choose_sides
 from lowfi.statics.shape import motion_matrices
@@ -48,8 +47,9 @@ MARGIN = 1e-7
 ENOUGH = 1e-11
 #: Members tried first with fewer sides; the rest only if at least half of them pass.
 TRIAL = 32
-#: Members per call of the kernel that runs through them: so few that the memory of a call is not given back in between.
-CHUNK = 100
+#: Members per call of the kernels, which let other threads run: so few that the memory of a call is not given back in
+#: between, and whole rows of those that are solved side by side.
+CHUNK = 96
 BATCH_PATH = "one system, members in a batch"
 GENERAL_PATH = "member by member"
 
@@ -96,7 +96,8 @@ def run_ensemble(scene: Scene, members: int | None = None, first: int = 0, *, th
     if count < 1 or threads < 1:
         raise ValueError(f"members = {count}, threads = {threads}; allowed: 1 or more")
     if one_pass(scene):
-        result = _Batch(scene, count, first, threads).solve()
+        with one_thread():
+            result = _Batch(scene, count, first, threads).solve()
         if result is not None:
             return result
     begin = perf_counter()
@@ -155,14 +156,15 @@ class _Batch:
         begin = perf_counter()
         # sides that the loads would leave idle if no ball were tight: tried, then verified member by member
         few = choose_sides(self.scene, replace(self.mean, ball_radius=self.drawn.ball_radius.min(axis=0)))
-        if self._held(np.ones(4, dtype=bool)) is None:
+        whole = self._held(np.ones(4, dtype=bool))
+        if whole is None:
             return None
         count = self.solved.size
         if not np.all(few):
-            self._solve(few, np.arange(count))
+            self._solve(self._held(few), np.arange(count))
         rest = np.flatnonzero(~self.solved)
         if rest.size:
-            self._solve(np.ones(4, dtype=bool), rest)
+            self._solve(whole, rest)
         statuses = ["converged"] * count
         left = np.flatnonzero(~self.solved)
         for m in left:
@@ -192,36 +194,37 @@ class _Batch:
             return None
         return pin(problem, mechanism)
 
-    def _system(self, use: NDArray[np.bool_]) -> Prepared | None:
-        """The common system in its solution without random errors; None where the screw is not held."""
-        problem = self._held(use)
-        if problem is None:
-            return None
+    def _system(self, problem: Problem) -> Prepared:
+        """The common system in its solution without random errors."""
         prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
         iterate(prepared)
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 
-    def _solve(self, use: NDArray[np.bool_], members: NDArray[np.int64]) -> None:
-        """Members with the sides ``use``; only those count as solved that no flank left out comes near.
+    def _solve(self, problem: Problem | None, members: NDArray[np.int64]) -> None:
+        """Members with the sides of a problem; only those count as solved that no flank left out comes near.
 
         Gives up after ``TRIAL`` members if sides are left out and fewer than half of them pass.
         """
-        prepared = self._system(use)
-        if prepared is None:
+        if problem is None:
             return
-        near = None if np.all(use) else _Nearness(prepared, self.layout)
-        quick = None
-        if near is not None and len(self.drawn.centre) == 1:
-            quick = pressed(prepared, np.concatenate([near.rows, prepared.beam.load.reshape(1, -1)]))
-        for first, last in pairwise(sorted({0, *range(min(TRIAL, members.size), members.size, CHUNK), members.size})):
-            part = members[first:last]
-            if near is not None and quick is not None:
+        prepared = self._system(problem)
+        near = None if np.all(problem.use) else _Nearness(prepared, self.layout)
+        seen = [] if near is None else [near.rows]
+        quick = pressed(prepared, np.concatenate([*seen, prepared.beam.load.reshape(1, -1)]), len(self.drawn.centre) > 1)
+
+        def some(part: NDArray[np.int64]) -> None:
+            if quick is not None:
                 part = part[self._press(quick, near, part)]
             if part.size:
                 self._follow(prepared, near, part)
-            if near is not None and 2 * np.count_nonzero(self.solved[members[:last]]) < last:
-                break
+
+        trial, rest = members[:TRIAL], [members[k : k + CHUNK] for k in range(TRIAL, members.size, CHUNK)]
+        some(trial)
+        if near is not None and 2 * np.count_nonzero(self.solved[trial]) < trial.size:
+            return
+        with ThreadPoolExecutor(self.threads) as pool:
+            list((map if self.threads == 1 else pool.map)(some, rest))
 
     def _keep(
         self, members: NDArray[np.int64], good: NDArray[np.bool_], loads: Array, residuals: Array, works: Array
@@ -230,14 +233,15 @@ class _Batch:
         self.loads[kept], self.residuals[kept], self.works[kept] = loads[good], residuals[good], works[good]
         self.solved[kept] = True
 
-    def _press(self, quick: Pressed, near: _Nearness, part: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def _press(self, quick: Pressed, near: _Nearness | None, part: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Some members on the motions of their flanks alone; returns which were not solved so."""
-        offset, closure = distances(self.scene, self._of(part))
-        found = quick.solve(PairMembers(offset, closure, self.C[part]), self._side_by_side)
+        drawn = self._of(part)
+        offset, closure = distances(self.scene, drawn)
+        found = quick.solve(drawn, offset, closure, self.C[part])
         done = found.status == 0
         motions = quick.functions(found.pull)
-        clear = near.clear(motions[:, :-1], found.p, offset, found.force)
-        self._keep(part, done & clear, found.force, found.residual, motions[:, -1])
+        good = done if near is None else done & near.clear(motions[:, :-1], found.p, offset, found.force)
+        self._keep(part, good, found.force, found.residual, motions[:, -1])
         return np.asarray(~done)
 
     def _follow(self, prepared: Prepared, near: _Nearness | None, part: NDArray[np.int64]) -> None:
@@ -250,7 +254,7 @@ class _Batch:
         self._keep(part, good, found.force, found.residual, np.tensordot(found.q, prepared.beam.load, axes=2))
 
     def _run(self, prepared: Prepared, part: NDArray[np.int64]) -> tuple[MemberArrays, MemberStates]:
-        """Some members through the compiled kernel, which lets other threads run."""
+        """Some members through the compiled kernel for the whole screw."""
         drawn, problem, state = self._of(part), prepared.problem, prepared.state
         offset, closure = distances(self.scene, drawn)
         geometry = np.empty((part.size, *problem.geometry.shape))
@@ -261,23 +265,8 @@ class _Batch:
         status, residual = np.empty(k, dtype=np.int64), np.empty(k)
         found = MemberStates(forces, status, residual, np.empty((k, *state.q.shape)), np.empty((k, *state.p.shape)))
 
-        def some(own: slice) -> None:
-            one = MemberArrays(B[own] if len(B) > 1 else B, geometry[own], closure[own], drawn.ball_radius[own])
-            into = MemberStates(*(x[own] for x in found))
-            prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, one, into)
-
-        self._side_by_side(some, k)
+        prepared.engine.ensemble(prepared.beam, prepared.contacts, state, prepared.options, arrays, found)
         return arrays, found
-
-    def _side_by_side(self, some: Callable[[slice], None], count: int) -> None:
-        """Call a function that lets other threads run with slices of a range, one for each thread."""
-        edges = np.linspace(0, count, min(self.threads, count) + 1).astype(int)
-        slices = [slice(a, b) for a, b in pairwise(edges)]
-        if len(slices) == 1:
-            some(slices[0])
-        else:
-            with ThreadPoolExecutor(len(slices)) as pool:
-                list(pool.map(some, slices))
 
 
 class _Nearness:

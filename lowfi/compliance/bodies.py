@@ -313,7 +313,8 @@ def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
         least = np.degrees(np.arcsin(BEYOND_APEX * NARROW * scene.balls.radius / radius))
         raise ValueError(
             f"contact angle {np.degrees(angle):.3g} deg, but the elastic flanks of this groove need {least:.2g} deg: "
-            "nearer to the apex, the contacts of both flanks are one; the models lin, lin-cell and lin-nut solve it"
+            "nearer to the apex, the contacts of both flanks are one; the models lin, lin-cell and lin-nut solve it, and "
+            "warn where they count one contact twice"
         )
 
 

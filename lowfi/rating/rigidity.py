@@ -34,6 +34,9 @@ from meshes.errors import specimen
 from meshes.helix import ball_layout, lead_angle
 from meshes.parts import Scene
 
+#: Share of the sum of contact loads below which an axial force is round-off.
+ROUND_OFF = 1e-12
+
 
 @dataclass(frozen=True)
 class Rigidities:
@@ -97,9 +100,10 @@ def axial_displacement(scene: Scene, result: StaticResult) -> float:
 
 
 def axial_force(result: StaticResult) -> float:
-    """Axial force [N] of the screw on the nut."""
+    """Axial force [N] of the screw on the nut; zero where it is round-off of the contact loads."""
     balance = result.equilibrium
-    return 0.0 if balance is None else -float(balance.contact_force[2])
+    force = 0.0 if balance is None else -float(balance.contact_force[2])
+    return force if abs(force) > ROUND_OFF * float(result.load.sum()) else 0.0
 
 
 def rigidities(scene: Scene, force: float, displacement: float | None) -> Rigidities | None:

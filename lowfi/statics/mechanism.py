@@ -70,9 +70,10 @@ def free_motions(problem: Problem) -> Mechanism:
     if null.shape[0] == 0:
         return Mechanism(False, "", (), no_torsion)
     free = motions @ null.T
+    seen = rigid_transport(problem.scene.nut.position - float(problem.nodes[0])) @ free
     drive = null @ work
     total = float(np.abs(problem.load[:, :3]).sum() + np.abs(problem.load[:, 3:]).sum() / track.pitch_radius)
-    text = _name(free, track.lead, track.pitch_radius)
+    text = _name(seen, track.lead, track.pitch_radius)
     if float(np.abs(drive).max()) > 1e-9 * total and total > 0.0:
         return Mechanism(True, f"{text}: no support and no contact resists it, and the loads drive it")
     if problem.basis is not None:  # freedoms are the columns of the basis that the supports leave
@@ -98,9 +99,9 @@ def _others(free: Array, pins: tuple[int, ...], arm: float) -> tuple[int, ...]:
 
 
 def _name(free: Array, lead: float, arm: float) -> str:
-    """Words for the free motion."""
+    """Words for the free motion of the section at the nut's centre, ``(6, k)``."""
     scaled = np.abs(free * np.array([1.0, 1.0, 1.0, arm, arm, arm])[:, None]).max(axis=1)
     if free.shape[1] == 1 and scaled[:2].max() + scaled[3:5].max() < 1e-6 * scaled.max():
         return "screw motion along the helix" if lead > 0.0 else "rotation about the screw's axis"
     parts = [name for name, size in zip(FREEDOMS, scaled, strict=True) if size > 1e-6 * scaled.max()]
-    return "rigid motion in " + ", ".join(parts)
+    return "rigid motion in " + ", ".join(parts) + " at the nut's centre"

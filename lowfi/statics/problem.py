@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial.chebyshev import cheb2poly, chebinterpolate
-from numpy.polynomial.polynomial import polyval
+from numpy.polynomial.chebyshev import chebinterpolate, chebval
 from numpy.typing import NDArray
 
 from lowfi.compliance.bodies import geometry_only
@@ -207,9 +206,8 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
     series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]
     shown = np.flatnonzero((np.abs(series) > ROUND_OFF * np.abs(series[0])).any(axis=1))[-1]
-    powers = np.stack([np.pad(c, (0, shown + 1 - c.size)) for c in map(cheb2poly, series[: shown + 1].T)], axis=1)
-    distinct, of_side = np.unique(powers, axis=1, return_inverse=True)
-    values = polyval((own - middle) / half, distinct)
+    distinct, of_side = np.unique(series[: shown + 1], axis=1, return_inverse=True)
+    values = chebval((own - middle) / half, distinct)
     return np.stack([values[k] for k in of_side.ravel()], axis=-1)
 
 
@@ -241,18 +239,22 @@ def distances(scene: Scene, drawn: Specimen | Specimens) -> tuple[Array, Array]:
 
     Built from differences, so that a nominal contact has an approach of zero to round-off of its errors only.
     """
-    centre, radii, nominal = drawn.centre, groove_radii(scene), nominal_groove_centres(scene)
-    size = np.hypot(centre[..., 0], centre[..., 1])
-    nominal = np.hypot(nominal[:, 0], nominal[:, 1])
+    x, z, radii = drawn.centre[..., 0], drawn.centre[..., 1], groove_radii(scene)
+    size, nominal = _length(x, z), _length(*nominal_groove_centres(scene).T)
     wider = (drawn.radius - radii) + (radii - scene.balls.radius - nominal)
     offset = np.empty((*drawn.ball_radius.shape, 4, 4))
-    np.negative(centre, out=offset[..., :2])
-    offset[..., 2] = size
-    approach = offset[..., 3]
+    offset[..., 0], offset[..., 1], offset[..., 2] = -x, -z, size
+    approach, closure = offset[..., 3], np.empty((*drawn.ball_radius.shape, 2))
     approach[...] = (drawn.ball_radius - scene.balls.radius)[..., None] - wider + (size - nominal)
-    between = centre[..., :2, :] - centre[..., :1:-1, :]
-    grown = np.hypot(between[..., 0], between[..., 1]) - size[..., :2] - size[..., :1:-1]
-    return offset, approach[..., :2] + approach[..., :1:-1] + grown
+    for a, b in ((0, 3), (1, 2)):  # pair by pair, over all balls: numpy is slow along short axes
+        grown = _length(x[..., a] - x[..., b], z[..., a] - z[..., b]) - size[..., a] - size[..., b]
+        closure[..., a] = approach[..., a] + approach[..., b] + grown
+    return offset, closure
+
+
+def _length(x: Array, z: Array) -> Array:
+    """By operations that round in one way everywhere; numpy's hypot rounds by where an array lies in memory."""
+    return np.asarray(np.sqrt(x * x + z * z))
 
 
 def flank_rows(parts: tuple[Scene, Specimen, BallLayout, Array | None], side: int, origin_z: Array) -> Array:

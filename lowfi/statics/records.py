@@ -107,15 +107,46 @@ class PairMembers(NamedTuple):
     C: Array
 
 
+class FlankCommon(NamedTuple):
+    """Balls between flanks in the common start of many specimens, see `lowfi.statics.kernel.flanks`: six motions a ball, of
+    SL along x3, z3, of SR, and their turns about the track times the length that makes forces of moments."""
+
+    #: Motions (6 N, 6 N) by unit forces, at the stiffness of the start [m/N], and in the start (N, 6) [m].
+    reach: Array
+    motion: Array
+    #: Forces of the balls on the screw's flanks (N, 4) [N], stiffness (N, 4, 4) [N/m], centres (N, 2) [m] in the start.
+    force: Array
+    stiffness: Array
+    centre: Array
+    #: Soft modes (6 N, k) of these motions, and what balls' stiffness (4, 4) is to them (k (k + 1) / 2, 10 N), triangles.
+    soft: Array
+    bent: Array
+    #: Which flanks take part (4,).
+    use: Array
+    #: Largest component of the nodes' residual by forces of one newton at all flanks, moments over the arm.
+    spread: float
+    #: Force [N] below which a contact carries none.
+    tiny: float
+
+
+class FlankMembers(NamedTuple):
+    """Specimens m of such a screw: offsets (m, N, 4, 4) [m], Hertz constants (m, N, 4), and lever (m, N, 2, 2): groove
+    centres of the screw beside those of the start over the length that makes forces of moments."""
+
+    offset: Array
+    C: Array
+    lever: Array
+
+
 class PairStates(NamedTuple):
-    """Solutions of specimens m of such a screw."""
+    """Solutions of specimens m of such screws, c motions of flanks each."""
 
     #: Contact forces (m, N, 4) [N].
     force: Array
     #: How each ended (m,), and a bound of its relative residual (m,).
     status: Array
     residual: Array
-    #: Forces (m, 2 N) [N] that at the stiffness of the start would move the screw as it has moved; ball centres (m, N, 2).
+    #: Forces (m, c) [N] that at the stiffness of the start would move the screw as it has moved; ball centres (m, N, 2).
     pull: Array
     p: Array
 

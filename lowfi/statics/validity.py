@@ -36,6 +36,7 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
     shift = solved.centre * loaded
     return (
         *_places(problem, force, gamma, shift),
+        *_counted_twice(problem, force, gamma),
         *contact_warnings(constants.pressure(force), constants.C_a * np.cbrt(force), problem.scene.balls.radius),
         *_wedged(problem, shift),
         *profile_warning(solved, gamma),
@@ -71,6 +72,28 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
         notes.append("a ball moves by more than a tenth of its radius: small-displacement theory is left")
     return notes
+
+
+def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[str]:
+    """Balls whose contacts with both flanks of a groove lie within one ellipse, angles ``(N, 4)`` [rad] apart by their sum:
+    the flanks' arcs are one circle there, and two springs stand for one contact."""
+    half = nominal_hertz(problem.scene).C_a * np.cbrt(force) / problem.drawn.radius
+    pairs = force.reshape(-1, 2, 2)
+    both = (pairs > 0.0).all(axis=2) & (np.abs(gamma.reshape(-1, 2, 2).sum(axis=2)) < half.reshape(-1, 2, 2).max(axis=2))
+    if not both.any():
+        return []
+    total = np.where(both, pairs.sum(axis=2), 0.0)
+    share = np.where(both, total / np.maximum(pairs.max(axis=2), 1e-300), 0.0)
+    worst = float(np.cbrt(share.max()))
+    ball, body = np.unravel_index(int(total.argmax()), total.shape)
+    left, right = pairs[ball, body]
+    where = f"ball {int(ball) + 1} of the {('screw', 'nut')[body]}"
+    return [
+        f"{int(both.any(axis=1).sum())} ball(s) touch both flanks of a groove within one contact ellipse: there the arcs "
+        f"are one groove, and the forces are those of one contact counted twice ({where}: {left:.4g} N and {right:.4g} N "
+        f"for one of up to {left + right:.4g} N); its pressure is higher by up to "
+        f"{100.0 * (worst - 1.0):.2g} %, its approach by up to {100.0 * (worst**2 - 1.0):.2g} %"
+    ]
 
 
 #: How the warnings of `contact_warnings` begin.

@@ -66,6 +66,19 @@ def test_energy_and_reversal(scene, screw, nut, motion):
     assert back.torque.friction == pytest.approx(t.friction, rel=1e-7)
 
 
+@settings(max_examples=25, derandomize=True, deadline=None)
+@given(scenes(), coefficient, coefficient, turning)
+def test_feedback_settles_and_keeps_the_axial_load(scene, screw, nut, motion):
+    """Two-point contact under high friction too, where plain rounds run to and fro."""
+    result = solve_static(scene)
+    assume(result.converged and scene.track.lead != 0.0)
+    found = friction_state(scene, result, Friction(screw, nut, coupling="ball"), motion)
+    assert not found.unsettled
+    assert found.change < 1e-6
+    assert found.torque.load == pytest.approx(found.bare.load, abs=1e-6 * found.torque.carried)
+    assert found.torque.input_power == pytest.approx(found.torque.power, rel=1e-8)
+
+
 @settings(max_examples=10, derandomize=True, deadline=None)
 @given(scenes(), coefficient, turning)
 def test_mirror(scene, mu, motion):

@@ -14,6 +14,7 @@ from lowfi.friction.contact.records import CellArrays
 from lowfi.friction.contact.rings import settle_cell
 from lowfi.friction.screw.arrays import plain_array
 from lowfi.friction.screw.groove import SIGN_X, SIGN_Z, ScrewGroove, frame
+from lowfi.statics.static import contact_angles
 from meshes.arrays import Array
 
 
@@ -89,8 +90,7 @@ def settle_load(cell: Cell, start: tuple[Array, Array] | None = None, fast: bool
     # from a distant start a nearly unloaded ball may creep along a flat energy
     if not found.converged and start is not None:
         return settle_load(cell, None, fast)
-    n = np.abs(found.normal)
-    angle = np.arctan2(n[..., 1], n[..., 0])
+    angle = contact_angles(found.normal)
     return ScrewLoad(found.force, angle, found.ball, found.inner, found.left, found.steps, found.converged)
 
 

@@ -130,12 +130,12 @@ class Mixer:
         self.x, self.r = list[Array](), list[Array]()
 
     def next(self, x: Array, g: Array) -> Array:
-        """Next iterate after x gave g."""
+        """Next iterate after x gave g; x may be overwritten afterwards."""
         if self.rounds % self.patience == 0:
             self.x, self.r = [], []
         part = 0.5 ** (self.rounds // self.patience)
         self.rounds += 1
-        self.x, self.r = [*self.x[-self.depth :], x], [*self.r[-self.depth :], g - x]
+        self.x, self.r = [*self.x[-self.depth :], x.copy()], [*self.r[-self.depth :], g - x]
         if len(self.x) == 1:
             return np.asarray(x + part * (g - x))
         dx, dr = np.diff(self.x, axis=0).T, np.diff(self.r, axis=0).T

@@ -17,13 +17,14 @@ from lowfi.friction.screw.path import ON_SCREW
 from lowfi.friction.whole.contacts import StaticContacts, with_loads
 from lowfi.friction.whole.losses import BallFriction, ball_friction
 from lowfi.statics.result import StaticResult
+from lowfi.statics.static import contact_angles
 from meshes.arrays import Array
 from meshes.errors import Specimen, specimen
 from meshes.parts import Friction, Scene
 from meshes.parts import Motion as Drive
 
-#: Change of the friction fed back in a round, as a fraction of a ball's contact forces: aimed at, and accepted after most
-#: rounds.
+#: Difference of friction and what of it is fed back, as a fraction of a ball's contact forces: aimed at, and accepted
+#: after most rounds.
 AGREED, ACCEPTED, ROUNDS = 1e-7, 1e-4, 200
 #: Displaced starts in the search for other states, and difference of states, as fractions of a ball's largest force.
 DISPLACED, ANOTHER = 3.0, 1e-3
@@ -155,8 +156,9 @@ def _stiffness(place: Seats, force: Array, normal: Array, length: Array) -> Arra
 class FedBack:
     """Contacts and friction that agree, balls whose feedback did not settle (N,), and rounds.
 
-    change: largest change of a ball's friction in its last round, as a fraction of its contact forces; push (N, 3):
-    forces of friction on balls and screw that the contacts balance, see ``settle`` [N].
+    A ball fails where the contacts and the friction returned leave it, or the axial load that it carried without friction,
+    out of balance by more than ``ACCEPTED`` of its contact forces. change: largest such fraction; push (N, 3): forces of
+    friction on balls and screw that the contacts balance, see ``settle_seats`` [N].
     """
 
     at: StaticContacts
@@ -189,24 +191,28 @@ def feed_back(
     if near is not None and active.size:
         guess[active] = near[active]
         now, shift[active], _ = _seated(at, place, active, still[active] + guess[active], shift[active], at)
-    failed, last = np.zeros(count, dtype=bool), np.zeros(count)
+    failed = np.zeros(count, dtype=bool)
     while active.size and rounds < ROUNDS:
         rounds += 1
         some = now.part(active)
         found = ball_friction(scene, some, friction, drive, fast)
-        wrench = found.wrench(some.normals)[..., :3]
-        drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], place.axis)
-        answer = np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
-        last[active] = np.abs(answer - guess[active]).max(axis=1) / np.maximum(some.force.sum(axis=1), 1e-300)
-        more = (last[active] > AGREED) | failed[active]
+        answer = _answer(found, some, place.axis)
+        more = (np.abs(answer - guess[active]).max(axis=1) > AGREED * some.force.sum(axis=1)) | failed[active]
         for k in np.flatnonzero(more):
             guess[active[k]] = mixers[active[k]].next(guess[active[k]], answer[k])
         active = active[more]
         now, shift[active], failed[active] = _seated(now, place, active, still[active] + guess[active], shift[active], at)
-    failed |= last > ACCEPTED
-    return FedBack(
-        now, ball_friction(scene, now, friction, drive, fast), failed, rounds, float(last.max(initial=0.0)), guess
-    )
+    final = ball_friction(scene, now, friction, drive, fast)
+    off = _left(now.force, now.normals[..., [0, 2]], along, still + _answer(final, now, place.axis))
+    change = np.abs(off).max(axis=1) / np.maximum(now.force.sum(axis=1), 1e-300)
+    return FedBack(now, final, failed | (change > ACCEPTED), rounds, float(change.max(initial=0.0)), guess)
+
+
+def _answer(found: BallFriction, at: StaticContacts, axis: Array) -> Array:
+    """Friction on balls along x3, z3 and on the screw along its axis (3,), (N, 3) [N]."""
+    wrench = found.wrench(at.normals)[..., :3]
+    drag = -np.einsum("nsi,i->n", wrench[:, ON_SCREW], axis)
+    return np.column_stack([wrench[:, :, [0, 2]].sum(axis=1), drag])
 
 
 def second_states(
@@ -237,5 +243,5 @@ def _seated(
     failed = left > 1e-8 * np.maximum(force.sum(axis=1), bare.force[which].sum(axis=1))
     new_force, angle = now.force.copy(), now.angle.copy()
     new_force[which] = force
-    angle[which] = np.arctan2(np.abs(normal[..., 1]), np.abs(normal[..., 0]))
+    angle[which] = contact_angles(normal)
     return with_loads(now, new_force, angle), x, failed

@@ -40,6 +40,7 @@ STEPS_PER_PITCH, FIRST_STEPS = 2.0, (8, 400)
 class History:
     """Arrays over T steps, N balls in the order of ``balls``; SI.
 
+    span: time asked for [s]; step: length of a step [s].
     turned (T,): angle of the part that turns, azimuth (T, N), unwrapped in the nut's frame, and loaded (T, N), whether on a
     loaded arc, at the middle of each step; gap (T, N) [rad] at its end; ball_force (T, N) of ball k on the next one of its
     circuit; omega (T, N): speed in the nut's frame; load (T, N, 4): contact forces; torques (T,) [N m] of grooves, of
@@ -50,6 +51,7 @@ class History:
 
     balls: Balls
     span: float
+    step: float
     turned: Array
     azimuth: Array
     loaded: NDArray[np.bool_]
@@ -88,6 +90,17 @@ class History:
     def steps(self) -> int:
         """Number of steps."""
         return int(self.turned.size)
+
+    @property
+    def angles(self) -> tuple[float, float]:
+        """Angles [rad] by which the part that turns has turned at the run's end, and was to turn."""
+        speed = abs(self.balls.grooves.speed)
+        return speed * self.step * self.steps, speed * self.span
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run reached its end."""
+        return self.steps == round(self.span / self.step)
 
     @property
     def good(self) -> bool:
@@ -193,13 +206,12 @@ def simulate(setting: Setting, span: float, steps: int) -> History:
             break
         moved = _advance(setting, state, at, dt, state.gap / dt)
         _record(setting, state, at, moved, (abs(setting.drive.speed) * time, middle, loaded))
-    rows = {
-        f.name: np.array(state.rows.get(f.name, [])) for f in fields(History) if f.name not in ("balls", "span", "status")
-    }
+    given = ("balls", "span", "step", "status")
+    rows = {f.name: np.array(state.rows.get(f.name, [])) for f in fields(History) if f.name not in given}
     if status == "converged" and not np.all(rows["converged"]):
         first = float(rows["turned"][int(np.argmin(rows["converged"]))])
         status = f"no balance of friction found at {np.degrees(first):.6g} deg"
-    return History(balls, span, status=status, **rows)
+    return History(balls, span, dt, status=status, **rows)
 
 
 def _advance(setting: Setting, state: _State, at: StaticContacts, dt: float, slack: Array) -> list[ChainMotion]:

@@ -26,7 +26,7 @@ class FrictionState:
     """Contacts, friction of every ball, sums, and closing speeds (N,) [m/s] of a scene at one pair of coefficients.
 
     bare: the sums at the static loads, without feedback; unsettled: indices of balls whose feedback did not settle, in one
-    direction of motion or the other; change: of the friction fed back in the last round, as a fraction of contact forces;
+    direction of motion or the other; change: difference of friction and what of it is fed back, see ``FedBack``;
     coupled: whether friction feeds back; neighbours: what balls that touch do to each other, where asked;
     second: indices of balls for which a second, jammed state was found, None where none was looked for.
     """

@@ -7,10 +7,11 @@ from .ball import settle
 from .beam import assemble_beam
 from .elastic import solve_forces, start_forces
 from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
-from .members import ensemble
+from .flanks import flank_members
+from .members import answers, ensemble
 from .newton import evaluate, solve, start_and_solve
 from .pair import pair_alone
-from .press import answers, press_members
+from .press import press_members
 from .rollers import roller_forces
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "evaluate",
     "evaluate_axis",
     "evaluate_balls",
+    "flank_members",
     "pair_alone",
     "press_members",
     "rest",

@@ -163,6 +163,35 @@ def ldl_substitute(band: Array, b: Array) -> None:
         b[j] = b[j] * band[j, 0] - p - band[j, 1] * b[j + 1]
 
 
+@kernel
+def take(y: Array, x: Array, f: float) -> None:
+    """Take f x from y."""
+    for i in range(y.size):
+        y[i] -= f * x[i]
+
+
+@kernel
+def ldl_substitute_columns(band: Array, Y: Array) -> None:
+    """``ldl_substitute`` of the columns of Y (n, k), side by side where the band is wide."""
+    n, width = band.shape
+    if width == CHAIN:
+        rows = Y.T.copy()
+        for row in rows:
+            substitute_chain(band, row)
+        Y[:, :] = rows.T
+        return
+    for j in range(n):
+        for i in range(1, min(width, n - j)):
+            if band[j, i] != 0.0:
+                take(Y[j + i], Y[j], band[j, i])
+    for j in range(n - 1, -1, -1):
+        for k in range(Y.shape[1]):
+            Y[j, k] *= band[j, 0]
+        for i in range(1, min(width, n - j)):
+            if band[j, i] != 0.0:
+                take(Y[j], Y[j + i], band[j, i])
+
+
 def _lapack_factor(band: Array) -> bool:
     from scipy.linalg import LinAlgError, cholesky_banded
 
@@ -179,5 +208,12 @@ def _lapack_substitute(band: Array, b: Array) -> None:
     b[:] = cho_solve_banded((band.T, True), b, check_finite=False)
 
 
+def _lapack_substitute_columns(band: Array, Y: Array) -> None:
+    from scipy.linalg import cho_solve_banded
+
+    Y[:] = cho_solve_banded((band.T, True), Y, check_finite=False)
+
+
 factor_band = ldl_factor if is_compiled(__name__) else _lapack_factor
 substitute_band = ldl_substitute if is_compiled(__name__) else _lapack_substitute
+substitute_columns = ldl_substitute_columns if is_compiled(__name__) else _lapack_substitute_columns

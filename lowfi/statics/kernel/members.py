@@ -1,4 +1,6 @@
-"""Many specimens of one screw: each from the solution without random errors, by the stiffness there, else by Newton.
+"""Many specimens of one screw that are not solved on their flanks alone (``press``, ``flanks``): more balls, too far off.
+
+Each goes from the solution without random errors, by the stiffness there, else by Newton's method.
 
 The members of an ensemble differ by micrometres, so that the stiffness of their common start, factored once, serves all of
 them: the motion is corrected by it until the member's own equations hold (the chord method; its error falls by the change
@@ -21,7 +23,7 @@ from lowfi.statics.records import (
 )
 
 from .ball import FORCE, nudge
-from .banded import factor_band, substitute_band
+from .banded import factor_band, substitute_band, substitute_columns, take
 from .newton import (
     CONVERGED,
     ITERATIONS,
@@ -50,6 +52,36 @@ def common_stiffness(
     evaluate(beam, contacts, state, out)
     assemble(band, beam, contacts, out.hessians, ROUND_OFF * max(0.0, beam.band[:, 0].max()), options.arm)
     return bool(factor_band(band))
+
+
+@kernel
+def answers(
+    beam: BeamArrays,
+    contacts: BeamContacts,
+    state: BeamState,
+    options: BeamOptions,
+    rows: tuple[Array, Array],
+    found: tuple[Array, Array, Array],
+) -> bool:
+    """Answers to unit forces at the stiffness of a state. rows: functions of the motions of the nodes, their coefficients
+    (c, m), and the freedoms (c,) from which on these are; found: motions of the nodes (6 n, c) by the force of each, the
+    functions (c, c) by these, and the contacts' part of the stiffness (N, 4, 4). False where that stiffness is not positive
+    definite."""
+    n, (arms, first), (motions, reach, hessians) = state.q.shape[0], rows, found
+    out = BeamSlopes(np.empty((n, 6)), hessians)
+    band = np.empty((6 * n, options.half_band + 1))
+    if not common_stiffness(beam, contacts, state, options, out, band):
+        return False
+    motions[:, :], reach[:, :] = 0.0, 0.0
+    for a in range(arms.shape[0]):
+        for k in range(arms.shape[1]):
+            j = first[a] + k
+            motions[j, a] = 0.0 if beam.fixed[j // 6, j % 6] else arms[a, k]
+    substitute_columns(band, motions)
+    for a in range(arms.shape[0]):
+        for k in range(arms.shape[1]):
+            take(reach[a], motions[first[a] + k], -arms[a, k])
+    return True
 
 
 @kernel

@@ -12,56 +12,12 @@ from math import sqrt
 import numpy as np
 
 from lowfi.jit import kernel
-from lowfi.statics.records import (
-    Array,
-    BeamArrays,
-    BeamContacts,
-    BeamOptions,
-    BeamSlopes,
-    BeamState,
-    PairCommon,
-    PairMembers,
-    PairStates,
-)
+from lowfi.statics.records import Array, BeamOptions, PairCommon, PairMembers, PairStates
 
-from .ball import APPROACH, FORCE, MX, MZ, SIZE, WX, WZ
-from .banded import substitute_band
-from .members import CHORDS, LEFT, common_stiffness
+from .ball import APPROACH, SIZE, WX, WZ
+from .members import CHORDS, LEFT
 from .newton import CONVERGED, ITERATIONS
 from .pair import stand, stretched
-
-
-@kernel
-def answers(
-    beam: BeamArrays,
-    contacts: BeamContacts,
-    state: BeamState,
-    options: BeamOptions,
-    side: int,
-    common: PairCommon,
-    X: Array,
-) -> bool:
-    """Fill X (2 N, 6 n): motions of the nodes by unit forces on each ball's flank ``side`` of the screw along x3 and z3, at
-    the stiffness of the state; and forces and stiffness of ``common``. False where that stiffness is not positive definite.
-    """
-    n, count, m = state.q.shape[0], contacts.node.shape[0], contacts.B.shape[3]
-    out = BeamSlopes(np.empty((n, 6)), np.zeros((count, 4, 4)))
-    band = np.empty((6 * n, options.half_band + 1))
-    if not common_stiffness(beam, contacts, state, options, out, band):
-        return False
-    X[:, :] = 0.0
-    for i in range(count):
-        start = 6 * contacts.node[i, side]
-        f = state.contact[i, side, FORCE]
-        common.force[i, 0], common.force[i, 1] = -f * state.contact[i, side, MX], -f * state.contact[i, side, MZ]
-        for a in range(2):
-            for b in range(2):
-                common.stiffness[i, a, b] = out.hessians[i, 2 * side + a, 2 * side + b]
-            for k in range(m):
-                free = not beam.fixed[(start + k) // 6, (start + k) % 6]
-                X[2 * i + a, start + k] = contacts.B[i, side, a, k] if free else 0.0
-            substitute_band(band, X[2 * i + a])
-    return True
 
 
 @kernel

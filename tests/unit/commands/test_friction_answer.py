@@ -115,6 +115,23 @@ def test_drag_is_the_friction_torque_of_the_scene_without_loads():
     assert bare["load_moves"] is None
 
 
+def test_powers_of_several_sets_on_a_shaft_add_up():
+    """What the axial loads of both nuts put in is what the shaft's torque takes out and friction loses."""
+    data = solve_friction("double-nut", Choices(mu=(0.1,))).data
+    power, torque = data["energy"], data["torque"]
+    speed = data["motion"]["speed_rad_s"]
+    assert power["torque_power_W"] == pytest.approx(1e-3 * torque["driving_torque_on_screw_Nmm"] * speed, rel=1e-12)
+    assert power["torque_power_W"] + power["axial_load_power_W"] == pytest.approx(power["loss_W"], rel=1e-9)
+    assert power["efficiency_percent"] == pytest.approx(100.0 * (1.0 - power["loss_W"] / power["axial_load_power_W"]))
+
+
+def test_without_friction_nothing_is_said_of_feedback_or_slip():
+    lines = " ".join(answer(mine(), mu=(0.0,)).lines)
+    assert "contacts take 0 W" in lines
+    assert "feedback" not in lines
+    assert "Heathcote" not in lines
+
+
 def test_drag_without_preload_is_nothing():
     loose = answer(small_screw(force=(0.0, 0.0, 500.0)), mu=(0.1,)).data
     assert (loose["torque"]["drag_torque_Nmm"], loose["drag_unknown"], loose["drag_note"]) == (0.0, None, None)
@@ -221,7 +238,7 @@ def test_two_point_contact_on_a_helix_is_warned_of():
 
 
 def test_balls_that_do_not_settle_are_named_and_leave_no_drag(monkeypatch):
-    monkeypatch.setattr(ball_feedback, "ROUNDS", 1)
+    monkeypatch.setattr(ball_feedback, "ROUNDS", 0)
     found = answer(mine())
     assert not found.converged
     assert found.data["status"].startswith("friction and place do not agree on 20 balls: 1, 2")
@@ -305,6 +322,23 @@ def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
     assert printed[0]["kind"] == "bearing ball"
 
 
+@pytest.mark.parametrize(
+    ("lead", "coupling", "words"),
+    [
+        (20e-3, "ball", ("from four displaced starts",)),
+        (20e-3, "none", ("none was searched for", 'coupling = "ball"')),
+        (0.0, "ball", ("none was searched for", "along the grooves")),
+    ],
+)
+def test_second_states_that_were_not_searched_for_are_not_said_to_be_absent(lead, coupling, words):
+    scene = small_screw(3, 0.7, lead=lead, force=(0.0, 0.0, 300.0), screw="rigid")
+    found = answer(replace(scene, friction=Friction(0.4, 0.4, coupling=coupling), motion=Motion(3.0)))
+    note = next(n for n in found.data["warnings"] if "jammed" in n)
+    assert all(word in note for word in words)
+    assert (found.data["solver"]["second_states"] is None) is ("none was searched for" in note)
+    assert "rolls" not in note
+
+
 @pytest.mark.parametrize("mu", [-0.1, 2.1, math.nan])
 def test_coefficients_of_the_command_line_have_a_range(mu):
     with pytest.raises(InputError, match=r"--mu.*0 to 2"):
@@ -313,8 +347,12 @@ def test_coefficients_of_the_command_line_have_a_range(mu):
 
 def test_member_draws_the_specimen_of_loads_and_friction():
     scene = mine(('oversize = "4 um"', 'oversize = "4 um"\nsigma = "0.5 um"'))
-    first, second = (answer(scene, member=m).data["torque"]["friction_torque_Nmm"] for m in (0, 1))
+    found = [answer(scene, member=m) for m in (0, 1)]
+    first, second = (a.data["torque"]["friction_torque_Nmm"] for a in found)
     assert abs(first - second) > 1e-6 * first
+    assert [a.data["member"] for a in found] == [0, 1]
+    assert ", member 1 of its random errors, " in str(as_table(found[1])[0])
+    assert answer(mine()).data["member"] is None
     with pytest.raises(InputError, match="no random errors"):
         answer(mine(), member=1)
 

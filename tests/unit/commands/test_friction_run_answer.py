@@ -101,6 +101,25 @@ def test_a_run_that_failed_says_so():
     assert isinstance(run, Run)
 
 
+def test_a_run_that_stopped_says_where_and_sums_over_what_it_ran():
+    whole = setting(sparse())
+
+    def solve(met, at):
+        found = whole.solve(met, at)
+        return found if len(tries) < 4 and not tries.append(at) else replace(found, status="none")
+
+    tries = []
+    full, history = simulate(whole, 0.02, 4), simulate(replace(whole, solve=solve), 0.02, 4)
+    run, degrees = judged(Time(angle=0.2, steps=4), history, None), np.degrees(0.2)
+    data, lines = run_data(run), run_lines(run)
+    assert (data["steps"], data["complete"]) == (3, False)
+    assert (data["reached_deg"], data["asked_deg"]) == pytest.approx((0.75 * degrees, degrees))
+    assert lines[0].startswith(f"stopped at {0.75 * degrees:.6g} deg of {degrees:.6g} deg, in 3 steps")
+    assert "unknown, the run stopped before its end" in lines[1]
+    assert data["step_error_unknown"] == "the run stopped before its end"
+    assert data["energy"]["loss_J"] == pytest.approx(0.005 * float((full.torque[:3] * TURN.speed).sum()))
+
+
 def test_models_that_cannot_run_in_time_are_refused():
     with pytest.raises(InputError, match=r"--model.*lin or refined"):
         solve_scene(with_time(small_screw(4, 0.5, force=(0.0, 0.0, 300.0)), angle=0.1, steps=4), Choices("mei"))

@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 
 from compare.evidence.source_cases import table_3_6
+from compare.scenes import catalogue
 from lowfi.friction.whole import feedback
 from lowfi.friction.whole.contacts import contacts_of
 from lowfi.friction.whole.feedback import feed_back, seats
 from lowfi.friction.whole.losses import ball_friction
+from lowfi.friction.whole.run import simulate
 from lowfi.friction.whole.torque import about_axis, sum_up
+from lowfi.statics.static import contact_angles
 from meshes.parts import Friction, Motion
 from tests.friction_oracles import ball_cell, coupled_ball
+from tests.friction_runs import setting
 from tests.helpers import small_screw, solved
 from tests.whole_screws import SCENES, TURN, mirrored, scene_of, single, state
 
@@ -90,6 +94,24 @@ def test_feedback_keeps_loads_balances_and_matters_most_in_two_point_contact(nam
     assert t.forward != t.backward
 
 
+def past_the_apex():
+    """A screw of hardly any contact angle under an axial load: balls climb one side of the groove."""
+    return small_screw(5, 0.9, beta=np.radians(0.001), force=(0.0, 0.0, 300.0))
+
+
+def test_feedback_keeps_the_load_of_contacts_past_the_apex():
+    found = state(past_the_apex(), COUPLED)
+    assert np.any((found.at.angle < -0.05) & (found.at.force > 0.0))
+    assert not found.unsettled
+    assert found.torque.load == pytest.approx(300.0, rel=1e-5)
+
+
+def test_feedback_that_loses_the_axial_load_fails(monkeypatch):
+    """As it did where angles had lost their signs past the apex."""
+    monkeypatch.setattr(feedback, "contact_angles", lambda normal: np.abs(contact_angles(normal)))
+    assert state(past_the_apex(), COUPLED).unsettled == (0, 1, 2, 3, 4)
+
+
 def test_feedback_mirrors_reverses_and_leaves_rings_alone():
     scene = small_screw(5, 0.9, oversize=4e-6, force=(60.0, 25.0, 500.0))
     one, other = state(scene, COUPLED).torque, state(mirrored(scene), COUPLED, Motion(-10.0)).torque
@@ -99,6 +121,19 @@ def test_feedback_mirrors_reverses_and_leaves_rings_alone():
     assert (back.forward, back.backward) == pytest.approx((one.forward, one.backward), rel=1e-6)
     assert not state(SCENES["ring"](), COUPLED).coupled
     assert not state(scene, Friction(0.0, 0.0, (), "ball")).coupled
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degrees", [211.5, 216.0])
+def test_feedback_settles_where_a_flank_hardly_bears(degrees):
+    """The pitch error leaves a flank of one ball with less than a hundredth of its load: its friction turns far at once."""
+    scene = catalogue.scene("lin-pitch-4p1")
+    h = simulate(setting(scene, COUPLED, TURN), 2.0 * np.radians(degrees) / TURN.speed, 1)
+    assert h.good, h.status
+    assert np.degrees(h.turned) == pytest.approx([degrees])
+    assert h.axial == pytest.approx([scene.loads[0].force[2]], rel=1e-6)
+    light = np.sort(h.load[0], axis=1)[:, 0] / h.load[0].sum(axis=1)
+    assert np.any((light > 0.0) & (light < 0.01))
 
 
 def test_second_states_are_those_that_differ_and_settle(monkeypatch):

@@ -180,7 +180,7 @@ def test_banded_solver(engine):
 
     A band of 12 is a chain's: the nodes of six unknowns are coupled to the next one only.
     """
-    kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").newton
+    kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled").banded
     rng = np.random.default_rng(1)
     for n, width in ((1, 1), (5, 5), (12, 12), (60, 12), (60, 24)):
         band = rng.uniform(-1.0, 1.0, (n, width))
@@ -196,7 +196,10 @@ def test_banded_solver(engine):
         b = rng.normal(size=n)
         expected = np.linalg.solve(dense(band) / np.outer(scale, scale), b / scale) / scale
         assert kernels.factor_band(band)
+        several = np.stack([2.0 * b, -b], axis=1)
+        kernels.substitute_columns(band, several)
         kernels.substitute_band(band, b)
+        assert several == pytest.approx(np.stack([2.0 * b, -b], axis=1), rel=1e-11, abs=1e-13 * np.abs(b).max())
         assert b * scale == pytest.approx(expected * scale, rel=1e-11, abs=1e-13 * np.abs(expected * scale).max())
 
 

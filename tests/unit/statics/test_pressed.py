@@ -9,18 +9,24 @@ from lowfi import jit
 from lowfi.statics import pressed as module
 from lowfi.statics.pressed import pressed
 from lowfi.statics.problem import build, distances, hertz_C
-from lowfi.statics.records import MemberArrays, MemberStates, PairMembers
+from lowfi.statics.records import FlankCommon, MemberArrays, MemberStates, PairCommon
 from lowfi.statics.static import iterate, prepare
 from meshes.errors import specimen, specimens
 from meshes.helix import ball_layout
-from meshes.parts import BallErrors, Errors
+from meshes.parts import BallErrors, Errors, FourierTerm, SideErrors
 from tests.helpers import small_screw
 
 PAIR = np.array([True, False, False, True])
+ALL = np.ones(4, dtype=bool)
+#: Pitch and roundness errors of the screw's flanks: lever arms of their own.
+OWN_ARMS = {
+    "SL": SideErrors(pitch=(FourierTerm(1.0, sigma=1e-6),)),
+    "SR": SideErrors(roundness=(FourierTerm(2.0, sigma=1e-6),)),
+}
 
 
-def ready(sigma=1e-6, use=PAIR, oversize=1e-6, engine="compiled"):
-    """A screw of nine balls in its solution without random errors, and the scene with them."""
+def ready(sigma=1e-6, use=PAIR, oversize=1e-6, engine="compiled", sides=None):
+    """A screw of nine balls in its solution without random errors, and the scene with them; sides: errors of flanks."""
     scene = replace(small_screw(9, force=(0.0, 30.0, 1500.0)), errors=Errors(balls=BallErrors(oversize=oversize)))
     layout = ball_layout(scene)
     prepared = prepare(
@@ -28,7 +34,8 @@ def ready(sigma=1e-6, use=PAIR, oversize=1e-6, engine="compiled"):
     )
     iterate(prepared)
     prepared.options = prepared.options._replace(tolerance=1e-11)
-    return prepared, replace(scene, errors=Errors(balls=BallErrors(oversize=oversize, sigma=sigma), seed=3)), layout
+    errors = Errors(balls=BallErrors(oversize=oversize, sigma=sigma), seed=3, **(sides or {}))
+    return prepared, replace(scene, errors=errors), layout
 
 
 def one_by_one(prepared, scene, layout, count):
@@ -45,18 +52,28 @@ def solved_at_once(prepared, scene, layout, count, functions):
     drawn = specimens(scene, layout, 0, count)
     offset, closure = distances(scene, drawn)
     C = hertz_C(scene, prepared.problem.drawn, drawn.ball_radius)
-    quick = pressed(prepared, functions)
-    return quick, quick.solve(PairMembers(offset, closure, C), lambda some, k: [some(slice(0, 1)), some(slice(1, k))])
+    quick = pressed(prepared, functions, len(drawn.centre) > 1)
+    return quick, quick.solve(drawn, offset, closure, C)
 
 
 @pytest.mark.parametrize("engine", ["interpreted", "compiled"])
-def test_flanks_alone_give_what_the_whole_screw_gives(engine):
-    prepared, scene, layout = ready(engine=engine)
+@pytest.mark.parametrize(
+    ("use", "oversize", "sides", "kind"),
+    [
+        pytest.param(PAIR, 1e-6, {}, PairCommon, id="one pair"),
+        pytest.param(PAIR, 1e-6, OWN_ARMS, FlankCommon, id="one pair, own lever arms"),
+        pytest.param(ALL, 7e-6, {}, FlankCommon, id="four flanks"),
+        pytest.param(ALL, 7e-6, OWN_ARMS, FlankCommon, id="four flanks, own lever arms"),
+    ],
+)
+def test_flanks_alone_give_what_the_whole_screw_gives(engine, use, oversize, sides, kind):
+    prepared, scene, layout = ready(0.5e-6 if use.all() else 1e-6, use, oversize, engine, sides)
     size = prepared.state.q.size
     quick, found = solved_at_once(prepared, scene, layout, 4, np.eye(size))
+    assert isinstance(quick.common, kind)
     assert not found.status.any()
     assert found.residual.max() <= 1e-11
-    nominal = prepared.force[:, 0].max()
+    nominal = prepared.force.max()
     motions = quick.functions(found.pull)
     for m, single in enumerate(one_by_one(prepared, scene, layout, 4)):
         assert np.abs(single.force - prepared.force).max() > 0.02 * nominal  # the errors matter
@@ -64,6 +81,15 @@ def test_flanks_alone_give_what_the_whole_screw_gives(engine):
         np.testing.assert_allclose(found.p[m], single.state.p, rtol=0, atol=1e-9 * np.abs(single.state.p).max())
         q = single.state.q.ravel()
         np.testing.assert_allclose(motions[m], q, rtol=0, atol=1e-8 * np.abs(q).max())
+
+
+@pytest.mark.parametrize(("steps", "solved"), [(3, False), (6, True)])
+def test_soft_modes_and_balls_that_go_along_save_steps(monkeypatch, steps, solved):
+    """Without the one or the other the same specimens take seven or more."""
+    prepared, scene, layout = ready(1e-6, ALL, 7e-6, "interpreted", OWN_ARMS)
+    monkeypatch.setattr(prepared.engine.flanks, "STEPS", steps)
+    _, found = solved_at_once(prepared, scene, layout, 8, np.zeros((0, prepared.state.q.size)))
+    assert found.status.any() is np.bool_(not solved)
 
 
 def test_residual_bounds_that_of_the_nodes():
@@ -105,18 +131,17 @@ def test_specimens_far_from_the_start_are_not_claimed():
 
 def test_what_the_flanks_alone_do_not_serve(monkeypatch):
     functions = np.zeros((0, ready()[0].state.q.size))
-    assert pressed(ready()[0], functions) is not None
-    assert pressed(ready(use=np.ones(4, dtype=bool), oversize=5e-6)[0], np.zeros((0, 1))) is None
+    assert pressed(ready()[0], functions, False) is not None
     unloaded = ready()[0]
     unloaded.options = unloaded.options._replace(floor=0.0)
-    assert pressed(unloaded, functions) is None
+    assert pressed(unloaded, functions, False) is None
     monkeypatch.setattr(module, "LARGEST", 8)
-    assert pressed(ready()[0], functions) is None
+    assert pressed(ready()[0], functions, False) is None
 
 
 @pytest.mark.parametrize(("sigma", "left"), [(0.5e-6, False), (40e-6, True)])
 def test_stiffness_of_the_start_serves_four_flanks_or_leaves_them_to_newton(sigma, left):
-    prepared, scene, layout = ready(sigma, np.ones(4, dtype=bool), oversize=7e-6)
+    prepared, scene, layout = ready(sigma, ALL, oversize=7e-6)
     count = 6
     singles = one_by_one(prepared, scene, layout, count)
     arrays = MemberArrays(
@@ -138,7 +163,7 @@ def test_stiffness_of_the_start_serves_four_flanks_or_leaves_them_to_newton(sigm
 
 def test_a_step_of_a_ball_is_right_to_first_order():
     """From a place a little off its equilibrium, forces on the flanks are right to the square of that distance."""
-    prepared, _, _ = ready(use=np.ones(4, dtype=bool), oversize=5e-6)
+    prepared, _, _ = ready(use=ALL, oversize=5e-6)
     kernels = jit.kernels(jit.STATICS, compiled=False)
     own = prepared.problem
     errors = []
@@ -160,7 +185,7 @@ def test_a_step_of_a_ball_is_right_to_first_order():
 
 
 def test_a_free_ball_pulls_at_nothing():
-    prepared, _, _ = ready(use=np.ones(4, dtype=bool), oversize=-20e-6)
+    prepared, _, _ = ready(use=ALL, oversize=-20e-6)
     own, kernels = prepared.problem, jit.kernels(jit.STATICS, compiled=False)
     p, contact, pulls = np.zeros(2), np.ones((4, 5)), np.ones((2, 2))
     net = kernels.ball.nudge(

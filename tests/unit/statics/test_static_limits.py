@@ -22,11 +22,12 @@ from tests.helpers import small_screw, solved, with_ingredients
 FLAT = np.radians(0.001)
 
 
-def turned_contacts(scene):
+def turned_contacts(scene, second=1.0):
     """Loads of both diagonals [N] of every ball of a rigid screw shifted axially under its load, and their angles [rad].
 
     Groove centres of a diagonal lie d apart at the nominal angle; shifted by s they lie D = |(d cos b, d sin b +- s cos a)|
-    apart, which presses two contacts by D - d.
+    apart, which presses two contacts by D - d. Where the arcs of both flanks are one circle, the second diagonal is the
+    first one counted again, as the models do; second = 0 leaves it out.
     """
     force = sum(load.force[2] for load in scene.loads)
     alpha, beta = lead_angle(scene.track), scene.track.contact_angle
@@ -40,7 +41,8 @@ def turned_contacts(scene):
 
     def excess(s):
         load, angle = diagonals(s)
-        return scene.ball_count * float(load[0] * np.sin(angle[0]) - load[1] * np.sin(angle[1])) * np.cos(alpha) - force
+        push = load[0] * np.sin(angle[0]) - second * load[1] * np.sin(angle[1])
+        return scene.ball_count * float(push) * np.cos(alpha) - force
 
     return diagonals(brentq(excess, 0.0, 5e-3, xtol=1e-18, rtol=1e-14))
 
@@ -58,6 +60,47 @@ def test_axial_load_on_contacts_at_the_apex_is_carried_by_turned_contacts(degree
     assert result.equilibrium.force_residual < 1e-9
 
 
+TWICE = r"one contact counted twice \(.* up to ([\d.]+) N\); its pressure .* up to (\d+) %, its approach .* up to (\d+) %"
+
+
+def counted_twice(result):
+    """Numbers of the warning: force [N], excess of pressure and approach as parts; None without it."""
+    found = [m for m in (re.search(TWICE, w) for w in result.warnings) if m]
+    return (float(found[0][1]), 0.01 * float(found[0][2]), 0.01 * float(found[0][3])) if found else None
+
+
+def test_one_contact_on_one_arc_is_not_passed_off_as_two():
+    """What the single circle of both flanks carries lies between the forces printed and what the warning says."""
+    scene = small_screw(8, beta=FLAT, force=(0.0, 0.0, 1250.0), screw="rigid")
+    scene = replace(scene, nut=replace(scene.nut, groove_radius=scene.screw.groove_radius))
+    both, (one, _) = turned_contacts(scene)[0], turned_contacts(scene, second=0.0)[0]
+    assert both[0] == pytest.approx(both[1], rel=0.01)
+    for result in (solved(scene), solve_elastic(scene, backend=LADDER["lin-cell"], name="lin-cell")):
+        force, pressure, approach = counted_twice(result)
+        assert force == pytest.approx(both.sum(), rel=0.01)
+        assert (pressure, approach) == pytest.approx((2.0 ** (1.0 / 3.0) - 1.0, 2.0 ** (2.0 / 3.0) - 1.0), abs=0.01)
+        assert result.load.max() < one < force
+        assert 1.1 < np.cbrt(one / result.load.max()) < 1.0 + pressure
+
+
+@pytest.mark.parametrize(
+    ("beta", "force", "oversize", "twice"),
+    [
+        (0.001, (900.0, 0.0, 0.0), 0.0, True),  # both flanks at the apex
+        (2.0, (0.0, 0.0, 1250.0), 0.0, True),  # one past it, on the other's arc
+        (2.0, (0.0, 0.0, 5.0), 0.0, False),  # flanks of one diagonal only
+        (15.0, (300.0, 0.0, 900.0), 2e-5, False),
+        (45.0, (300.0, 0.0, 900.0), 5e-6, False),
+    ],
+)
+def test_contacts_of_two_arcs_are_two(beta, force, oversize, twice):
+    fixed = (("ux", 0.0), ("uy", 0.0), ("rx", 0.0), ("ry", 0.0), ("rz", 0.0))
+    if force[0]:
+        fixed = tuple(held for held in fixed if held[0] != "ux")
+    result = solved(small_screw(8, beta=np.radians(beta), force=force, oversize=oversize, fixed=fixed, screw="rigid"))
+    assert (counted_twice(result) is not None) is twice
+
+
 @pytest.mark.parametrize("name", ["lin-cell", "lin-nut"])
 def test_beams_of_the_elastic_solver_find_the_same_equilibrium(name):
     scene = small_screw(8, beta=FLAT, force=(0.0, 0.0, 1250.0))
@@ -68,7 +111,8 @@ def test_beams_of_the_elastic_solver_find_the_same_equilibrium(name):
 
 def test_elastic_flanks_at_the_apex_are_refused_in_full_words():
     scene = small_screw(8, beta=FLAT, force=(0.0, 0.0, 1250.0))
-    with pytest.raises(Refusal, match=r"contact angle 0\.001 deg, .* need 3\.8 deg: .*lin, lin-cell and lin-nut"):
+    words = r"contact angle 0\.001 deg, .* need 3\.8 deg: .*lin, lin-cell and lin-nut .* count one contact twice"
+    with pytest.raises(Refusal, match=words):
         run_model(scene, "refined")
     assert run_model(small_screw(8, beta=np.radians(5.0), force=(0.0, 0.0, 1250.0)), "refined").converged
 
