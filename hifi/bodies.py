@@ -109,7 +109,7 @@ def freedoms(nodes: Index) -> Index:
 
 
 def of_order(mesh: Mesh, kind: str) -> Mesh:
-    """A mesh of 10-node tetrahedra as it is (kind "P2"), or each divided into eight of first order on the same nodes ("P1",
+    """A mesh of 10-node tetrahedra (kind "P2"), or each divided into eight of first order on the same nodes ("P1",
     half the size; patches are then tied linearly, `hifi.patch.tie_matrix`), boundaries kept. Raises ValueError for another
     kind."""
     if kind not in ("P1", "P2"):

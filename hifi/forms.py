@@ -8,12 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from skfem import BilinearForm, LinearForm
-from skfem.helpers import ddot, dot, sym_grad
+from skfem.helpers import ddot, sym_grad
 from skfem.models.elasticity import lame_parameters, linear_stress
-
-from meshes.arrays import Array
 
 Stress = Callable[[Any], Any]
 
@@ -34,19 +31,6 @@ def elasticity(young: float, poisson: float) -> Any:
         return ddot(C(sym_grad(u)), sym_grad(v))
 
     return BilinearForm(energy)
-
-
-def force(density: Callable[[Array], Array] | Array) -> Any:
-    """int f . v over cells (body force [N/m3]) or faces (traction [Pa]).
-
-    density: f, a vector (3,), or a function of the place x (3, ...) [m] -> (3, ...).
-    """
-
-    def work(v: Any, w: Any) -> Any:
-        f = density(w.x) if callable(density) else np.reshape(density, (3, 1, 1))
-        return dot(f, v)
-
-    return LinearForm(work)
 
 
 def share(axis: int | None = None) -> Any:

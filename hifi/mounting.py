@@ -66,7 +66,7 @@ def without_cuts(stretch: Stretch, cut: Array, m: GrooveMap, stations: Sequence[
     """The stretch as a piece of a shaft that goes on, free of what its cut ends do.
 
     cut: flexibility ``(6, 6)`` of one (`hifi.cut`); stations [m]: of supports and loads. An end beyond which there is none
-    stays as it is: it is the screw's own, free, or held flat as the scene says.
+    is unchanged: it is the screw's own, free, or held flat as the scene says.
     """
     low, high = stretch.ends
     F = stretch.F.copy()

@@ -23,7 +23,7 @@ from meshes.solid import Dimensions
 from meshes.tet_patch import build_tets, source_box
 
 #: Edges [m] of first-order tetrahedra tried at a patch's rim; long ones may be turned inside out by the map to space.
-FAR = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
+RIM_EDGES = (0.5e-3, 0.35e-3, 0.25e-3, 0.15e-3)
 #: Cells across the short semi-axis of the patch that is condensed with its socket, over those of the contact's own.
 CARRIER = 0.5
 #: Contact as a socket of a body: (azimuth [rad], z [m], side).
@@ -124,12 +124,12 @@ def patch_mesh(meshes: Meshes, socket: SocketMesh, place: Callable[[Array], Arra
     lines, zone = patch_lines(settings, meshes.widths, meshes.size.depth)
     if settings.element == "Q2":
         return build_patch(lines, zone, place, socket)
-    for far in FAR:
+    for far in RIM_EDGES:
         box = source_box(meshes.widths, meshes.size.depth, zone, settings.tet, far)
         try:
             return build_tet_patch(build_tets(box, socket), place, socket, linear=True)
         except ValueError:
-            if far == FAR[-1]:
+            if far == RIM_EDGES[-1]:
                 raise
     raise AssertionError("unreachable")
 

@@ -61,7 +61,7 @@ def condense_side(
     ball = condense_patch(
         ball_mesh, -normals, *_constants(b), carrier_mesh(meshes, meshes.ball.sockets[side], place, settings)
     )
-    if settings.element == "P1":  # the source's mesh stays as it is
+    if settings.element == "P1":  # the source's mesh is not changed
         return SidePatches(groove, ball, groove.A + ball.A, None)
     fine = replace(meshes.size, cuts=settings.own_cuts)
 

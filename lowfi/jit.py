@@ -52,7 +52,7 @@ def is_compiled(module_name: str) -> bool:
 
 
 def kernel(function: F) -> F:
-    """Compile ``function`` where its module belongs to a compiled copy; otherwise return it as it is."""
+    """Compile ``function`` where its module belongs to a compiled copy; otherwise return it unchanged."""
     return _compiled(function, set())
 
 

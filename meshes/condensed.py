@@ -200,10 +200,3 @@ def _check(found: CondensedBodies) -> None:
             raise ValueError(f"{name}: a compliance that is not symmetric")
         if size and float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0]) < -NEGATIVE * size:
             raise ValueError(f"{name}: a compliance that is not positive, so that a body would do work")
-
-
-def seal(path: Path) -> None:
-    """Add the checksum to a file of this format that was written without one, whole or not at all."""
-    with np.load(path, allow_pickle=False) as data:
-        values = {name: data[name] for name in data.files if name != "checksum"}
-    _write(path, values | {"checksum": np.array(checksum(values))})

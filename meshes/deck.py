@@ -1,4 +1,4 @@
-"""A whole contact problem as one input deck that CalculiX runs as it is and Abaqus reads.
+"""A whole contact problem as one input deck that CalculiX runs and Abaqus reads.
 
 Only keywords that both programs know, one step, static, small strains. Bodies of ten-node tetrahedra, named sets and
 faces, surface-to-surface contact without friction and with a linear pressure-overclosure law, rigid sections by linear

@@ -50,8 +50,8 @@ def merge(stations: Array, exact: Array | None = None) -> Array:
     return np.array(keep)
 
 
-def _steps(start: float, end: float, length: float, *, whole: bool = False) -> Array:
-    count = max(1, ceil((end - start) / length - 1e-9)) if not whole else max(1, floor((end - start) / length + 1e-9))
+def _steps(start: float, end: float, length: float) -> Array:
+    count = max(1, ceil((end - start) / length - 1e-9))
     return np.linspace(start, end, count + 1)
 
 

@@ -6,8 +6,8 @@ Points, cells and faces are arrays in gmsh's order; matrices and vectors are num
 from itertools import combinations, permutations
 
 import numpy as np
-from skfem import Basis, ElementVector, Functional
-from skfem.helpers import eye, sym_grad, trace
+from skfem import Basis, ElementVector, Functional, LinearForm
+from skfem.helpers import dot, eye, sym_grad, trace
 
 from hifi import assembly
 from hifi.assembly import CurvedMap, rule
@@ -22,6 +22,16 @@ _CORNERS = {
     "P": [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
     "Q": [[0, 3, 2, 1], [0, 1, 5, 4], [0, 4, 7, 3], [1, 2, 6, 5], [2, 3, 7, 6], [4, 5, 6, 7]],
 }
+
+
+def force(density):
+    """Int f . v over cells or faces; density: f, a vector (3,), or a function of the place x (3, ...) -> (3, ...)."""
+
+    def work(v, w):
+        f = density(w.x) if callable(density) else np.reshape(density, (3, 1, 1))
+        return dot(f, v)
+
+    return LinearForm(work)
 
 
 def order_of(kind):

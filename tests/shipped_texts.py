@@ -1,6 +1,11 @@
-"""Shared by the tests of friction scenes: shipped scenes as text, and with lines changed."""
+"""Shared by the tests of scenes: shipped scenes as text, with lines changed, and the names of the axes."""
 
 from compare.scenes import catalogue
+from meshes.axis import Assembly
+
+
+def axis_names():
+    return tuple(name for name in catalogue.scene_names() if isinstance(catalogue.shipped(name), Assembly))
 
 
 def text(name):

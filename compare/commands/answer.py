@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from compare.scenes.kinds.common import KindScene
 
-#: Semi-axis over ball radius from which Hertz's half-space is doubtful.
-LARGE = 0.3
 #: Dissipation over that of full sliding below which it is an artefact of regularisation and round-off.
 NOTHING = 1e-6
 
@@ -89,13 +87,6 @@ def energy_line(values: dict[str, Any]) -> str:
         cell(values[k], f) for k, f in (("input_power_W", ".6g"), ("loss_W", ".6g"), ("balance_percent", "+.1e"))
     )
     return f"energy: input power {power} W, dissipation {loss} W ({off} %)"
-
-
-def size_warnings(a: Array, radius: float) -> list[str]:
-    """Warn of contacts that are large against the ball."""
-    if a.size == 0 or a.max() <= LARGE * radius:
-        return []
-    return [f"a contact's semi-axis is {a.max() / radius:.2g} of the ball's radius: Hertz theory no longer holds"]
 
 
 def as_table(answer: Answer, width: int = 100, *, balls: bool = False) -> list[RenderableType]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import NOTHING, Answer, by_side, cell, energy, energy_line, head, load_row, size_warnings
+from compare.commands.answer import NOTHING, Answer, by_side, cell, energy, energy_line, head, load_row
 from compare.commands.friction_screw_kinds import screw_warnings, sliding
 from compare.commands.solve_output import number
 from compare.scenes.kinds.bearing_ball import BearingBallScene
@@ -26,6 +26,7 @@ from lowfi.friction.contact.motion import (
     least_dissipation,
     without_friction,
 )
+from lowfi.statics.validity import size_warnings
 from meshes.arrays import Array
 
 

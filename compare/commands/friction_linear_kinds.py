@@ -6,25 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import (
-    NOTHING,
-    Answer,
-    Column,
-    energy,
-    energy_line,
-    flat_ball,
-    head,
-    increase,
-    load_row,
-    size_warnings,
-)
+from compare.commands.answer import NOTHING, Answer, Column, energy, energy_line, flat_ball, head, increase, load_row
 from compare.commands.solve_output import number
 from compare.errors import Refusal
 from compare.scenes.kinds.common import KindScene
 from compare.scenes.kinds.linear import LinearScene
 from lowfi.friction.linear.bearing import CONTACTS, directions
-from lowfi.friction.linear.chain import ChainResult, prepare, solve
+from lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
+from lowfi.statics.validity import size_warnings
 from meshes.arrays import Array
 
 #: Force out of balance over the largest up to which loads count as solved.
@@ -91,7 +81,7 @@ def solve_linear(scene: KindScene) -> Answer:
     assert isinstance(scene, LinearScene)
     angles, force, left = linear_loads(scene)
     chains = (prepare(scene.bearing, angles, force, touching) for touching in (False, scene.gap <= 0.0))
-    apart, near = (solve(chain, fast=force.shape[0] > LONG) for chain in chains)
+    apart, near = (solve_linear_chain(chain, fast=force.shape[0] > LONG) for chain in chains)
     loads_good = scene.distribution == "diagonal" or left <= BALANCED
     converged = loads_good and all(r.status == "converged" for r in (apart, near))
     balls, pairs = ball_rows(scene, angles, force, apart, near), pair_rows(scene, near)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import Column, size_warnings
+from compare.commands.answer import Column
 from compare.commands.left_out import BESIDES, WHOLE
 from compare.commands.solve_output import number
 from lowfi.friction.whole.feedback import JAMMED
@@ -17,11 +17,9 @@ from lowfi.friction.whole.losses import CAUSES
 from lowfi.friction.whole.state import FrictionState
 from lowfi.friction.whole.torque import ScrewTorque
 from lowfi.statics.result import StaticResult
+from lowfi.statics.validity import PRESSURE, SIZE, contact_warnings
 from meshes.arrays import Array
 from meshes.parts import SIDES, Friction, Motion, Scene
-
-#: Pole pressure [Pa] from which ball contacts yield lastingly: the static load rating of ISO 76.
-YIELD = 4.2e9
 
 
 def left_out(friction: Friction) -> list[str]:
@@ -209,12 +207,10 @@ def mu_columns(kind: str) -> tuple[Column, ...]:
 
 def warnings_of(scene: Scene, friction: Friction, state: FrictionState, static: Sequence[str]) -> list[str]:
     """Where the result leaves the range in which it holds."""
-    at, notes = state.at, list(static)
+    at = state.at
     loaded = at.force > 0.0
-    notes += size_warnings(at.a[loaded], scene.balls.radius)
-    if loaded.any() and at.pressure[loaded].max() > YIELD:
-        most = 1e-9 * at.pressure[loaded].max()
-        notes.append(f"a contact pressure of {most:.3g} GPa: beyond 4.2 GPa steel yields (ISO 76)")
+    notes = [line for line in static if not line.startswith((PRESSURE, SIZE))]  # friction changes the loads: said anew
+    notes += contact_warnings(np.where(loaded, at.pressure, 0.0), np.where(loaded, at.a, 0.0), scene.balls.radius)
     if max(friction.screw, friction.nut) >= JAMMED:
         notes.append(jam_words(state))
     two = (loaded.sum(axis=1) == 2) & (state.balls.power > 0.0)

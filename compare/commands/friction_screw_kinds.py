@@ -7,19 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from compare.commands.answer import (
-    NOTHING,
-    Answer,
-    Column,
-    cell,
-    energy,
-    energy_line,
-    flat_ball,
-    head,
-    increase,
-    load_row,
-    size_warnings,
-)
+from compare.commands.answer import NOTHING, Answer, Column, cell, energy, energy_line, flat_ball, head, increase, load_row
 from compare.commands.friction_run import error_data
 from compare.commands.solve_output import number
 from compare.scenes.kinds.common import KindScene
@@ -28,6 +16,7 @@ from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.pair import PairResult, solve_pair
 from lowfi.friction.screw.run import RunResult, checked, groups, summarise
 from lowfi.friction.screw.steps import StepError
+from lowfi.statics.validity import size_warnings
 from meshes.arrays import Array
 from meshes.parts import SIDES
 

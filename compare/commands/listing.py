@@ -39,23 +39,24 @@ def shipped_lines() -> Iterator[str]:
             yield f"  {name:{width}}  {f'{text} rows' if group == 'printed_tables' else text}"
 
 
-def trace_json() -> list[dict[str, Any]]:
-    """Every printed entry: table, key, as printed, class, scenes, computation (``module:function``), test."""
+def trace_json(table: str = "") -> list[dict[str, Any]]:
+    """Every printed entry of one table, or of all: table, key, as printed, class, scenes or why none, computation
+    (``module:function``), test. Raises InputError for an unknown table."""
     from compare.evidence.registry import traces
 
-    return [asdict(trace) for trace in traces()]
+    return [asdict(trace) for trace in traces(table)]
 
 
-def trace_table() -> Table:
+def trace_table(table: str = "") -> Table:
     """The same for the terminal."""
     from rich.table import Table
 
     from compare.evidence.registry import traces
 
     out = Table(title="every printed number: scenes, computation, test", title_justify="left")
-    for heading in ("table", "key", "printed", "class", "scenes", "computed by", "test"):
-        out.add_column(heading, overflow="fold")
-    for t in traces():
+    for heading in ("table", "key", "printed", "class", "scenes, or why none", "computed by", "test"):
+        out.add_column(heading, overflow="ellipsis" if heading == "printed" else "fold")
+    for t in traces(table):
         test = t.test.removeprefix("tests/literature/")
-        out.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or "–", t.computation, test or "–")
+        out.add_row(t.table, t.key, t.printed, t.cls, ", ".join(t.scenes) or t.no_scene, t.computation, test or "–")
     return out

@@ -13,7 +13,7 @@ from compare.models.answers import Answers, LoadAnswers
 from compare.models.model_form import ModelForm
 from lowfi.rating.contacts import ALLOWED
 from lowfi.statics.result import StaticResult
-from lowfi.statics.validity import YIELD_PRESSURE
+from lowfi.statics.validity import DENT_PRESSURE
 from meshes.arrays import Array
 from meshes.parts import SIDES, Scene
 
@@ -77,7 +77,7 @@ def contacts_json(found: LoadAnswers) -> dict[str, Any]:
             "factor": number(s.factor),
             "permanent_over_diameter": number(s.permanent),
             "allowed_over_diameter": ALLOWED,
-            "allowed_pressure_MPa": 1e-6 * YIELD_PRESSURE,
+            "allowed_pressure_MPa": 1e-6 * DENT_PRESSURE,
         },
         "life": None
         if life is None

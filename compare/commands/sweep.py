@@ -45,7 +45,7 @@ def run_sweep(
     sweep: Sweep, out: Path, engine: Engine, *, json_out: bool, show: Show, print_json: Callable[[Any], None]
 ) -> int:
     """Solve what is missing, write the summary, print it; 1 where no sample converged. Raises InputError."""
-    records = sweeping.run(sweep, out, engine, on_terminal)
+    records = sweeping.run_samples(sweep, out, engine, on_terminal)
     found = summary(sweep, records)
     write(sweep, records, found, out)
     if json_out:

@@ -74,6 +74,16 @@ def fitted(table: Table, width: int) -> list[Table]:
     return parts
 
 
+def unbroken(table: Table) -> int:
+    """Width at which no word is broken where ``fitted`` may break it: such columns are no longer wrapped, others at 40."""
+    widths = []
+    for column in table.columns:
+        column.no_wrap = column.no_wrap or column.overflow == "fold"
+        least, natural = _limits(replace(column, overflow="ellipsis"), _around(table))
+        widths.append(max(least, min(natural, LEAST)))
+    return sum(widths)
+
+
 def _around(table: Table) -> int:
     """What a column takes beside its words: padding and rule."""
     _, right, _, left = table.padding

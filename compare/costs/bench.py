@@ -17,7 +17,7 @@ from statistics import median
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from compare.costs.prepared import TOLERANCE, Ours, Refined, Source
+from compare.costs.prepared import TOLERANCE, Energy, Refined, Source
 from compare.costs.startup import command_line_job, startup_jobs
 from compare.costs.timing import Job, launch, timed
 from compare.extremes.static import with_balls
@@ -43,22 +43,22 @@ def _source_seconds(task: Source, repeats: int, work: Callable[[], object] | Non
     return seconds if task.status == "converged" else None
 
 
-def _ratio(source: float | None, ours: float) -> float | None:
-    return source / ours if source is not None else None
+def _ratio(source: float | None, seconds: float) -> float | None:
+    return source / seconds if source is not None else None
 
 
 def _cold_jobs(repeats: int) -> Iterator[Job]:
     scene = shipped("lin-case1")
-    setup = timed(lambda: Ours(scene), repeats)
+    setup = timed(lambda: Energy(scene), repeats)
     note = f"from the scene to packed arrays: in no solve below (aim {1e3 * SETUP_AIM:g} ms)"
     yield Job("set-up, case 1", setup, None, None, peak_MB(), note)
-    reference, ours, full = Source(scene), Ours(scene), Ours(scene, everything=True)
+    reference, energy, full = Source(scene), Energy(scene), Energy(scene, everything=True)
     slow = _source_seconds(reference, repeats)
-    fast = timed(ours.cold, 40 * repeats, ours.reset)
-    least = timed(ours.warm, 40 * repeats)  # from the solution itself
+    fast = timed(energy.cold, 40 * repeats, energy.reset)
+    least = timed(energy.warm, 40 * repeats)  # from the solution itself
     note = "linear start and Newton, a node at every contact, sides that cannot touch left out; source: its good guess; "
     note += f"aim: a ratio of {COLD_AIM:g}; {1e6 * least:.1f} us of it are the call, its arrays and one evaluation"
-    yield Job("cold solve, case 1", fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+    yield Job("cold solve, case 1", fast, _ratio(slow, fast), energy.unknowns, peak_MB(), note)
     all_sides = timed(full.cold, 40 * repeats, full.reset)
     note = "the same with all four sides in the system: the very partition and contacts of the source's formulation"
     yield Job("cold solve, all sides", all_sides, _ratio(slow, all_sides), full.unknowns, peak_MB(), note)
@@ -66,17 +66,17 @@ def _cold_jobs(repeats: int) -> Iterator[Job]:
     yield Job("source, cold, good guess", slow, None, reference.unknowns, peak_MB(), note)
     steps = _source_seconds(reference, max(1, repeats // 3), reference.solve_by_steps)
     note = "as 'cold solve, case 1', against ten load steps: what the source needs where no good guess is known"
-    yield Job("cold solve, no guess", fast, _ratio(steps, fast), ours.unknowns, peak_MB(), note)
+    yield Job("cold solve, no guess", fast, _ratio(steps, fast), energy.unknowns, peak_MB(), note)
     yield Job("source, cold, load steps", steps, None, reference.unknowns, peak_MB(), "ten load steps")
     yield _strict_job(scene, repeats)
 
 
 def _strict_job(scene: Scene, repeats: int) -> Job:
-    reference, ours = Source(scene, tolerance=1e-12), Ours(scene, tolerance=1e-12)
+    reference, energy = Source(scene, tolerance=1e-12), Energy(scene, tolerance=1e-12)
     slow = _source_seconds(reference, repeats)
-    fast = timed(ours.cold, 40 * repeats, ours.reset)
+    fast = timed(energy.cold, 40 * repeats, energy.reset)
     note = "both asked for 1e-12, which the source does not reach: it counts as converged when it stalls below 1e-10"
-    return Job("cold solve, to 1e-12", fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+    return Job("cold solve, to 1e-12", fast, _ratio(slow, fast), energy.unknowns, peak_MB(), note)
 
 
 def _coarse_jobs(repeats: int) -> Iterator[Job]:
@@ -84,23 +84,23 @@ def _coarse_jobs(repeats: int) -> Iterator[Job]:
     scene = replace(case, ingredients=replace(case.ingredients, partition="source"))
     reference = Source(scene)
     slow = _source_seconds(reference, repeats)
-    ours = Ours(scene)
-    fast = timed(ours.cold, 40 * repeats, ours.reset)
+    energy = Energy(scene)
+    fast = timed(energy.cold, 40 * repeats, energy.reset)
     note = "both on the source's own 15 mm partition"
-    yield Job("cold solve, source partition", fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+    yield Job("cold solve, source partition", fast, _ratio(slow, fast), energy.unknowns, peak_MB(), note)
     note = "Newton from its good guess, on its 15 mm partition"
     yield Job("source, cold, source partition", slow, None, reference.unknowns, peak_MB(), note)
 
 
 def _warm_jobs(repeats: int) -> Iterator[Job]:
     scene = shipped("lin-case1")
-    ours, reference = Ours(scene), Source(scene)
-    ours.change_load()
+    energy, reference = Energy(scene), Source(scene)
+    energy.change_load()
     reference.change_load()
     slow = _source_seconds(reference, repeats)
-    fast = timed(ours.warm, 40 * repeats, ours.reset)
+    fast = timed(energy.warm, 40 * repeats, energy.reset)
     note = "load changed by 1 %, from the previous solution; both without set-up"
-    yield Job("warm re-solve, case 1", fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+    yield Job("warm re-solve, case 1", fast, _ratio(slow, fast), energy.unknowns, peak_MB(), note)
     yield Job("source, warm", slow, None, reference.unknowns, peak_MB(), "as above")
 
 
@@ -118,8 +118,8 @@ def _ensemble_jobs(repeats: int) -> Iterator[Job]:
         f"sides left out; {good} converged; the source (no set-up, to {TOLERANCE:g}) solved {len(seconds)} of "
         f"{len(members)} tried; aim {1e6 * MEMBER_AIM:g} us"
     )
-    unknowns = Ours(shipped("lin-case1")).unknowns  # the sides that every member was solved with, unless some touch
-    unknowns = unknowns if last.all_sides == 0 else Ours(scene, everything=True).unknowns
+    unknowns = Energy(shipped("lin-case1")).unknowns  # the sides that every member was solved with, unless some touch
+    unknowns = unknowns if last.all_sides == 0 else Energy(scene, everything=True).unknowns
     yield Job("ensemble, per member", whole, _ratio(slow, whole), unknowns, peak_MB(), note)
     both = timed(lambda: run_ensemble(scene, count, threads=2), min(repeats, 5)) / count
     note = f"the same in two threads, the same numbers: {whole / both:.2f} times as fast"
@@ -148,23 +148,23 @@ def _refined(repeats: int) -> Iterator[Job]:
     note = "bodies kept: beam, supports, arrays"
     yield Job("refined, set-up of a known geometry", again, None, None, peak_MB(), note)
     for label, everything in (("refined, cold solve, case 1", False), ("refined, cold solve, all sides", True)):
-        ours = Refined(scene, everything=everything)
-        fast = timed(ours.cold, 40 * repeats)
+        model = Refined(scene, everything=everything)
+        fast = timed(model.cold, 40 * repeats)
         note = "linear start and Newton on the contact forces; set-up above"
-        yield Job(label, fast, _ratio(slow, fast), ours.unknowns, peak_MB(), note)
+        yield Job(label, fast, _ratio(slow, fast), model.unknowns, peak_MB(), note)
     seconds: list[float] = []
     counts = REFINED_BALLS if repeats > 1 else REFINED_BALLS[:2]
     for count in counts:
-        ours = Refined(with_balls(scene, count))
-        fast = timed(ours.cold, 5 * repeats)
+        model = Refined(with_balls(scene, count))
+        fast = timed(model.cold, 5 * repeats)
         seconds.append(fast)
         note = "two flanks a ball"
-        modes = ours.elastic.bodies.soft_first.shape[1]
+        modes = model.elastic.bodies.soft_first.shape[1]
         note += f", {modes} soft modes exactly, the rest by iteration" if modes else ", bodies factored whole"
         done = counts[: len(seconds)]
         if len(done) >= min(len(counts), 4):
             note += f"; from {done[0]} to {done[-1]} balls time grows as balls^{_power(done, seconds):.2f}"
-        yield Job(f"refined, {count} balls, cold", fast, None, ours.unknowns, peak_MB(), note)
+        yield Job(f"refined, {count} balls, cold", fast, None, model.unknowns, peak_MB(), note)
 
 
 def _size_jobs(repeats: int) -> Iterator[Job]:
@@ -174,12 +174,12 @@ def _size_jobs(repeats: int) -> Iterator[Job]:
     for count in counts:
         reset_peak()
         scene = with_balls(shipped("lin-case1"), count)
-        ours = Ours(scene, tolerance=1e-12)
-        fast = timed(ours.cold, 5 * repeats, ours.reset)
+        energy = Energy(scene, tolerance=1e-12)
+        fast = timed(energy.cold, 5 * repeats, energy.reset)
         seconds.append(fast)
-        steps.append(ours.iterations)
+        steps.append(energy.iterations)
         peak, note, slow = peak_MB(), "linear start and Newton, to 1e-12", None
-        size = 6 * count + Ours(scene, everything=True).unknowns
+        size = 6 * count + Energy(scene, everything=True).unknowns
         if count == counts[0] and repeats > 1:
             slow = _source_seconds(Source(scene), 1)
             note += f"; the source's Jacobian of {size} unknowns is the largest one tried"
@@ -189,7 +189,7 @@ def _size_jobs(repeats: int) -> Iterator[Job]:
             note += f"; from {counts[0]} balls ({steps[0]} iterations) to {counts[-1]} ({steps[-1]}) time grows as "
             note += f"balls^{_power(counts, seconds):.2f}, time per iteration as "
             note += f"balls^{_power(counts, [t / k for t, k in zip(seconds, steps, strict=True)]):.2f}"
-        yield Job(f"{count} balls, cold", fast, _ratio(slow, fast), ours.unknowns, peak, note)
+        yield Job(f"{count} balls, cold", fast, _ratio(slow, fast), energy.unknowns, peak, note)
 
 
 def _power(counts: Sequence[int], seconds: Sequence[float]) -> float:

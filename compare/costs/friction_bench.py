@@ -22,7 +22,7 @@ from lowfi.as_source.screw import screw_pair_by_root, state_of
 from lowfi.friction.bearing.rotary import solve_ball, source_law
 from lowfi.friction.contact.ellipse import about_point
 from lowfi.friction.contact.motion import Motion, balance_by_root, least_dissipation
-from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.chain import prepare, solve_linear_chain
 from lowfi.friction.linear.pair import pair_state
 from lowfi.friction.linear.pair import solve_pair as solve_linear_pair
 from lowfi.friction.screw.motion import ROUNDS, ball_motion, ball_motion_by_root
@@ -152,9 +152,9 @@ def linear_jobs(repeats: int) -> Iterator[FrictionJob]:
     for count in (2, *CHAINS):
         state = pair_state(LINEAR, THETA, SIDE, VERTICAL) if count == 2 else chain_state(count)
         chain = prepare(LINEAR, *state)
-        ours = timed(partial(solve, chain), 10 * repeats)
+        ours = timed(partial(solve_linear_chain, chain), 10 * repeats)
         theirs = partial(solve_linear_by_root, LINEAR, *state)
-        ratio, how = against_source(ours, theirs, solve(chain).ball_force, 5 * repeats)
+        ratio, how = against_source(ours, theirs, solve_linear_chain(chain).ball_force, 5 * repeats)
         how += ", over the chain solver in contact only" if ratio else ""
         name = "linear pair, given loads" if count == 2 else f"linear chain, {count} balls"
         yield FrictionJob(name, ours, LINEAR_PAIR if count == 2 else count * BALL, ratio, f"prepared, in contact; {how}")

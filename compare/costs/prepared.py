@@ -6,12 +6,12 @@ import numpy as np
 
 from lowfi.as_source import static as lin
 from lowfi.compliance.bodies import REFINED
-from lowfi.statics.elastic import run as run_elastic
+from lowfi.statics.elastic import iterate as iterate_elastic
 from lowfi.statics.elastic_system import Rebuild
 from lowfi.statics.problem import Problem, build, distances
 from lowfi.statics.records import Outcome
 from lowfi.statics.selection import choose_sides
-from lowfi.statics.static import Prepared, pick_engine, prepare, run
+from lowfi.statics.static import Prepared, iterate, pick_engine, prepare
 from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout
@@ -22,7 +22,7 @@ TOLERANCE = 1e-10
 WARM_LOAD = 1.01
 
 
-class Ours:
+class Energy:
     """The energy solver on one scene, compiled, with the start that each run begins from."""
 
     def __init__(self, scene: Scene, *, everything: bool = False, tolerance: float = TOLERANCE) -> None:
@@ -44,11 +44,11 @@ class Ours:
 
     def cold(self) -> None:
         """From the nominal state: linear start, then Newton."""
-        self._check(run(self.prepared))
+        self._check(iterate(self.prepared))
 
     def warm(self) -> None:
-        """From the state as it is."""
-        self._check(run(self.prepared, start=False))
+        """From the present state."""
+        self._check(iterate(self.prepared, start=False))
 
     def change_load(self) -> None:
         """Make the solution the start of the next runs, and change the load by 1 %."""
@@ -115,7 +115,7 @@ class Refined:
 
     def cold(self) -> None:
         """Linear start, then Newton on the contact forces."""
-        outcome = run_elastic(self.elastic)
+        outcome = iterate_elastic(self.elastic)
         self.iterations = outcome.iterations
         if not (outcome.status <= 1 and outcome.residual <= 1e-10):
             raise RuntimeError(f"bench: the refined model stopped with residual {outcome.residual:.1e}")

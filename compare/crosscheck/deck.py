@@ -55,7 +55,7 @@ HELD = {
     "outer surface": ("outside",),
 }
 #: Element sizes far from all contacts, over growth times the ball's radius: of screw and nut, of a ball.
-FAR = (2.0, 0.6)
+FAR_SIZES = (2.0, 0.6)
 
 
 @dataclass(frozen=True)
@@ -232,7 +232,7 @@ def _rings(
         own = [p for p in places if (p.side < 2) == screw]
         groove = body_map(m, drawn, scene, screw)
         near = [groove_points(groove, p.at, fine_zone(p, fine)) for p in own]
-        size = _refined(near, fine, FAR[0] * options.growth * m.ball, options)
+        size = _refined(near, fine, FAR_SIZES[0] * options.growth * m.ball, options)
         spec = BodySpec(*radii, *ends, screw, (), unused, fine, size.coarse)
         made = (half_body if options.half else whole_body)(groove, spec, size)
         faces = {groove_faces(p): flank_faces(groove, made, p, fine) for p in own}
@@ -263,7 +263,7 @@ def _balls(
             shared = options.half or options.alike
             near = [p for p in places if drawn.ball_radius[p.ball] == radius] if shared else own
             zones = [sphere_points(m, p.side, radius, fine_zone(p, fine)) for p in near]
-            size = _refined(zones, fine, FAR[1] * options.growth * m.ball, options)
+            size = _refined(zones, fine, FAR_SIZES[1] * options.growth * m.ball, options)
             made = half_ball(radius, size, side) if options.half else whole_ball(m, radius, size)
             if shared:
                 meshed[radius, side if options.half else 0.0] = made

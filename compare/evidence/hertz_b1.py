@@ -8,33 +8,14 @@ import numpy as np
 
 from compare.evidence.record import Evidence, Sheet
 from compare.models.study import Study, with_groove
-from lowfi.hertz import PrintedHertz, contact_modulus, printed_hertz
-from lowfi.statics.problem import nominal_hertz
+from lowfi.statics.problem import nominal_hertz, printed_sides
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import Errors, Scene
-from meshes.surface import principal_curvatures, printed_radii
+from meshes.surface import principal_curvatures
 
 #: Conformity that Table B.1 was computed with (Table 3.6), not Table 2.1's groove radius.
 TABLE_CONFORMITY = 0.56
-
-
-def printed_sides(scene: Scene) -> dict[str, PrintedHertz]:
-    """Table B.1's quantities with its faults, for the screw (S) and nut (N) sides."""
-    bare = replace(scene, errors=Errors())
-    drawn = specimen(bare, ball_layout(bare))
-    gamma = np.full(scene.ball_count, scene.track.contact_angle)
-    out = {}
-    for letter, side, body in (("S", 0, scene.screw), ("N", 3, scene.nut)):
-        modulus = contact_modulus(
-            scene.balls.material.youngs_modulus,
-            scene.balls.material.poissons_ratio,
-            body.material.youngs_modulus,
-            body.material.poissons_ratio,
-        )
-        low, high = printed_radii(bare, drawn, side, gamma)[0]
-        out[letter] = printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
-    return out
 
 
 def right_sides(scene: Scene) -> dict[str, dict[str, float]]:
@@ -83,7 +64,7 @@ SWAPPED = {"rho1_N": "rho2", "rho2_N": "rho1"}
 def table_b_1(study: Study) -> tuple[Evidence, ...]:
     """Table B.1: as printed with conformity 0.56 and the faults, right with the same groove."""
     scene = with_groove(study.scene("lin-case1"), TABLE_CONFORMITY)
-    faulty, right = printed_sides(scene), right_sides(scene)
+    faulty, right = dict(zip("SN", printed_sides(scene), strict=True)), right_sides(scene)
     sheet = Sheet("lin-B1")
     for letter, printed in faulty.items():
         for start, (attribute, name, unit) in QUANTITIES.items():

@@ -22,7 +22,7 @@ from compare.evidence.smith import screw as smith_axis
 from compare.evidence.smith import taper as smith_taper
 from compare.evidence.smith import trials as smith_trials
 from compare.models.study import Study
-from compare.printed.printed_data import load_table, tables
+from compare.printed.printed_data import KINDS, Printed, load_table, tables
 
 CHAPTER_2 = "tests/literature/test_lin_chapter2.py"
 ROTARY = "tests/literature/test_lin_chapter3_rotary.py"
@@ -36,15 +36,19 @@ KALKER = "tests/literature/test_kalker.py"
 EXTERNAL = "tests/literature/test_external.py"
 
 
+#: Scenes, or why there is none; empty where the kind of the entry says so (an input, arithmetic on printed numbers).
+Behind = tuple[str, ...] | str
+
+
 @dataclass(frozen=True)
 class Computation:
-    """One printed table: the function that computes its evidence, the test file that asserts every entry of it, and the
-    scenes behind its entries, by pattern of the key (the first that fits counts); none for formulas apart from scenes."""
+    """One printed table: the function that computes its evidence, the test file that asserts every entry of it, and what is
+    behind its entries, by pattern of the key (the first that fits counts)."""
 
     table: str
     compute: Callable[[Study], tuple[Evidence, ...]]
     test: str
-    scenes: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    behind: tuple[tuple[str, Behind], ...]
 
     @property
     def function(self) -> str:
@@ -54,12 +58,24 @@ class Computation:
     @property
     def every_scene(self) -> tuple[str, ...]:
         """Scenes behind any entry, each once."""
-        return tuple(dict.fromkeys(name for _, names in self.scenes for name in names))
+        return tuple(dict.fromkeys(name for _, names in self.behind if not isinstance(names, str) for name in names))
 
-    def scenes_of(self, key: str) -> tuple[str, ...]:
-        """Scenes behind an entry; none for a choice and for arithmetic on printed numbers."""
-        return next((names for pattern, names in self.scenes if fnmatchcase(key, pattern)), ())
+    def origin(self, row: Printed) -> tuple[tuple[str, ...], str]:
+        """Scenes behind an entry, and where there are none, why."""
+        found = next((behind for pattern, behind in self.behind if fnmatchcase(row.key, pattern)), "")
+        if not isinstance(found, str) and found:
+            return found, ""
+        return (), KINDS[row.kind] if row.kind in ("input", "arithmetic") else str(found or "")
 
+
+#: Why an entry has no scene.
+ELSEWHERE = "another program or machine: shown, not computed"
+SMITH_DATA = "formulas on the document's data: compare/evidence/smith/case.py"
+UNEXPLAINED = "printed without what it is computed from: shown, not computed"
+MEASURED = "measured by the source: shown, not computed"
+CATALOGUE = "formulas on the catalogue's data: compare/evidence/external/cases.toml"
+WORDING = "a formula of the source, judged as printed"
+LIU_SCREW = ("*", ("liu-screw",))
 
 CASE_1 = ("lin-case1",)
 CASE_3 = ("lin-case3", "lin-case3-clamped", "lin-case3-ux")
@@ -115,17 +131,26 @@ COMPUTATIONS = (
         "lin-3.5",
         rotary_linear.table_3_5,
         LINEAR,
-        (("error_numerical", ()), ("*_time_*", ()), ("*_ansys", ()), ("b_*", PAIRS[1:]), ("*", PAIRS[:1])),
+        (("error_numerical", ()), ("*_time_*", ELSEWHERE), ("*_ansys", ELSEWHERE), ("b_*", PAIRS[1:]), ("*", PAIRS[:1])),
     ),
-    Computation("lin-G", rotary_linear.appendix_g, ROTARY, (("k_f", ("lin-pair-a",)),)),
+    Computation(
+        "lin-G",
+        rotary_linear.appendix_g,
+        ROTARY,
+        (
+            ("k_f", ("lin-pair-a",)),
+            ("reach", "a choice of the source"),
+            ("*", "closed form of a groove at a given pressure"),
+        ),
+    ),
     Computation("lin-3.6", screw.given_3_6, SCREW, (("*", ("lin-screw-pair-a",)),)),
     Computation(
         "lin-3.7",
         screw.table_3_7,
         SCREW,
         (
-            ("ansys_*", ()),
-            ("time_*", ()),
+            ("ansys_*", ELSEWHERE),
+            ("time_*", ELSEWHERE),
             ("difference_*", ()),
             ("*_a", ("lin-screw-pair-a", "lin-screw-pair-a-inferred")),
             ("*_b", ("lin-screw-pair-b", "lin-screw-pair-b-inferred")),
@@ -150,12 +175,12 @@ COMPUTATIONS = (
         CHAPTER_4,
         (("roundness_quicker", ("lin-pitch-4p1", "lin-roundness-4p1")), ("*", ("lin-bearing-pairs",))),
     ),
-    Computation("smith-table-2-1", smith_ball.table_2_1, SMITH),
-    Computation("smith-2.1", smith_ball.section_2_1, SMITH),
-    Computation("smith-2.2", smith_ball.section_2_2, SMITH),
-    Computation("smith-2.3", smith_ball.section_2_3, SMITH),
-    Computation("smith-3", smith_taper.chapter_3, SMITH),
-    Computation("smith-4.1", smith_axis.section_4_1, SMITH),
+    Computation("smith-table-2-1", smith_ball.table_2_1, SMITH, (("*", "Hertz's elliptic integrals: no bearing"),)),
+    Computation("smith-2.1", smith_ball.section_2_1, SMITH, (("*", SMITH_DATA),)),
+    Computation("smith-2.2", smith_ball.section_2_2, SMITH, (("*", SMITH_DATA),)),
+    Computation("smith-2.3", smith_ball.section_2_3, SMITH, (("*", SMITH_DATA),)),
+    Computation("smith-3", smith_taper.chapter_3, SMITH, (("M", UNEXPLAINED), ("M_test", MEASURED), ("*", SMITH_DATA))),
+    Computation("smith-4.1", smith_axis.section_4_1, SMITH, (("*", SMITH_DATA),)),
     Computation(
         "smith-4.2",
         smith_axis.section_4_2,
@@ -164,17 +189,31 @@ COMPUTATIONS = (
             ("total_ball", ("smith-axis",)),
             ("total_taper", ("smith-axis-taper",)),
             ("supported", ("smith-axis", "smith-axis-supported")),
+            ("*", SMITH_DATA),
         ),
     ),
-    Computation("smith-4.3", smith_axis.section_4_3, SMITH),
-    Computation("smith-5", smith_trials.chapter_5, SMITH),
-    Computation("kalker-E3", table_e3, KALKER),
-    Computation("liu-2", liu_given.section_2, LIU),
-    Computation("liu-3", liu_given.section_3, LIU),
-    Computation("liu-4.1", liu_given.section_4_1, LIU),
-    Computation("liu-4.2", liu_single.section_4_2, LIU),
-    Computation("liu-4.3", liu_drawn.section_4_3, LIU),
-    Computation("liu-4.4", liu_drawn.section_4_4, LIU),
+    Computation("smith-4.3", smith_axis.section_4_3, SMITH, (("*", UNEXPLAINED),)),
+    Computation(
+        "smith-5",
+        smith_trials.chapter_5,
+        SMITH,
+        (
+            *((f"{name}_*", MEASURED) for name in ("accuracy", "reversal", "repeat", "rise", "t750", "t1500")),
+            ("*", SMITH_DATA),
+        ),
+    ),
+    Computation("kalker-E3", table_e3, KALKER, (("*", "one contact of half spaces, of the table's ellipse and material"),)),
+    Computation(
+        "liu-2",
+        liu_given.section_2,
+        LIU,
+        (("v_2pi", ()), ("*_error", ()), ("e_?", ()), ("plus_or_minus", WORDING), LIU_SCREW),
+    ),
+    Computation("liu-3", liu_given.section_3, LIU, (("load", ()), ("free_length", ()), ("deviation", MEASURED), LIU_SCREW)),
+    Computation("liu-4.1", liu_given.section_4_1, LIU, (LIU_SCREW,)),
+    Computation("liu-4.2", liu_single.section_4_2, LIU, (LIU_SCREW,)),
+    Computation("liu-4.3", liu_drawn.section_4_3, LIU, (LIU_SCREW,)),
+    Computation("liu-4.4", liu_drawn.section_4_4, LIU, (("spread_*", ()), LIU_SCREW)),
     Computation(
         "external-masta",
         bearings.masta,
@@ -191,12 +230,16 @@ COMPUTATIONS = (
         "external-sjovall",
         bearings.half_zone,
         EXTERNAL,
-        (("radial", ("external-sjovall-radial",)), ("thrust", ()), ("*", ("external-sjovall-combined",))),
+        (
+            ("radial", ("external-sjovall-radial",)),
+            ("thrust", "closed form: thrust shared evenly"),
+            ("*", ("external-sjovall-combined",)),
+        ),
     ),
-    Computation("external-contact", contacts.rolling, EXTERNAL),
-    Computation("external-vm63", contacts.sphere, EXTERNAL),
-    Computation("external-snfa", bearings.snfa, EXTERNAL),
-    Computation("external-gmn", bearings.gmn, EXTERNAL),
+    Computation("external-contact", contacts.rolling, EXTERNAL, (("*", "one contact, the example of the program"),)),
+    Computation("external-vm63", contacts.sphere, EXTERNAL, (("*", "one contact, Hertz's closed form"),)),
+    Computation("external-snfa", bearings.snfa, EXTERNAL, (("*", CATALOGUE),)),
+    Computation("external-gmn", bearings.gmn, EXTERNAL, (("*", CATALOGUE),)),
     Computation(
         "external-thk",
         screws.nuts,
@@ -226,25 +269,27 @@ def evidence(study: Study, *names: str) -> list[Evidence]:
 
 @dataclass(frozen=True)
 class Trace:
-    """Where a printed entry comes from: its scenes, its one computation (``module:function``) and its test."""
+    """Where a printed entry comes from: its scenes or why there are none, its one computation (``module:function``), its
+    test."""
 
     table: str
     key: str
     printed: str
     cls: str
     scenes: tuple[str, ...]
+    no_scene: str
     computation: str
     test: str
 
 
-def traces() -> Iterator[Trace]:
-    """Every printed entry of every shipped table, in order."""
-    for name in tables():
+def traces(table: str = "") -> Iterator[Trace]:
+    """Every printed entry of one shipped table, or of all, in order. Raises InputError for an unknown table."""
+    for name in [table] if table else tables():
         own = BY_TABLE.get(name)
         for row in load_table(name):
             printed = row.claim or f"{row.printed} {row.unit}".rstrip()
             if own is None:
-                yield Trace(name, row.key, printed, row.cls, (), f"none: {NOT_COMPUTED[name]}", "")
+                yield Trace(name, row.key, printed, row.cls, (), NOT_COMPUTED[name], "none", "")
             else:
                 test = f"{own.test}::test_entry[{name}:{row.key}]"
-                yield Trace(name, row.key, printed, row.cls, own.scenes_of(row.key), own.function, test)
+                yield Trace(name, row.key, printed, row.cls, *own.origin(row), own.function, test)

@@ -12,7 +12,7 @@ from dataclasses import asdict
 
 from compare.extremes.friction_balls import ball_rows
 from compare.extremes.friction_chains import chain_rows
-from compare.extremes.tally import CHAIN_STARTS, FAR, NEAR, STARTS, Record
+from compare.extremes.tally import CHAIN_STARTS, FAR_START, NEAR_START, STARTS, Record
 from reports.records import Cell, Column, Table, Text
 
 
@@ -62,10 +62,10 @@ def table_section_items(found: Sequence[Record] | None = None) -> tuple[Text | T
         "Each case is solved from the solver's own start and from random ones. Spread: of the loss of one ball, or of "
         "ball-to-ball forces over the largest friction bound. The source's method: a root of the force balance under its "
         "sigmoid, k_S = 100 unless varied, by MINPACK's hybrid method with a short first step, which finds more roots "
-        f"than its default; one ball: {STARTS} starts within {FAR:.0%} of the solution unless said otherwise; pairs "
-        f"and chains: rolling and {CHAIN_STARTS} starts within {FAR:.0%} ({NEAR:.0%} for chains of a screw). A chain "
-        "of a screw that Newton does not reach from a random start is begun anew from the solver's own. Where friction "
-        "between balls leaves more than one state (jammed or apart), the branch reached by continuation from zero "
+        f"than its default; one ball: {STARTS} starts within {FAR_START:.0%} of the solution unless said otherwise; pairs "
+        f"and chains: rolling and {CHAIN_STARTS} starts within {FAR_START:.0%} ({NEAR_START:.0%} for chains of a screw). A "
+        "chain of a screw that Newton does not reach from a random start is restarted from the solver's own. Where "
+        "friction between balls leaves more than one state (jammed or apart), the branch reached by continuation from zero "
         "friction is reported; "
         "a ball of a screw that carries almost no load in clearance may also float or be wedged by its own friction, and "
         "where the search begins decides: there the restarts keep the loads that were found."

@@ -11,7 +11,7 @@ import numpy as np
 
 from compare.evidence.rotary_linear import AXIAL, CASES, ROTARY
 from compare.evidence.source_cases import inferred, plain, table_3_6
-from compare.extremes.tally import ANGLES, CLEARANCE, FAR, LOADS, MU, NEAR, SHARPNESS, STARTS, Record, Tally
+from compare.extremes.tally import ANGLES, CLEARANCE, FAR_START, LOADS, MU, NEAR_START, SHARPNESS, STARTS, Record, Tally
 from lowfi.friction.bearing.rotary import Bearing, Mode, solve_ball, source_law
 from lowfi.friction.contact.laws import Sigmoid
 from lowfi.friction.contact.motion import Problem, balance_by_root, least_dissipation
@@ -73,7 +73,7 @@ def try_ball(tally: Tally, ball: OneBall, rng: np.random.Generator, off: float) 
         tally.source_tries += 1
 
 
-def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR) -> Record:
+def ball_group(group: str, model: str, balls: Sequence[OneBall], note: str = "", off: float = FAR_START) -> Record:
     """A group of single balls; off: how far random starts are off, relative."""
     rng, tally = np.random.default_rng(1), Tally()
     for ball in balls:
@@ -92,7 +92,7 @@ def ball_rows() -> list[Record]:
     around = 1e-6 * np.linspace(4.2, 4.5, 13)
     loose = [replace(ROTARY, clearance=c) for c in CLEARANCE]
     rows = []
-    for off, k in product((NEAR, FAR), SHARPNESS):
+    for off, k in product((NEAR_START, FAR_START), SHARPNESS):
         note = f"starts within {off:.0%}"
         printed = [rotary_ball(ROTARY, AXIAL, u, k, "as printed") for u in CASES.values()]
         rows.append(ball_group(f"k_S {k:g}", "rotary, cases I to III as printed", printed, note, off))

@@ -16,10 +16,10 @@ from compare.extremes.tally import (
     BALLS,
     CHAIN_STARTS,
     CLEARANCE,
-    FAR,
+    FAR_START,
     LOADS,
     MU,
-    NEAR,
+    NEAR_START,
     NO_FORCE,
     RHO,
     SMALL,
@@ -31,7 +31,7 @@ from compare.extremes.tally import (
 from lowfi.as_source.starts import from_linear_starts, from_pair_starts, from_screw_starts
 from lowfi.friction.bearing.pairs import solve_bearing
 from lowfi.friction.linear.bearing import LinearBearing, deviations
-from lowfi.friction.linear.chain import Chain, prepare, solve
+from lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
 from lowfi.friction.linear.loads import balanced_loads
 from lowfi.friction.linear.pair import pair_state
 from lowfi.friction.screw.chain import Chain as ScrewChain
@@ -70,14 +70,14 @@ def chain_group(
     for case in cases:
         tally.cases += 1
         c = case.chain()
-        first = solve(c).ball_force
+        first = solve_linear_chain(c).ball_force
         for k in range(starts + 1):
-            r = solve(c, None if k == 0 else c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)))
+            r = solve_linear_chain(c, None if k == 0 else c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)))
             apart = float(np.max(np.abs(r.ball_force - first))) / (c.scale or 1.0)
             tally.add(r.status == "converged", r.power, r.loss, apart)
         if c.count > most:
             continue
-        for found in from_linear_starts(case.bearing, case.angles, case.loads, rng, starts, FAR):
+        for found in from_linear_starts(case.bearing, case.angles, case.loads, rng, starts, FAR_START):
             tally.theirs(found, first, c.scale)
     return tally.record(group, model, note)
 
@@ -124,9 +124,9 @@ def screw_pairs(group: str, pairs: Sequence[Pair], note: str = "") -> Record:
         tally.add(r.converged, m.input_power, m.loss, 0.0)
         load = r.touching.load
         chain = ScrewChain(p.groove, load.force, p.groove.normals(load.angle), np.array([0.0, np.inf]))
-        restart(tally, chain, m, rng, FAR)
+        restart(tally, chain, m, rng, FAR_START)
         bound = p.groove.mu * float(r.load.max())
-        for found in from_pair_starts(p, r, rng, CHAIN_STARTS, FAR):
+        for found in from_pair_starts(p, r, rng, CHAIN_STARTS, FAR_START):
             tally.theirs(found, m.ball_force[:1], bound)
     return tally.record(group, "screw pair", note)
 
@@ -167,9 +167,9 @@ def screw_chains() -> Record:
         chain = screw_chain(count)
         m = solve_chain(chain)
         tally.add(m.converged, m.input_power, m.loss, 0.0)
-        restart(tally, chain, m, rng, NEAR)
+        restart(tally, chain, m, rng, NEAR_START)
         bound = chain.groove.mu * float(chain.force.sum(axis=1).max())
-        for found in from_screw_starts(chain, screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR):
+        for found in from_screw_starts(chain, screw_chain_state(count)[1], m, rng, CHAIN_STARTS, NEAR_START):
             tally.theirs(found, m.ball_force[:-1], bound)
     return tally.record("chains", f"screw, {', '.join(map(str, BALLS))} balls")
 

@@ -11,7 +11,7 @@ import numpy as np
 from compare.evidence.rotary_linear import CASES, LINEAR, ROTARY, right
 from lowfi.friction.bearing.rotary import source_law
 from lowfi.friction.contact.motion import balance_by_root, least_dissipation
-from lowfi.friction.linear.chain import Chain, prepare, solve
+from lowfi.friction.linear.chain import Chain, prepare, solve_linear_chain
 from lowfi.friction.linear.pair import pair_state
 from reports.records import Cell
 
@@ -46,7 +46,7 @@ def pair_rows() -> list[dict[str, Cell]]:
         solved, energy, spread, residual = 0, 0.0, 0.0, 0.0
         for c in chains:
             starts = [None, *(c.problem.nominal * rng.uniform(-3.0, 3.0, (c.count, 3)) for _ in range(2))]
-            found = [solve(c, start) for start in starts]
+            found = [solve_linear_chain(c, start) for start in starts]
             solved += sum(r.status == "converged" for r in found)
             energy = max(energy, *(abs(r.power / r.loss - 1.0) for r in found))
             spread = max(spread, *(float(abs(r.ball_force[0] - found[0].ball_force[0])) / c.scale for r in found))

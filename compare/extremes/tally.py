@@ -12,7 +12,7 @@ from meshes.arrays import Array
 #: Sharpness of the source's sigmoid, Lin's k_S, in its own formulation; 100 where it is not what is varied.
 SHARPNESS = (100.0, 1e3, 1e4)
 #: Random starts of one ball and of chains, besides the solver's own; how far they are off the solution, relative.
-STARTS, CHAIN_STARTS, NEAR, FAR = 12, 3, 0.01, 0.5
+STARTS, CHAIN_STARTS, NEAR_START, FAR_START = 12, 3, 0.01, 0.5
 #: Power [W] and, over the friction bound, ball-to-ball force below which random starts and balances are not scaled.
 NO_POWER, NO_FORCE = 1e-13, 0.01
 ANGLES, MU, LOADS = (-5.0, -1.0, 1e-3, 2.0, 5.0), (1e-3, 0.01, 0.1, 0.3, 0.5), (1e-3, 0.1, 10.0, 1e3, 1e5)

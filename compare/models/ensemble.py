@@ -21,7 +21,17 @@ from lowfi.statics.records import MemberArrays, MemberStates
 from lowfi.statics.result import StaticResult
 from lowfi.statics.selection import all_clear, choose_sides
 from lowfi.statics.shape import motion_matrices
-from lowfi.statics.static import ACCEPTED, Engine, Prepared, pick_engine, pin, prepare, reference_scale, run, solve_static
+from lowfi.statics.static import (
+    ACCEPTED,
+    Engine,
+    Prepared,
+    iterate,
+    pick_engine,
+    pin,
+    prepare,
+    reference_scale,
+    solve_static,
+)
 from meshes.arrays import Array
 from meshes.errors import Specimens, alike_in_shape, specimen, specimens, without_draws
 from meshes.helix import BallLayout, ball_layout, nominal_groove_centres
@@ -187,7 +197,7 @@ class _Batch:
     def _system(self, problem: Problem) -> Prepared:
         """The common system in its solution without random errors."""
         prepared = prepare(problem, pick_engine(ENGINE, self.scene.ball_count))
-        run(prepared)
+        iterate(prepared)
         prepared.options = prepared.options._replace(tolerance=ENOUGH)
         return prepared
 

@@ -262,9 +262,9 @@ def validated(study: Study, name: str, model: str, quantity: Quantity, answer: L
 
 @dataclass(frozen=True)
 class Scatter:
-    """Bias and scatter of a model on a quantity over all scenes: number of scenes and of values, geometric mean of model
-    over reference less one [%], relative standard deviation of the model [%] with the grid's uncertainty taken out, and
-    shares of values within u_val and within the reference's own part of it."""
+    """Bias and scatter of a model on a quantity over all scenes: number of scenes and of values, relative deviation
+    from the reference as a geometric mean [%], relative standard deviation of the model [%] with the grid's uncertainty
+    taken out, and shares of values within u_val and within the reference's own part of it."""
 
     model: str
     quantity: str

@@ -13,7 +13,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Any
 
 from compare import __version__
@@ -36,22 +36,6 @@ SILENCE = 120.0
 AGAIN = "see what ended it, start it anew and the same command again: runs that are stored are not repeated"
 
 _ALONE = threading.Lock()
-
-
-def run(
-    jobs: Sequence[Job],
-    backend: str = "joblib",
-    scheduler: str | None = None,
-    workers: int | None = None,
-    step: Step = lambda _: None,
-) -> list[Any]:
-    """Results of independent jobs, in the order of the jobs; `step` hears of each when it is done. See `as_done`."""
-    results: list[Any] = [None] * len(jobs)
-    with closing(as_done(jobs, backend, scheduler, workers)) as finished:
-        for done, (number, result) in enumerate(finished, start=1):
-            results[number] = result
-            step(f"job {number + 1} done, {done} of {len(jobs)}")
-    return results
 
 
 def as_done(

@@ -13,7 +13,7 @@ from compare.scenes.kinds.linear import LinearScene
 from compare.scenes.kinds.screw_balls import ScrewPairScene
 from hifi.rolling.balls import Choices, Rolling, without_meetings
 from hifi.rolling.feedback import solve_loaded
-from hifi.rolling.loads import Cell, settle
+from hifi.rolling.loads import Cell, cell_loads
 from hifi.rolling.scenes import Layout, Material, hertz_constants, linear_layout, ring_layout, scene_of, screw_layout
 from meshes.arrays import Array
 from meshes.parts import SIDE_SIGNS
@@ -99,7 +99,7 @@ def _pressed(scene: LinearScene, layout: Layout, material: Material, normals: Ar
     reach = layout.groove_radius - layout.radius
     none = np.zeros((1, 2))
     cell = Cell(normals[None], reach, np.zeros((1, 4)), C[None], MOVING, np.eye(2)[None], none, pull, none)
-    found = settle(cell)
+    found = cell_loads(cell)
     if not found.converged:
         _refuse(scene, "load", "contact loads do not balance", 'take loads whose balance exists, or "balanced"')
     return found.normal[0], found.force[0]
@@ -149,7 +149,7 @@ def _screw(scene: ScrewPairScene, choices: Choices) -> Case:
             fed = solve_loaded(layout, material, cell, choices, feedback=True, meet=meet)
             loads, good = fed.loads, fed.converged
         else:
-            loads = settle(cell)
+            loads = cell_loads(cell)
             good = loads.converged
         if not good:
             _refuse(scene, "load", "contact loads and friction do not agree in 3D", 'take coupling = "none"')
@@ -179,7 +179,7 @@ def _ring(scene: BearingBallScene) -> Case:
         np.array([scene.force]),
         np.zeros((1, 2)),
     )
-    loads = settle(cell)
+    loads = cell_loads(cell)
     if not loads.converged:
         _refuse(scene, "load", "contact loads do not balance", "take a load that presses the ball")
     whole = scene_of(layout, material, loads.normal, loads.force)

@@ -31,13 +31,13 @@ class Series:
 
 
 @lru_cache(maxsize=1)
-def from_rest(steps: tuple[int, ...] = STEPS) -> tuple[Series, ...]:
-    """Runs with the given numbers of steps."""
+def from_rest() -> tuple[Series, ...]:
+    """Runs with each number of steps of ``STEPS``."""
     choices = Choices(SHAPE)
     scene = case_of(shipped_case("lin-pair-a", LinearPairScene), choices).touching
     steady = float(solve_rolling(scene, choices).force[0])
     out = []
-    for count in steps:
+    for count in STEPS:
         run = run_from_rest(scene, DURATION, count, GAP, choices)
         force = tuple(map(float, run.force[:, 0]))
         speed = tuple(tuple(map(float, row)) for row in run.speed)

@@ -9,7 +9,7 @@ from compare.scenes.kinds.common import KindScene
 from compare.scenes.kinds.linear import LinearScene
 from compare.scenes.kinds.screw_balls import ScrewPairScene
 from lowfi.friction.bearing.rotary import SIDES, solve_ball
-from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.chain import prepare, solve_linear_chain
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 from lowfi.friction.screw.pair import solve_pair
 
@@ -33,7 +33,9 @@ def _linear(scene: KindScene) -> tuple[dict[str, float], str]:
         force = balanced_loads(angles, scene.vertical, scene.side)
     else:
         force = diagonal_loads(scene.vertical, scene.side, scene.bearing.contact_angle)
-    apart, near = (solve(prepare(scene.bearing, angles, force, t), fast=False) for t in (False, scene.gap <= 0.0))
+    apart, near = (
+        solve_linear_chain(prepare(scene.bearing, angles, force, t), fast=False) for t in (False, scene.gap <= 0.0)
+    )
     out = {f"force {k + 1}-{k + 2} N": float(f) for k, f in enumerate(near.ball_force)}
     out |= {f"deviation {k + 1} apart %": 100.0 * float(v) for k, v in enumerate(apart.deviation)}
     out |= {"loss apart mW": 1e3 * apart.loss, "loss touching mW": 1e3 * near.loss}

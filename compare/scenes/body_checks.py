@@ -85,12 +85,12 @@ def contact_faults(scene: Scene) -> Iterator[Fault]:
     """Contacts without Hertz constants, for bodies that can be built: ball and flank conform, or the printed formula has no
     solution."""
     from lowfi.statics.conformity import curvature_changes
-    from lowfi.statics.problem import nominal_curvatures, printed_constants
+    from lowfi.statics.problem import nominal_curvatures, printed_sides
 
     if scene.ingredients.hertz == "as printed":
         try:
             with np.errstate(invalid="ignore"):
-                printed_constants(scene)
+                printed_sides(scene)
         except ValueError as error:
             advice = f"the printed formula (Lin Table B.1) has no solution for these radii ({error})"
             yield Fault(("ingredients.hertz",), '"nominal", "error-free" or "actual" for this geometry', advice)

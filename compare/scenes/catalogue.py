@@ -36,12 +36,6 @@ def whole_names() -> tuple[str, ...]:
 
 
 @cache
-def axis_names() -> tuple[str, ...]:
-    """Names of the shipped shafts with several rolling sets, sorted."""
-    return tuple(n for n in scene_names() if tomllib.loads(scene_text(n)).get("kind") == AXIS)
-
-
-@cache
 def with_role(role: str) -> tuple[str, ...]:
     """Names of the shipped scenes whose role begins with ``role``, sorted: "referenced", "unseen", "unseen, changed"."""
     roles = {name: str(tomllib.loads(scene_text(name)).get("role", "")) for name in scene_names()}

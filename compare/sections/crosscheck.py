@@ -115,7 +115,7 @@ def section(study: Study, step: Callable[[str], None], folder: Path | None = Non
         step(f"{name}: the 3D reference and CalculiX")
         data, ours = load(folder or shipped(), name), study.reference(name)
         if data is None or data.key != scene_key(name):
-            items.append(Text((f"{name}: no results of CalculiX are stored for the scene as it is.",)))
+            items.append(Text((f"{name}: no results of CalculiX are stored for the present scene.",)))
             continue
         if ours is None:
             items.append(Text((f"{name}: no run of the 3D reference was found.",)))

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from compare.evidence.hertz_b1 import TABLE_CONFORMITY, printed_sides, table_b_1
+from compare.evidence.hertz_b1 import TABLE_CONFORMITY, table_b_1
 from compare.measure import error_percent
 from compare.models.study import Study, with_groove
-from lowfi.statics.problem import nominal_hertz
+from lowfi.statics.problem import nominal_hertz, printed_sides
 from reports.records import Column, Section, Table, Text
 
 COLUMNS = (
@@ -52,14 +52,14 @@ def section(study: Study, step: Callable[[str], None]) -> Section:
     constants = []
     for label, scene in compared:
         right, faulty = nominal_hertz(scene), printed_sides(scene)
-        for s, side in (("S", 0), ("N", 3)):
+        for name, side, printed in zip(("screw", "nut"), (0, 3), faulty, strict=True):
             constants.append(
                 {
                     "groove": label,
-                    "side": "screw" if s == "S" else "nut",
+                    "side": name,
                     "right": float(right.C[side]),
-                    "faulty": faulty[s].C,
-                    "error": float(error_percent(faulty[s].C, float(right.C[side]))),
+                    "faulty": printed.C,
+                    "error": float(error_percent(printed.C, float(right.C[side]))),
                     "a": 1e3 * float(right.C_a[side]) * 225.0 ** (1 / 3),
                     "b": 1e3 * float(right.C_b[side]) * 225.0 ** (1 / 3),
                     "p0": 1e-6 * float(right.pressure(np.array(225.0))[side]),

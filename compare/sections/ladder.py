@@ -112,14 +112,14 @@ def shares_table(study: Study) -> Table:
             error = share.errors[parts]
             row |= {f"max {name}": error.max_percent, f"rms {name}": error.rms_percent}
         rows.append(row | {"bias": share.bias[()], "bias both": share.bias[PARTS]})
-    label = {"none": "as it is", "screw": "screw from 3D", "nut": "nut from 3D", "both": "both from 3D"}
+    label = {"none": "none from 3D", "screw": "screw from 3D", "nut": "nut from 3D", "both": "both from 3D"}
     columns = [Column("scene", "scene", "", "s")]
     for name in names.values():
         columns += [
             Column(f"max {name}", f"{label[name]}: largest", "%", ".2f"),
             Column(f"rms {name}", f"{label[name]}: RMS", "%", ".2f"),
         ]
-    columns += [Column("bias", "sum, as it is", "%", ".2f"), Column("bias both", "sum, both", "%", ".2f")]
+    columns += [Column("bias", "sum, none from 3D", "%", ".2f"), Column("bias both", "sum, both", "%", ".2f")]
     note = (
         "The refined model with the compliance of a body between its contacts, and the laws of the contacts on it, taken "
         "from the finest 3D run instead of its smooth body: what an exchange takes away is that body's share of the error; "

@@ -102,8 +102,8 @@ def scatter_table(found: Sequence[Scatter]) -> Table:
         Column("within_own", "within grid and choices", "%", ".0f"),
     )
     note = (
-        "Bias: geometric mean of model over reference, less one. Scatter: relative standard deviation of the model, that "
-        "of the grid taken out. Over all scenes with a reference, contacts above a tenth of the mean load."
+        "Bias: relative deviation of the model from the reference, geometric mean. Scatter: relative standard deviation of "
+        "the model, that of the grid taken out. Over all scenes with a reference, contacts above a tenth of the mean load."
     )
     return Table("bias-scatter", "Bias and scatter of every model", columns, cells, note)
 
@@ -120,7 +120,7 @@ def scatter_figure(found: Sequence[Scatter]) -> Figure:
             Series("bias and two scatters", x, [s.bias for s in own], "markers", emphasis=True, bars=ends),
             Series("none", [min(x), max(x)], [0.0, 0.0], "line"),
         )
-        panels.append(Panel(quantity, "model", "model over reference, less one / %", series, integer_x=True))
+        panels.append(Panel(quantity, "model", "relative deviation from the reference / %", series, integer_x=True))
     caption = "Models: " + ", ".join(f"{k + 1} {name}" for k, name in enumerate(order)) + "."
     return Figure("bias-scatter", "Bias and scatter of every model", tuple(panels), caption)
 

@@ -72,7 +72,7 @@ class Sweep:
                 scene_file.keys_of(changed(raw, [vary], [value]), self.origin)
 
 
-def run(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, store.Record]:
+def run_samples(sweep: Sweep, folder: Path, engine: Engine, step: Step) -> dict[int, store.Record]:
     """Records of all samples by number; what the folder holds already is not solved again.
 
     Raises InputError for what cannot be swept, a folder that holds something else, and workers that are lost.

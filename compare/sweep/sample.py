@@ -67,7 +67,9 @@ def _tables(text: str, origin: str) -> dict[str, Any]:
     return scene_file.read_toml(text, origin)
 
 
-def solve(text: str, origin: str, keys: Sequence[Vary], values: Sequence[Any], model: str, engine: str) -> dict[str, Any]:
+def solve_sample(
+    text: str, origin: str, keys: Sequence[Vary], values: Sequence[Any], model: str, engine: str
+) -> dict[str, Any]:
     """Status and outputs of one sample; a scene or model that refuses the values is a status, with its reason."""
     try:
         scene = scene_file.read_tables(changed(_tables(text, origin), keys, values), origin)
@@ -128,13 +130,13 @@ def solve_batch(
     found: list[store.Record] = []
     with threadpool_limits(1, "blas"):
         if not here:
-            return [_record(n, v, solve(text, origin, keys, v, model, engine)) for n, v in batch], False
+            return [_record(n, v, solve_sample(text, origin, keys, v, model, engine)) for n, v in batch], False
         with store.working(own):
             writer = store.Writer(own, token)
             for number, values in batch:
                 if not store.current(own, token):
                     break
-                record = _record(number, values, solve(text, origin, keys, values, model, engine))
+                record = _record(number, values, solve_sample(text, origin, keys, values, model, engine))
                 writer.append(record)
                 found.append(record)
     return found, True

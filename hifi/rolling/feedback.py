@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import root
 
 from hifi.rolling.balls import Choices, RollingResult, solve_rolling, touching, without_meetings
-from hifi.rolling.loads import Cell, Loads, settle
+from hifi.rolling.loads import Cell, Loads, cell_loads
 from hifi.rolling.scenes import Layout, Material, scene_of
 from meshes.arrays import Array
 
@@ -50,7 +50,7 @@ def solve_loaded(
 
     The force that friction exerts across the track is found by Anderson's acceleration, first on a coarse grid.
     """
-    loads = settle(cell)
+    loads = cell_loads(cell)
     if not feedback:
         return Fed(loads, _roll(layout, material, loads, choices, meet), np.zeros((len(cell.push), 2)), 1, 0.0)
     held, count = hold(cell, loads), 0
@@ -59,7 +59,7 @@ def solve_loaded(
     def exerted(push: Array, grid: Choices) -> tuple[Loads, RollingResult, Array]:
         nonlocal count
         count += 1
-        now = settle(replace(held, push=cell.push + push))
+        now = cell_loads(replace(held, push=cell.push + push))
         rolling = _roll(layout, material, now, grid, meet, last.get(grid.shape))
         last[grid.shape] = rolling
         return now, rolling, (rolling.wrench[:, :3] + rolling.between) @ layout.section.T

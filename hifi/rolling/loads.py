@@ -59,7 +59,7 @@ class Loads:
         return self.left <= BALANCED
 
 
-def settle(cell: Cell) -> Loads:
+def cell_loads(cell: Cell) -> Loads:
     """Loads of a cell; a cell that cannot be held does not converge, and says so."""
     N, m = cell.normals.shape[0], cell.pull.size
     size = float(np.abs(cell.pull).sum() + np.abs(cell.push).sum())

@@ -169,24 +169,24 @@ def carter(cells: int, share: float) -> tuple[Array, Array]:
 # --- Cattaneo and Mindlin
 
 
-def mindlin(cells: int, share: float, poisson: float = 0.0, balls: Sizes | None = None) -> tuple[Array, Array]:
+def mindlin(cells: int, share: float, balls: Sizes | None = None) -> tuple[Array, Array]:
     """A sphere pressed onto a like one and then pushed sideways by ``share`` of mu P, without rolling.
 
     Johnson (1985) (7.38), (7.39): stick radius a (1 - Q/(mu P))^(1/3), shift 3 mu P/(16 a) sum (2 - nu)/G
-    (1 - (1 - Q/(mu P))^(2/3)); exact where nu is zero, tractions across the push being left out otherwise. balls: finite
-    ones, whose shift is that of half spaces and what Q shifts the bodies by besides. Returns, computed at the exact shift
-    and in closed form: Q/(mu P), stick radius over a. The radius is that of the half ellipsoid which mu p - |q| is over the
+    (1 - (1 - Q/(mu P))^(2/3)), with nu = 0: exact, as no traction across the push is left out. balls: finite ones, whose
+    shift is that of half spaces and what Q shifts the bodies by besides. Returns, computed at the exact shift and in
+    closed form: Q/(mu P), stick radius over a. The radius is that of the half ellipsoid which mu p - |q| is over the
     circle: sqrt(5) times its standard deviation along an axis.
     """
     shear, mu, load, radius = 80e9, 0.1, 100.0, 10e-3
-    young = 2.0 * shear * (1.0 + poisson)
+    young, poisson = 2.0 * shear, 0.0
     radii = radius, radius
     size = hertz(load, *radii, young, poisson).semi_x
     kernel = None if balls is None else two_balls(2.0 * radius, size, young, poisson, balls)
     patch = hertz_patch(load, radii, young, poisson, (cells, cells), kernel)
     size = hertz(load, *seen_radii(load, radii, young, poisson, kernel), young, poisson).semi_x
     rest = 1.0 - share
-    shift = 3.0 * mu * load / (16.0 * size) * 2.0 * (2.0 - poisson) / shear * (1.0 - rest ** (2.0 / 3.0))
+    shift = 3.0 * mu * load / (16.0 * size) * 4.0 / shear * (1.0 - rest ** (2.0 / 3.0))
     if kernel is not None:
         along, spread = slice(0, 1), patch.normal / load
         shift += share * mu * load * float(spread @ kernel.block(patch.at, along, along) @ spread)
@@ -299,9 +299,10 @@ def slip_everywhere(
     return _resultant(at, full_slip(mu * normal, creep.slip(at)))
 
 
-def slip_within_cells(patch: Patch, creep: Creep, mu: float, points: int = 20) -> tuple[Array, float]:
-    """The same under a grid's pressures, by so many midpoints along each axis of every cell: the turn of the slip about its
+def slip_within_cells(patch: Patch, creep: Creep, mu: float) -> tuple[Array, float]:
+    """The same under a grid's pressures, by 20 midpoints along each axis of every cell: the turn of the slip about its
     pole is resolved, the staircase edge is left."""
+    points = 20
     unit = (np.arange(points) + 0.5) / points - 0.5
     inside = np.stack(np.meshgrid(unit, unit, indexing="ij"), axis=-1).reshape(-1, 2) * patch.size
     at = (patch.at[:, None] + inside).reshape(-1, 2)

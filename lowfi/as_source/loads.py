@@ -50,7 +50,7 @@ def load_scale(cell: Cell) -> tuple[float, float]:
 def first_place(cell: Cell) -> Places:
     """Start of the search: screw pressed by four approaches of a ball's share (and the clearance), balls half way.
 
-    The text's nominal state has no stiffness without preload; this is the start that ``screw_load.settle`` takes.
+    The text's nominal state has no stiffness without preload; this is the start that ``rings.settle_cell`` takes.
     """
     total, (_, size) = float(np.linalg.norm(cell.force)), load_scale(cell)
     size += max(0.0, -float(np.min(cell.interference)))

@@ -15,7 +15,7 @@ from lowfi.as_source.linear import linear_balls, linear_law
 from lowfi.as_source.screw import SourceState, neighbours, screw_balls, screw_pair_by_root, state_of
 from lowfi.friction.contact.laws import Sigmoid
 from lowfi.friction.linear.bearing import LinearBearing
-from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.chain import prepare, solve_linear_chain
 from lowfi.friction.screw.chain import Chain, ChainMotion, solve_chain
 from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.motion import source_law
@@ -37,7 +37,7 @@ def from_linear_starts(
     bearing: LinearBearing, angles: Array, loads: Array, rng: np.random.Generator, count: int, off: float
 ) -> Iterator[SourceMotion]:
     """Balls of a linear bearing, all in reach: angles [rad], loads [N], (N, 4); forces at random up to doubled."""
-    apart, together = (solve(prepare(bearing, angles, loads, touching)) for touching in (False, True))
+    apart, together = (solve_linear_chain(prepare(bearing, angles, loads, touching)) for touching in (False, True))
     balls = linear_balls(bearing, angles, loads)
     law = linear_law(bearing, SHARPNESS) if bearing.speed else Sigmoid(SHARPNESS, 1.0)
     reach, units = np.ones(balls.count - 1, dtype=bool), balls.pair.units

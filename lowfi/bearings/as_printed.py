@@ -38,12 +38,6 @@ def fitted(difference: float, which: str) -> float:
     return float(10.0 ** (1.0 / value if which == "major" else -1.0 / value))
 
 
-def interpolated(difference: float, table: Sequence[tuple[float, float]]) -> float:
-    """Value at a curvature difference F from rows (F, value) of a table like 2-1, linear between them."""
-    columns = np.array(table, dtype=float)
-    return float(np.interp(difference, columns[:, 0], columns[:, 1]))
-
-
 def curvature_difference(curvatures: Sequence[float]) -> float:
     """|(rho_11 - rho_12) + (rho_21 - rho_22)| / sum of the four (2.16; the absolute value is missing in print)."""
     a, b, c, d = curvatures
@@ -127,12 +121,6 @@ def series_stiffness(supports: Sequence[float], screw: float, nut: float) -> flo
     return 1.0 / (sum(1.0 / k for k in supports) + 1.0 / screw + 1.0 / nut)
 
 
-def ball_deflection(axial: float, balls: int, diameter: float, angle: float) -> float:
-    """First approximation of the axial deflection [in] of a ball bearing (2.24); load [lb], diameter [in], angle [rad]."""
-    q = axial / (balls * np.sin(angle))
-    return float(1.58e-5 * q**0.667 / (diameter**0.333 * np.sin(angle)))
-
-
 def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_angle: float) -> float:
     """Normal deflection [in] of a roller between its races (3.19, logarithm to base 10); line load [lb/in], D [in].
 
@@ -141,12 +129,6 @@ def roller_approach(line_load: float, diameter: float, cup_angle: float, roller_
     """
     argument = np.sin(roller_angle) / (diameter * line_load * np.sin(cup_angle))
     return float(8.89e-8 * line_load * (8.45 + np.log10(argument)))
-
-
-def roller_deflection(axial: float, rollers: int, length: float, cup_angle: float) -> float:
-    """First approximation of the axial deflection [in] of a roller bearing (3.22); load [lb], length [in]."""
-    q = axial / (rollers * np.sin(cup_angle))
-    return float(8.71e-7 * q**0.9 / (length**0.8 * np.sin(cup_angle)))
 
 
 @dataclass(frozen=True)

@@ -109,11 +109,6 @@ def lost_motion(force: float, stiffness: float, play: float = 0.0) -> float:
 # --- torque
 
 
-def drive_torque(force: float, lead: float, efficiency: float, constant: float = 0.0) -> float:
-    """Torque [N m] of the screw at constant speed, F p/(2 pi e) + T_c (Smith 4.13); force [N], lead [m]."""
-    return force * lead / (2.0 * np.pi * efficiency) + constant
-
-
 def angular_speed(speed: float, lead: float) -> float:
     """Angular speed [rad/s] of the screw at a carriage speed [m/s] (Smith 4.12)."""
     return 2.0 * np.pi * speed / lead
@@ -122,11 +117,6 @@ def angular_speed(speed: float, lead: float) -> float:
 def shaft_inertia(density: float, diameter: float, length: float) -> float:
     """Moment of inertia [kg m^2] of a cylinder, pi rho D^4 Z/32 (Smith 4.14, in lb in^2 there); density [kg/m^3]."""
     return float(np.pi * density * diameter**4 * length / 32.0)
-
-
-def carriage_inertia(mass: float, lead: float, efficiency: float) -> float:
-    """Moment of inertia [kg m^2] that a carriage of a mass [kg] adds, m (p/2 pi)^2 / e (Smith 4.15)."""
-    return float(mass * (lead / (2.0 * np.pi)) ** 2 / efficiency)
 
 
 @dataclass(frozen=True)

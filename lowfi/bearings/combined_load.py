@@ -15,6 +15,9 @@ from lowfi.bearings.load_zone import LoadZone, zone_of_load
 from lowfi.bearings.tapered_roller import TaperedBearing
 from meshes.arrays import Array
 
+#: Exponent of the power law q ~ delta^n that spreads the load over the zone (Smith 3.15).
+EXPONENT = 1.1
+
 
 @dataclass(frozen=True)
 class CombinedState:
@@ -93,13 +96,13 @@ class ZoneState:
     zone: LoadZone
 
 
-def by_load_zone(bearing: TaperedBearing, axial: float, radial: float, exponent: float = 1.1) -> ZoneState:
+def by_load_zone(bearing: TaperedBearing, axial: float, radial: float) -> ZoneState:
     """Smith 3.14-3.21 with exact integrals and the right line contact at the most loaded roller.
 
     The power law spreads the load, the line contact gives its compression: exact for pure thrust, otherwise as good as
     the exponent and the continuum of rollers. Raises ValueError as `combined`.
     """
-    zone = zone_of_load(axial, radial, bearing.cup_angle, exponent)
+    zone = zone_of_load(axial, radial, bearing.cup_angle, EXPONENT)
     greatest = axial / (bearing.rollers * np.sin(bearing.cup_angle) * zone.axial)
     normal = float(bearing.law().approach(greatest / bearing.length))
     w = 0.5 / zone.eps

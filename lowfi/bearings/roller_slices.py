@@ -6,7 +6,7 @@ free to follow takes half of it at each contact, which the law of both contacts 
 one another (no edge stress): with a profile that ends in no step that is within a few per cent; a sharp edge needs 3D.
 
 All slices have the law of the middle: on one apex the radii of roller and races grow together along the roller, and b^2
-with them, so that 2 ln(4 R_1/b) + 2 ln(2 d/b) stays as it is. A tapered roller without crown or tilt is loaded evenly.
+with them, so that 2 ln(4 R_1/b) + 2 ln(2 d/b) is unchanged. A tapered roller without crown or tilt is loaded evenly.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lowfi.bearings.line_contact import LineLaw, between_races, half_width, pressure
-from lowfi.hertz import contact_modulus, hertz_constants
+from lowfi.hertz import contact_modulus
 from meshes.arrays import Array
 
 
@@ -93,19 +93,6 @@ def roller_contacts(bearing: TaperedBearing, load: float) -> RollerContacts:
     widths = half_width(q, np.array([1.0 / roller + 1.0 / cone, 1.0 / roller - 1.0 / cup]), modulus)
     rib = float(2.0 * load * np.sin(bearing.roller_angle))
     return RollerContacts(widths, pressure(q, widths), 2.0 * widths * bearing.length, rib)
-
-
-def rib_contact(load: float, end_radius: float, flange_radius: float, modulus: float) -> tuple[float, float, float]:
-    """Semi-axes a >= b [m] and pole pressure [Pa] of a spherical roller end on a conical rib, exact Hertz.
-
-    load [N]; end_radius: of the sphere; flange_radius: of the flange's cone at the mean point of contact, concave against
-    the roller, which Smith (section 3.1.1) takes as a cylinder [m]; modulus: E* [Pa]. Valid for a flange radius above the
-    end's radius; ValueError otherwise.
-    """
-    along, across = np.array(1.0 / end_radius), np.array(1.0 / end_radius - 1.0 / flange_radius)
-    h = hertz_constants(along, across, modulus)
-    cube = float(np.cbrt(load))
-    return float(h.C_a) * cube, float(h.C_b) * cube, float(h.pressure(np.array(load)))
 
 
 @dataclass(frozen=True)

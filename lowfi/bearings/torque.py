@@ -66,7 +66,7 @@ def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) 
     """Running torque [N m] of a tapered roller bearing under thrust: 3.54e-5 G_1 (n mu)^0.62 F_a^0.30 in-lb (Smith 3.29).
 
     geometry: the maker's factor G_1, an input; viscosity: dynamic [Pa s]; speed [rad/s]; axial [N].
-    Too low below `least_speed`. Run-in bearings in circulating oil.
+    Too low below 1700 F_a^0.67/(G_2 mu) rpm in lb and cP (Smith 3.30). Run-in bearings in circulating oil.
     """
     rpm_centipoise = 1e3 * viscosity * speed * 30.0 / np.pi
     pounds = 3.54e-5 * geometry * rpm_centipoise**0.62 * (axial / _POUND) ** 0.30
@@ -76,9 +76,3 @@ def taper_torque(geometry: float, viscosity: float, speed: float, axial: float) 
 def taper_geometry(torque: float, viscosity: float, speed: float, axial: float) -> float:
     """Factor G_1 that a running torque [N m] implies: the inverse of `taper_torque`, for a maker's curve or a test."""
     return torque / taper_torque(1.0, viscosity, speed, axial)
-
-
-def least_speed(geometry: float, viscosity: float, axial: float) -> float:
-    """Speed [rad/s] below which `taper_torque` is too low: 1700 F_a^0.67 / (G_2 mu) rpm, lb and centipoise (Smith 3.30)."""
-    rpm = 1700.0 * (axial / _POUND) ** 0.67 / (geometry * 1e3 * viscosity)
-    return float(rpm * np.pi / 30.0)

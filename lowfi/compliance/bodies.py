@@ -241,7 +241,7 @@ def own_flank(geometry: Scene, screw: bool, backend: Backend) -> float:
 
 
 def is_ring(geometry: Scene, screw: bool) -> bool:
-    """Whether a body is a ring with one groove around it, and so a body of revolution as it is."""
+    """Whether a body is a ring with one groove around it, and so a body of revolution itself."""
     return geometry.track.lead == 0.0 and held_at(geometry, screw) not in ("rigid", "section")
 
 

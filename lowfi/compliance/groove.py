@@ -105,7 +105,7 @@ def harmonics_to(limit: float) -> Array:
 
 
 def series(n: Array, values: Array) -> float:
-    """Sum over all harmonics of a quantity sampled at ``n`` (that of n = 0 counted as it is)."""
+    """Sum over all harmonics of a quantity sampled at ``n`` (that of n = 0 counted once)."""
     every = np.arange(n[-1] + 1)
     return float(CubicSpline(n, values)(every).sum())
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lowfi.statics.problem import nominal_curvatures, nominal_hertz
-from lowfi.statics.validity import YIELD_PRESSURE, groove_range
+from lowfi.statics.validity import DENT_PRESSURE, groove_range
 from meshes.arrays import Array
 from meshes.helix import groove_radii
 from meshes.parts import SIDES, Scene
@@ -96,7 +96,7 @@ def static_safety(scene: Scene, worst: Contact) -> StaticSafety:
     across, along = nominal_curvatures(scene)[SIDES.index(worst.side)]
     diameter = 2.0 * scene.balls.radius
     permanent = PALMGREN * worst.force**2 / diameter * float(across * along)
-    return StaticSafety((YIELD_PRESSURE / worst.pressure) ** 3, permanent / diameter)
+    return StaticSafety((DENT_PRESSURE / worst.pressure) ** 3, permanent / diameter)
 
 
 def truncation(scene: Scene, load: Array, angle: Array) -> Truncation | None:

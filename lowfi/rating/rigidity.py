@@ -53,11 +53,11 @@ def slope_of(scene: Scene) -> float:
     return sin(scene.track.contact_angle) * cos(lead_angle(scene.track))
 
 
-def contacts_displacement(scene: Scene, force: float, member: int = 0) -> float:
+def contacts_displacement(scene: Scene, force: float) -> float:
     """Axial displacement [m] by (1) under an axial load [N] above zero, from first contact or, where a lead offset presses
     the nut's halves against one another, from their equilibrium without load."""
     layout = ball_layout(scene)
-    of_balls = distances(scene, specimen(scene, layout, member))[1]
+    of_balls = distances(scene, specimen(scene, layout))[1]
     beyond = layout.z > scene.nut.position
     halves = [beyond, ~beyond] if scene.errors.lead_offset else [np.ones_like(beyond)]
     closure = np.array([of_balls[half].mean(axis=0) for half in halves])

@@ -45,8 +45,8 @@ from meshes.parts import Scene
 MARGIN = 0.2e-6
 
 
-def run(elastic: Elastic, *, start: bool = True) -> Outcome:
-    """Solve from the linear start, or from the state as it is."""
+def iterate(elastic: Elastic, *, start: bool = True) -> Outcome:
+    """Solve from the linear start, or from the present state."""
     bodies, contacts, state, options = elastic.bodies, elastic.contacts, elastic.state, elastic.options
     if start:
         elastic.engine.start_forces(bodies, state, elastic.springs, options)
@@ -143,7 +143,7 @@ def untouched(elastic: Elastic) -> bool:
 
 def solve_with_hertz(elastic: Elastic) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
-    outcome = run(elastic)
+    outcome = iterate(elastic)
     problem = elastic.problem
     if problem.scene.ingredients.hertz != "actual" or lost(outcome):
         return outcome
@@ -156,7 +156,7 @@ def solve_with_hertz(elastic: Elastic) -> Outcome:
         problem.C[:] = updated
         if elastic.pair is not None:
             elastic.contacts.pair[:, 4] = updated[:, list(elastic.pair)].sum(axis=1)
-        outcome = run(elastic, start=False)
+        outcome = iterate(elastic, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
         if change < 1e-13 or lost(outcome):
             break
@@ -183,7 +183,7 @@ def follow_profile(elastic: Elastic, outcome: Outcome, rebuild: Rebuild) -> tupl
         elastic.problem.C[:] = old.problem.C
         for new_state, old_state in zip(elastic.state, old.state, strict=True):
             new_state[:] = old_state
-        outcome = run(elastic, start=False)
+        outcome = iterate(elastic, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
         if change < 1e-13 or lost(outcome):
             break

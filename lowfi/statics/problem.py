@@ -10,7 +10,7 @@ from numpy.polynomial.chebyshev import chebinterpolate, chebval
 from numpy.typing import NDArray
 
 from lowfi.compliance.bodies import geometry_only
-from lowfi.hertz import HertzConstants, contact_modulus, hertz_constants, printed_hertz
+from lowfi.hertz import HertzConstants, PrintedHertz, contact_modulus, hertz_constants, printed_hertz
 from lowfi.statics.conformity import curvature_changes
 from lowfi.statics.shape import motion_matrices, rigid_transport
 from lowfi.statics.supports import contradiction, rigid_rows
@@ -18,7 +18,7 @@ from meshes.arrays import Array
 from meshes.errors import Specimen, Specimens, specimen
 from meshes.helix import BallLayout, ball_layout, groove_radii, nominal_contact_points, nominal_groove_centres
 from meshes.partition import MERGE, beam_nodes, contact_stations
-from meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Scene
+from meshes.parts import FREEDOMS, SIDE_SIGNS, SIDES, Errors, Material, Scene
 from meshes.section import BeamSection, screw_section
 from meshes.surface import ALL, principal_curvatures, printed_radii
 
@@ -162,22 +162,24 @@ def constants_of(scene: Scene, curvatures: Array) -> HertzConstants:
     return hertz_constants(curvatures[..., 0], curvatures[..., 1], modulus)
 
 
-def printed_constants(scene: Scene) -> Array:
-    """Constants C of each side with the faults of Table B.1, shape ``(4,)`` [m/N^(2/3)]."""
+def printed_sides(scene: Scene) -> tuple[PrintedHertz, PrintedHertz]:
+    """Hertz quantities of the screw's and the nut's side with the faults of Table B.1."""
     bare = replace(scene, errors=Errors())
     drawn = specimen(bare, ball_layout(bare))
     gamma = np.full(scene.ball_count, scene.track.contact_angle)
-    values = []
-    for body, side in ((scene.screw, 0), (scene.nut, 3)):
-        modulus = contact_modulus(
-            scene.balls.material.youngs_modulus,
-            scene.balls.material.poissons_ratio,
-            body.material.youngs_modulus,
-            body.material.poissons_ratio,
-        )
+    ball = scene.balls.material
+
+    def of(side: int, body: Material) -> PrintedHertz:
+        modulus = contact_modulus(ball.youngs_modulus, ball.poissons_ratio, body.youngs_modulus, body.poissons_ratio)
         low, high = printed_radii(bare, drawn, side, gamma)[0]
-        values += 2 * [printed_hertz(scene.balls.radius, (float(low), float(high)), modulus).C]
-    return np.array(values)
+        return printed_hertz(scene.balls.radius, (float(low), float(high)), modulus)
+
+    return of(0, scene.screw.material), of(3, scene.nut.material)
+
+
+def _as_printed(scene: Scene) -> Array:
+    """Constants C of each side with the faults of Table B.1, ``(4,)`` [m/N^(2/3)]."""
+    return np.repeat([side.C for side in printed_sides(scene)], 2)
 
 
 def error_free(scene: Scene) -> Scene:
@@ -193,7 +195,7 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     own = drawn.ball_radius if ball_radius is None else ball_radius
     kind = scene.ingredients.hertz
     if kind in ("as printed", "error-free"):
-        return _repeated(printed_constants(scene) if kind == "as printed" else nominal_hertz(scene).C, own.shape)
+        return _repeated(_as_printed(scene) if kind == "as printed" else nominal_hertz(scene).C, own.shape)
     if own.ndim == 1:
         exact = not drawn.profile.size and (drawn.radius == groove_radii(scene)).all()
         if exact and (own == scene.balls.radius).all():

@@ -1,7 +1,7 @@
 """Whether a load can be carried at all: contact forces that push, with the supports, against a linear program.
 
 By the theorem of the alternative (Farkas) either compressive forces at the nominal contacts and reactions of the supports
-balance the load, or a rigid motion of the screw, with some motion of the balls, opens every contact or leaves it as it is
+balance the load, or a rigid motion of the screw, with some motion of the balls, opens every contact or leaves it unchanged
 while the load does work. Only the second proves that a screw is not held.
 """
 

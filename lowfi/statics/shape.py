@@ -14,36 +14,6 @@ def shear_ratio(length: float | Array, section: BeamSection) -> float | Array:
     return 12.0 * section.EI / (section.kGA * length**2)
 
 
-def shape_matrix(xi: float, length: float, phi: float, order: int = 0) -> Array:
-    """Motion (6,) at xi in [0, 1] from the motions of both nodes (12,): matrix ``(6, 12)``, or its derivative by xi.
-
-    length [m], phi: see ``shear_ratio``; order 0, 1 or 2. Exact for an element loaded at its nodes only.
-    """
-    poly = np.polynomial.Polynomial
-
-    def at(*coefficients: float) -> float:
-        p = poly(coefficients)
-        return float((p.deriv(order) if order else p)(xi))
-
-    k = 1.0 / (1.0 + phi)
-    u1 = k * at(1.0 + phi, -phi, -3.0, 2.0)
-    u2 = k * length * at(0.0, 1.0 + phi / 2.0, -(2.0 + phi / 2.0), 1.0)
-    u3 = k * at(0.0, phi, 3.0, -2.0)
-    u4 = k * length * at(0.0, -phi / 2.0, -(1.0 - phi / 2.0), 1.0)
-    t1 = 6.0 * k / length * at(0.0, -1.0, 1.0)
-    t2 = k * at(1.0 + phi, -(4.0 + phi), 3.0)
-    t4 = k * at(0.0, -(2.0 - phi), 3.0)
-    a1, a2 = at(1.0, -1.0), at(0.0, 1.0)
-    n = np.zeros((6, 12))
-    n[0, [0, 4, 6, 10]] = u1, u2, u3, u4
-    n[1, [1, 3, 7, 9]] = u1, -u2, u3, -u4
-    n[2, [2, 8]] = a1, a2
-    n[3, [1, 3, 7, 9]] = -t1, t2, t1, t4
-    n[4, [0, 4, 6, 10]] = t1, t2, -t1, t4
-    n[5, [5, 11]] = a1, a2
-    return n
-
-
 def motion_matrices(z: Array, nodes: Array, section: BeamSection) -> tuple[NDArray[np.int64], Array]:
     """First nodes ``(k,)`` and matrices ``(k, 6, 12)`` giving the motions at stations z ``(k,)`` [m] from the two nodes
     around each.
@@ -79,7 +49,10 @@ def rigid_transport(reach: float | Array) -> Array:
 
 
 def shape_polynomials(xi: Array, length: Array, section: BeamSection, order: int = 0) -> Array:
-    """``shape_matrix`` for many points at once: xi, length ``(n,)`` -> ``(n, 6, 12)``."""
+    """Motions at xi in [0, 1] from those of both nodes, or the derivative of that order (0, 1, 2) by xi: ``(n, 6, 12)``.
+
+    xi, length [m]: ``(n,)``. Exact for an element loaded at its nodes only.
+    """
     phi = np.asarray(shear_ratio(length, section))
     k = 1.0 / (1.0 + phi)
     one, zero = np.ones_like(xi), np.zeros_like(xi)

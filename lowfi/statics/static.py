@@ -148,8 +148,8 @@ def _lift(problem: Problem) -> Array:
     return q
 
 
-def run(prepared: Prepared, *, start: bool = True) -> Outcome:
-    """Solve from the linear start (or from the state as it is)."""
+def iterate(prepared: Prepared, *, start: bool = True) -> Outcome:
+    """Solve from the linear start (or from the present state)."""
     solve = prepared.engine.start_and_solve if start else prepared.engine.solve
     outcome: Outcome = solve(prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history)
     prepared.scale = outcome.scale
@@ -182,17 +182,16 @@ def solve_static(
     refine: int = 1,
     discretisation: bool = False,
     drawn: Specimen | None = None,
-    layout: BallLayout | None = None,
 ) -> StaticResult:
     """Contact loads, contact angles and shaft motion of a scene in static equilibrium (Lin 2.23-2.25).
 
     engine: interpreted, compiled, or chosen by size; everything: leave nothing out; member: which specimen of a scene
     with random errors; refine: split every element; discretisation: also estimate the beam's discretisation error;
-    drawn, layout: other balls than the scene's, with their errors and places (not with discretisation). Never raises for
+    drawn: other balls than the scene's, with their errors (not with discretisation). Never raises for
     a scene without equilibrium: ``status`` names the reason.
     """
     start = perf_counter()
-    layout = ball_layout(scene) if layout is None else layout
+    layout = ball_layout(scene)
     drawn = drawn if drawn is not None else specimen(scene, layout, member)
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     known = distances(scene, drawn)
@@ -304,7 +303,7 @@ def lost(outcome: Outcome) -> bool:
 
 def solve_with_hertz(prepared: Prepared) -> Outcome:
     """Solve, and where the scene asks for Hertz at the actual geometry, update the constants until they settle."""
-    outcome = run(prepared)
+    outcome = iterate(prepared)
     problem = prepared.problem
     if problem.scene.ingredients.hertz != "actual" or lost(outcome):
         return outcome
@@ -315,7 +314,7 @@ def solve_with_hertz(prepared: Prepared) -> Outcome:
         updated = actual_hertz(problem.scene, problem.drawn, gamma).C
         change = float(np.abs(updated / problem.C - 1.0).max())
         problem.C[:] = updated
-        outcome = run(prepared, start=False)
+        outcome = iterate(prepared, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
         if change < 1e-13 or lost(outcome):
             break
@@ -347,7 +346,7 @@ def follow_profile(prepared: Prepared, outcome: Outcome, layout: BallLayout, *, 
         rebuilt.C[:] = problem.C
         prepared.problem = rebuilt
         prepared.contacts = prepared.contacts._replace(B=rebuilt.B, geometry=rebuilt.geometry)
-        outcome = run(prepared, start=False)
+        outcome = iterate(prepared, start=False)
         iterations, evaluations = iterations + outcome.iterations, evaluations + outcome.evaluations
         if change < 1e-13 or lost(outcome):
             break
@@ -405,4 +404,4 @@ def with_discretisation(
     return replace(result, solver=replace(result.solver, discretisation=(change, mean)))
 
 
-__all__ = ["BallLayout", "Prepared", "prepare", "run", "solve_static"]
+__all__ = ["BallLayout", "Prepared", "iterate", "prepare", "solve_static"]

@@ -25,7 +25,6 @@ from lowfi.statics.kernel.elastic_balls import ball_rows
 from lowfi.statics.problem import Problem
 from lowfi.statics.shaft import rows_of
 from lowfi.statics.shape import rigid_transport
-from lowfi.statics.static import Engine
 from meshes.arrays import Array
 from meshes.errors import specimen
 from meshes.helix import ball_layout
@@ -41,10 +40,9 @@ class Tangent:
     matrix: Array
     status: str
 
-    def rigidity(self, freedom: str, held: tuple[str, ...] = ("rz",)) -> float:
-        """Force (moment) per motion of one freedom, the ``held`` ones at rest and all others free: 1 over the compliance.
-        Zero where nothing resists it."""
-        free = [k for k, name in enumerate(FREEDOMS) if name not in held]
+    def rigidity(self, freedom: str) -> float:
+        """Force (moment) per motion of one freedom, rz at rest and all others free; zero without resistance."""
+        free = [k for k, name in enumerate(FREEDOMS) if name != "rz"]
         arm = self._arm()
         scale = np.where(np.array(free) < 3, 1.0, 1.0 / arm)
         own = self.matrix[np.ix_(free, free)] * scale[:, None] * scale[None, :]
@@ -63,13 +61,7 @@ class Tangent:
 
 
 def tangent_stiffness(
-    scene: Scene,
-    station: float,
-    *,
-    backend: Backend = REFINED,
-    condensed: Condensed | None = None,
-    member: int = 0,
-    engine: Engine = "auto",
+    scene: Scene, station: float, *, backend: Backend = REFINED, condensed: Condensed | None = None, member: int = 0
 ) -> Tangent:
     """Tangent stiffness at a station [m] of the screw, at the equilibrium of the scene.
 
@@ -81,7 +73,7 @@ def tangent_stiffness(
     layout = ball_layout(scene)
     drawn = specimen(scene, layout, member)
     with one_thread():
-        system, status = solved_system(scene, drawn, layout, backend, condensed, engine)
+        system, status = solved_system(scene, drawn, layout, backend, condensed, "auto")
         if isinstance(system, Problem) or status != "converged":
             return Tangent(station, np.full((6, 6), np.nan), status)
         clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))

@@ -11,13 +11,16 @@ from meshes.parts import Scene
 from meshes.section import groove_section, nut_groove_range
 
 #: Tilt [rad] from which on a result warns of small rotations (directions off by as much), or from which share of the
-#: largest contact approach that they leave away.
+#: largest contact approach that they neglect.
 SMALL_TILT, SECOND_ORDER = 3e-3, 0.01
 #: Rotation of any section of the shaft [rad] beyond which a linear beam is left: half its square is a per mille.
 SMALL_ROTATION = 0.045
-#: Pole pressure [Pa] above which contacts of hardened bearing steel are indented by more than 1e-4 ball diameters
+#: Pole pressure [Pa] above which contacts of hardened bearing steel keep a dent of more than 1e-4 ball diameters
 #: (ISO 76, static load rating of ball bearings).
-YIELD_PRESSURE = 4.2e9
+DENT_PRESSURE = 4.2e9
+#: Semi-axis over ball radius up to which Hertz's half space holds: there the ball leaves its paraboloid by a quarter of the
+#: square, 2 %.
+LARGE = 0.3
 #: Part of the distance between groove centre and ball centre by which an uneven profile may shift the centre of curvature.
 PROFILE_SHARE = 0.5
 #: Overlap of neighbouring balls [m] from which on they are called wedged.
@@ -28,12 +31,13 @@ def warnings_of(solved: SolvedState, gamma: Array, z: Array, motion: Array) -> t
     """All warnings of a solved state. gamma ``(N, 4)`` [rad]: contact angles; z ``(k,)`` [m] and motion ``(k, 6)`` [m, rad]
     of the centreline."""
     problem, force = solved.problem, solved.force
+    constants = nominal_hertz(problem.scene)
     loaded = (force.sum(axis=1, keepdims=True) > 0.0) * 1.0
     shift = solved.centre * loaded
     return (
         *_places(problem, force, gamma, shift),
         *_counted_twice(problem, force, gamma),
-        *_pressure(problem, force),
+        *contact_warnings(constants.pressure(force), constants.C_a * np.cbrt(force), problem.scene.balls.radius),
         *_wedged(problem, shift),
         *profile_warning(solved, gamma),
         *tilt_warning(problem, force, z, motion),
@@ -49,7 +53,7 @@ def groove_range(scene: Scene) -> tuple[Array, Array]:
 
 
 def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[str]:
-    """Contacts beyond the arc or whose ellipse is, balls that move far, ellipses as large as the ball."""
+    """Contacts beyond the arc or whose ellipse is, balls that move far."""
     notes, loaded = [], force > 0.0
     low, high = groove_range(problem.scene)
     radius = problem.scene.balls.radius
@@ -67,8 +71,6 @@ def _places(problem: Problem, force: Array, gamma: Array, shift: Array) -> list[
         )
     if float(np.abs(shift).max(initial=0.0)) > 0.1 * radius:
         notes.append("a ball moves by more than a tenth of its radius: small-displacement theory is left")
-    if (loaded & (semi_axis > 0.5 * radius)).any():
-        notes.append("a contact ellipse is longer than the ball's radius: Hertz's half space does not hold")
     return notes
 
 
@@ -94,17 +96,29 @@ def _counted_twice(problem: Problem, force: Array, gamma: Array) -> list[str]:
     ]
 
 
-def _pressure(problem: Problem, force: Array) -> list[str]:
-    pressure = nominal_hertz(problem.scene).pressure(force)
-    most = float(pressure.max(initial=0.0))
-    if most <= YIELD_PRESSURE:
+#: How the warnings of `contact_warnings` begin.
+SIZE, PRESSURE = "contact ellipse too large", "contact pressure too high"
+
+
+def size_warnings(semi_axis: Array, radius: float) -> list[str]:
+    """Contacts that are large against their ball; semi_axis: of the ellipses, any shape [m], radius: of the ball [m]."""
+    most = float(semi_axis.max(initial=0.0)) / radius
+    if most <= LARGE:
         return []
-    ball = int(pressure.argmax()) // 4 + 1
-    count = int((pressure > YIELD_PRESSURE).sum())
-    return [
-        f"{count} contact(s) above {1e-9 * YIELD_PRESSURE:g} GPa, up to {1e-9 * most:.3g} GPa on ball {ball}: hardened "
-        "steel yields, and the loads are those of elastic bodies"
-    ]
+    return [f"{SIZE}: a semi-axis is {most:.2g} of the ball's radius; Hertz's half space does not hold beyond {LARGE:g}"]
+
+
+def contact_warnings(pressure: Array, semi_axis: Array, radius: float) -> list[str]:
+    """Contacts that are too large for Hertz's half space or leave a dent; pressure [Pa], semi_axis [m]: ``(N, 4)``."""
+    notes, beyond = size_warnings(semi_axis, radius), pressure > DENT_PRESSURE
+    if beyond.any():
+        ball = int(pressure.argmax()) // pressure.shape[1] + 1
+        notes.append(
+            f"{PRESSURE}: {int(beyond.sum())} contact(s) above {1e-9 * DENT_PRESSURE:g} GPa, up to "
+            f"{1e-9 * float(pressure.max()):.3g} GPa on ball {ball}; hardened steel keeps a dent of more than 1e-4 of the "
+            "ball's diameter there (ISO 76), and the loads are those of elastic bodies"
+        )
+    return notes
 
 
 def _wedged(problem: Problem, shift: Array) -> list[str]:
@@ -164,7 +178,7 @@ def profile_warning(solved: SolvedState, gamma: Array) -> list[str]:
 
 
 def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> list[str]:
-    """Whether the screw tilts so far at the balls that what small rotations leave away shows in the contacts.
+    """Whether the screw tilts so far at the balls that what small rotations neglect shows in the contacts.
 
     A tilt t moves a groove by R t^2/2 beyond its linear motion, R the pitch radius; rotations about the axis are exact on
     the helix. force ``(N, 4)`` [N]; z ``(k,)`` [m] and motion ``(k, 6)`` of the centreline.
@@ -179,7 +193,7 @@ def tilt_warning(problem: Problem, force: Array, z: Array, motion: Array) -> lis
     if approach == 0.0 or (tilt <= SMALL_TILT and beyond <= SECOND_ORDER * approach):
         return []
     return [
-        f"the screw tilts by {1e3 * tilt:.2g} mrad at the balls: small rotations leave away {1e6 * beyond:.2g} um "
+        f"the screw tilts by {1e3 * tilt:.2g} mrad at the balls: small rotations neglect {1e6 * beyond:.2g} um "
         f"of a groove's motion, {100.0 * beyond / approach:.2g} % of the largest contact approach"
     ]
 

@@ -6,10 +6,10 @@ from skfem import Functional, condense
 from skfem.helpers import ddot, sym_grad
 
 from hifi.assembly import assemble
-from hifi.forms import elasticity, force, hooke
+from hifi.forms import elasticity, hooke
 from hifi.solvers import factor
 from meshes.fem import freedoms_on, mesh_of, points_of
-from tests.fe_meshes import boundary_faces, cube, space
+from tests.fe_meshes import boundary_faces, cube, force, space
 
 E, NU = 2.5, 0.25  # lambda = mu = 1
 LEVELS = {"P1": (8, 12, 16), "P2": (3, 5, 7), "Q1": (6, 9, 13), "Q2": (3, 5, 7)}

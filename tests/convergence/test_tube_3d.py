@@ -8,11 +8,12 @@ import scipy.sparse as sp
 from skfem import ElementVector
 
 from hifi.assembly import assemble, faces
-from hifi.forms import elasticity, force
+from hifi.forms import elasticity
 from hifi.response import compliance
 from lowfi.compliance.tube import Points, Tube, contact_compliance, tube_compliance
 from meshes.fem import cells_of, freedoms_on, mesh_of, tensor_grid
 from meshes.parts import Material
+from tests.fe_meshes import force
 from tests.helpers import relative
 
 pytestmark = [pytest.mark.xdist_group("tube in 3D"), pytest.mark.slow]

@@ -167,16 +167,16 @@ def test_onset_is_gap_over_closing_speed() -> None:
     o = onset("lin-roundness-4p1", 0.0)
     s = scene("lin-roundness-4p1")
     k = int(np.argmin(o.meeting))
-    g = groove_of(s, 0.1, 2.0 * np.pi)
+    g = groove_of(s)
     assert o.loaded[k] > 0.0
     assert o.loaded[k + 1] == 0.0
-    assert o.first == pytest.approx(o.gap / (o.omega[k] / g.nut_speed), rel=1e-12)
+    assert o.first == pytest.approx(o.gap / o.orbit[k], rel=1e-12)
     assert o.gap == pytest.approx(2.0 * np.pi * 3.75 / 71 - g.pair.spacing, rel=1e-9)
 
 
 def test_scenes_that_friction_cannot_take() -> None:
     s = scene("lin-roundness-4p1")
     with pytest.raises(ValueError, match="right-hand"):
-        groove_of(replace(s, track=replace(s.track, hand="left")), 0.1, 1.0)
+        groove_of(replace(s, track=replace(s.track, hand="left")))
     with pytest.raises(ValueError, match="one groove radius"):
-        groove_of(replace(s, nut=replace(s.nut, groove_radius=2.2e-3)), 0.1, 1.0)
+        groove_of(replace(s, nut=replace(s.nut, groove_radius=2.2e-3)))

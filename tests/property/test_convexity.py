@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from compare.scenes import catalogue
 from lowfi.statics.records import BeamSlopes
-from lowfi.statics.static import run, solve_static
+from lowfi.statics.static import iterate, solve_static
 from meshes.parts import BallErrors
 from tests.helpers import FLANK_ERRORS, prepared, relative, small_screw, with_ingredients
 
@@ -35,7 +35,7 @@ HELD = (("ux", 0.0), ("uz", 0.0), ("rx", 0.0))
 def solution(case):
     """Kernels' arguments, and the state and forces from the usual start."""
     ready = prepared(SCENES[case](), "compiled")
-    assert run(ready).residual <= 1e-10
+    assert iterate(ready).residual <= 1e-10
     return ready, [x.copy() for x in ready.state], ready.force.copy()
 
 
@@ -70,7 +70,7 @@ def energy(ready, q, d):
 def test_random_starts_reach_the_same_forces(case, seed, exponent):
     ready, state, forces = solution(case)
     moved(ready, state, seed, 10.0**exponent)
-    outcome = run(ready, start=False)
+    outcome = iterate(ready, start=False)
     assert outcome.status in (0, 1)
     assert outcome.residual <= 1e-10
     assert relative(ready.force, forces) < 1e-8

@@ -9,7 +9,7 @@ import pytest
 from compare.scenes import catalogue
 from lowfi import jit
 from lowfi.compliance.bodies import LADDER, REFINED, held_at
-from lowfi.statics.elastic import run, solve_elastic
+from lowfi.statics.elastic import iterate, solve_elastic
 from lowfi.statics.elastic_system import Rebuild, ready
 from lowfi.statics.kernel import elastic as kernel
 from lowfi.statics.mechanism import free_motions
@@ -84,13 +84,13 @@ def test_random_scenes_balance(seed, backend):
 @pytest.mark.parametrize("seed", SEEDS[::3])
 def test_any_start_leads_to_the_same_loads(seed, backend):
     elastic = assembled(random_scene(seed), LADDER[backend])
-    assert run(elastic).residual <= 1e-10
+    assert iterate(elastic).residual <= 1e-10
     forces, scale = elastic.state.contact[..., 0].copy(), elastic.scale
     rng = np.random.default_rng(seed)
     for size in (0.1, 10.0):
         elastic.state.phi[:] += size * scale * rng.normal(size=elastic.state.phi.shape)
         elastic.state.a[:] += rng.normal(0.0, 1e-5 * size, elastic.state.a.size) / elastic.arms
-        assert run(elastic, start=False).residual <= 1e-10
+        assert iterate(elastic, start=False).residual <= 1e-10
         assert np.abs(elastic.state.contact[..., 0] - forces).max() < 1e-8 * scale
 
 
@@ -111,7 +111,7 @@ def energy_at(elastic, phi, amplitudes):
 def test_chords_lie_above_the_energy(seed, backend):
     """Midpoint convexity and the tangent below, along segments from small to far beyond the solution's own forces."""
     elastic = assembled(random_scene(seed), LADDER[backend])
-    assert run(elastic).residual <= 1e-10
+    assert iterate(elastic).residual <= 1e-10
     phi, amplitudes, scale = elastic.state.phi.copy(), elastic.state.a.copy(), elastic.scale
     rng = np.random.default_rng(seed)
     lowest = energy_at(elastic, phi, amplitudes)[0]

@@ -8,7 +8,7 @@ import pytest
 
 from compare.evidence import source_cases
 from lowfi.friction.linear.bearing import LinearBearing, deviations
-from lowfi.friction.linear.chain import ChainResult, prepare, solve
+from lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads, elastic_loads
 
 BEARING = source_cases.linear().bearing
@@ -23,7 +23,7 @@ def check(
     motion: agreement asked of the velocities over the carriage's.
     """
     chain = prepare(bearing, angles, loads)
-    one, two = solve(chain), solve(chain, start=rng.uniform(-3.0, 3.0, (len(angles), 3)))
+    one, two = solve_linear_chain(chain), solve_linear_chain(chain, start=rng.uniform(-3.0, 3.0, (len(angles), 3)))
     case = bearing.mu, angles, loads
     for result in (one, two):
         assert result.status == "converged", (case, result.residual, result.lag)

@@ -12,18 +12,21 @@ from compare.errors import InputError
 
 
 @app.command(name="list")
-def list_(*, trace: Flag = False, as_json: Json = False) -> None:
+def list_(*, trace: Flag = False, table: Word = "", as_json: Json = False) -> None:
     """List the scenes, the models and the printed tables that are shipped.
 
     Parameters
     ----------
     trace
-        Instead: every printed number and claim with its scenes, the function that computes it and its test.
+        Instead: every printed number and claim with its scenes, or why it has none, the function that computes it and its
+        test.
+    table
+        The same for the numbers of one printed table.
     """
     from compare.commands import listing
 
-    if trace:
-        print_json(listing.trace_json()) if as_json else show(listing.trace_table())
+    if trace or table:
+        print_json(listing.trace_json(table)) if as_json else show(listing.trace_table(table))
     elif as_json:
         print_json(listing.shipped_json())
     else:

@@ -78,11 +78,11 @@ def print_json(value: Any) -> None:
 
 def show(*parts: Any) -> None:
     """Print texts and tables of rich: on a terminal texts wrapped, and tables taken apart, to its width; elsewhere texts as
-    they are, and tables 160 columns wide and without rules. Raises OutputLost."""
+    they are, and tables without rules, 160 columns wide or as their words need. Raises OutputLost."""
     from rich.console import Console
     from rich.table import Table
 
-    from compare.commands.wrapping import fitted, wrapped
+    from compare.commands.wrapping import fitted, unbroken, wrapped
 
     terminal = sys.stdout.isatty()
     console = Console(width=None if terminal else 160, soft_wrap=True, highlight=False, markup=False)
@@ -90,6 +90,7 @@ def show(*parts: Any) -> None:
         for part in parts:
             if isinstance(part, Table) and not terminal:
                 part.box, part.pad_edge = None, False
+                console.width = max(160, unbroken(part))
             if terminal and isinstance(part, Table):
                 console.print(*fitted(part, text_width()), sep="\n")
             else:

@@ -32,11 +32,6 @@ def scene_name(size: str) -> str:
     return f"{PREFIX}{size}" if size in HIWIN else f"{PREFIX}thk-{size}"
 
 
-def scene_names() -> tuple[str, ...]:
-    """The scenes of all sizes."""
-    return tuple(scene_name(size) for size in (*THK, *HIWIN))
-
-
 def stages(scene: Scene, force: float) -> tuple[float, float]:
     """Rigidity [N/m] of the contacts alone and with the bodies at an axial load [N]. Raises ValueError without a wall."""
     alone, body = contacts_displacement(scene, force), body_compliance(scene)

@@ -6,9 +6,11 @@ from functools import cache
 
 import numpy as np
 
+from compare.scenes import catalogue
 from lowfi.random_errors.chain import Chain, ChainState, Law, ball_stiffness, calibrated, solve_chain
 from lowfi.random_errors.ensemble import Ensemble, Percentile, Quantity, percentile, solve_ensemble
 from meshes.arrays import Array
+from meshes.helix import lead_angle
 
 #: What the source leaves open.
 ASSUMED = (
@@ -18,13 +20,14 @@ ASSUMED = (
     "Stiffness is the tangent dF/du at the loaded end: the step of load of (22) is not printed.",
     "Drawn errors are independent and uniform in +-e; the draws of the source are not printed.",
 )
-#: Table 2 and section 3.2.1, in SI.
-BALLS, PITCH_RADIUS, PITCH = 78, 20e-3, 8e-3
-BALL_DIAMETER, GROOVE_RADIUS = 4.763e-3, 2.477e-3
-CONTACT_ANGLE, LEAD_ANGLE = np.radians(45.0), np.radians(3.64)
-YOUNG, POISSON = 205e9, 0.3
-#: The calibration: Q78/Q1 without errors at a load [N].
-RATIO, RATIO_LOAD = 0.862, 5000.0
+#: The screw of Table 2 and section 3.2.1.
+SCREW = catalogue.scene("liu-screw")
+BALLS, PITCH_RADIUS, PITCH = SCREW.ball_count, SCREW.track.pitch_radius, SCREW.track.lead
+BALL_DIAMETER, GROOVE_RADIUS = 2.0 * SCREW.balls.radius, SCREW.screw.groove_radius
+CONTACT_ANGLE, LEAD_ANGLE = SCREW.track.contact_angle, lead_angle(SCREW.track)
+YOUNG, POISSON = SCREW.balls.material.youngs_modulus, SCREW.balls.material.poissons_ratio
+#: The calibration: Q78/Q1 without errors, at the load of the scene [N].
+RATIO, RATIO_LOAD = 0.862, SCREW.loads[0].force[2]
 #: Drawn screws; seed; loads at which they are solved [N].
 MEMBERS, SEED = 5000, 2025
 LOADS: dict[int, tuple[float, ...]] = {
@@ -39,9 +42,9 @@ UNLIKELY = 0.005
 @cache
 def screw(law: Law = "implicit") -> Chain:
     """The calibrated chain by a reading of the contact angle; the source's is "implicit"."""
-    stiffness = ball_stiffness(BALL_DIAMETER, PITCH_RADIUS, GROOVE_RADIUS, float(CONTACT_ANGLE), YOUNG, POISSON)
+    stiffness = ball_stiffness(BALL_DIAMETER, PITCH_RADIUS, GROOVE_RADIUS, CONTACT_ANGLE, YOUNG, POISSON)
     distance = 2.0 * GROOVE_RADIUS - BALL_DIAMETER
-    plain = Chain(BALLS, stiffness, 0.0, distance, float(CONTACT_ANGLE), float(LEAD_ANGLE), law)
+    plain = Chain(BALLS, stiffness, 0.0, distance, CONTACT_ANGLE, LEAD_ANGLE, law)
     return calibrated(plain, RATIO, RATIO_LOAD)
 
 

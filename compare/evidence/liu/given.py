@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import cos, degrees, pi, sin
+from math import cos, degrees, sin
 
 import numpy as np
 
@@ -25,8 +25,7 @@ def section_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
     mm = {"R": case.PITCH_RADIUS, "D": case.BALL_DIAMETER, "P_h": case.PITCH, "r": case.GROOVE_RADIUS}
     e.numbers({key: 1e3 * value for key, value in mm.items()})
     e.numbers({"alpha_0": degrees(case.CONTACT_ANGLE), "M": float(case.BALLS), "E": 1e-9 * case.YOUNG, "nu": case.POISSON})
-    slope = degrees(np.arctan(case.PITCH / (2.0 * pi * case.PITCH_RADIUS)))
-    e.number("lead_angle", degrees(case.LEAD_ANGLE), f"from pitch and radius {slope:.3f} deg")
+    e.number("lead_angle", degrees(case.LEAD_ANGLE), "from pitch and radius")
     parts = [e.printed(key) for key in ("v_2pi", "ball_error", "profile_error")]
     e.numbers(dict(zip(("v_2pi", "ball_error", "profile_error"), parts, strict=True)))
     right = parts[0] * sin(case.CONTACT_ANGLE) * cos(case.LEAD_ANGLE) + parts[1] + parts[2]

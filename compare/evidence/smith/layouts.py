@@ -91,17 +91,17 @@ def by_formulas(layout: Layout, place: float, applied: float = APPLIED) -> Ends:
     return Ends(left, left + applied, sum(1.0 / (1.0 / k + float(b)) for k, b in zip(ends, bars, strict=True)))
 
 
-def by_scene(study: Study, layout: Layout, place: float, applied: float = APPLIED) -> Ends:
+def by_scene(study: Study, layout: Layout, place: float) -> Ends:
     """The same by the scene: beam, contacts, rows apart from one another."""
-    return study.once(_by_scene, layout, place, applied)
+    return study.once(_by_scene, layout, place)
 
 
-def _by_scene(study: Study, layout: Layout, place: float, applied: float) -> Ends:  # noqa: ARG001 - kept by the study
+def _by_scene(study: Study, layout: Layout, place: float) -> Ends:  # noqa: ARG001 - kept by the study
     found = catalogue.shipped(layout.scene)
     if not isinstance(found, Assembly):
         raise AssertionError(f"{layout.scene} is an axis")
     at = FIRST + place * axis().length
-    loads = tuple(replace(x, at=at, force=(0.0, 0.0, -applied)) for x in found.loads)
+    loads = tuple(replace(x, at=at, force=(0.0, 0.0, -APPLIED)) for x in found.loads)
     result = run_axis(replace(found, loads=loads, stiffness_at=at), "lin", "compiled")
     if not result.converged or result.stiffness is None:
         raise AssertionError(f"{layout.scene}: {result.status}")

@@ -153,10 +153,10 @@ def _support(e: Entries, kind: str, end: str) -> None:
     e.number(f"{kind}_{end}_package", total, words)
 
 
-def topology(supports: float, nut: float = NUT) -> float:
+def topology(supports: float) -> float:
     """Right stiffness [N/m] of the carriage in the middle, on equal supports [N/m]."""
     a = axis(supports, supports)
-    return float(axis_stiffness(a, 0.5 * a.length, nut))
+    return float(axis_stiffness(a, 0.5 * a.length, NUT))
 
 
 def _total(e: Entries, kind: str, more: str) -> None:

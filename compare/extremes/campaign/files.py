@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import signal
 import subprocess
@@ -174,8 +173,3 @@ def tally(outcomes: list[FileOutcome]) -> dict[str, dict[str, int]]:
         row[o.verdict] = row.get(o.verdict, 0) + 1
         row["bad"] = row.get("bad", 0) + (not o.good)
     return out
-
-
-def as_json(outcomes: list[FileOutcome]) -> str:
-    """The tally as one line."""
-    return json.dumps(tally(outcomes))

@@ -47,7 +47,7 @@ def settle_cell(cell: CellArrays, load: float, ball: Array, inner: Array, fast: 
     by Newton with line search, in the compiled kernels if ``fast``. Valid for approaches far below the reach r_G - r_B.
     """
     state = cell_state(cell)
-    steps = int(kernels(CONTACT, compiled=fast).settle(cell, load, ball, inner, state, GOAL, STEPS))
+    steps = int(kernels(CONTACT, compiled=fast).minimise_energy(cell, load, ball, inner, state, GOAL, STEPS))
     left = float(max(np.max(np.abs(state.ball), initial=0.0), np.max(np.abs(state.inner), initial=0.0)))
     good = left <= ACCEPTED * (load + float(np.sum(state.force)))
     return Settled(state.force, state.normal, ball, inner, left, steps, good)

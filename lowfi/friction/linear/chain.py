@@ -133,7 +133,7 @@ def prepare(bearing: LinearBearing, angles: Array, loads: Array, touching: Mask 
     return Chain(bearing, arrays, scale, sign)
 
 
-def solve(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainResult:
+def solve_linear_chain(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainResult:
     """Motion and forces of the chain from a start x ``(N, 3)`` as in ``kernel.energy``, which has no influence.
 
     A carriage at rest, or a chain without load, has no motion and no friction force (any force below the bound would
@@ -149,7 +149,7 @@ def solve(chain: Chain, start: Array | None = None, fast: bool = True) -> ChainR
         return _result(chain, state, push, (0, 0.0), fast)
     n = 4 * count
     work = Work(np.empty((n, WIDTH)), np.empty((n, FILLED)), np.empty(n), np.empty(n), np.zeros(n))
-    done = kernels(LINEAR, compiled=fast).solve(chain.problem, state, push, work, CREEP, TOLERANCE, STEPS)
+    done = kernels(LINEAR, compiled=fast).chain_motion(chain.problem, state, push, work, CREEP, TOLERANCE, STEPS)
     return _result(chain, state, push, done, fast)
 
 

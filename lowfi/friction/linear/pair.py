@@ -8,7 +8,7 @@ import numpy as np
 
 from lowfi.friction.linear import analytic
 from lowfi.friction.linear.bearing import LinearBearing, deviations
-from lowfi.friction.linear.chain import ChainResult, prepare, solve
+from lowfi.friction.linear.chain import ChainResult, prepare, solve_linear_chain
 from lowfi.friction.linear.loads import Loads, balanced_loads, diagonal_loads, elastic_loads
 from meshes.arrays import Array
 
@@ -72,7 +72,7 @@ def solve_pair(
     """
     angles, force = pair_state(bearing, theta, rho, vertical, mated=mated, loads=loads)
     apart, together = (prepare(bearing, angles, force, touching) for touching in (False, True))
-    return PairResult(solve(apart, fast=fast), solve(together, fast=fast))
+    return PairResult(solve_linear_chain(apart, fast=fast), solve_linear_chain(together, fast=fast))
 
 
 @dataclass(frozen=True)
@@ -109,14 +109,12 @@ class PairMaps:
         return self.ratio_analytic - self.ratio
 
 
-def maps(
-    bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float, loads: Loads = "balanced"
-) -> PairMaps:
+def maps(bearing: LinearBearing, theta: Array, rho: Array, vertical: float, k_f: float) -> PairMaps:
     """Both models over theta [rad] and rho (Lin Figures 3.14, 3.15)."""
     shape = len(theta), len(rho)
     out, closed, failures = np.empty((3, *shape)), np.empty((3, *shape)), 0
     for i, j in np.ndindex(*shape):
-        result = solve_pair(bearing, float(theta[i]), float(rho[j]), vertical, loads=loads)
+        result = solve_pair(bearing, float(theta[i]), float(rho[j]), vertical)
         failures += sum(r.status != "converged" for r in (result.free, result.touching))
         out[:, i, j] = result.difference, result.force, result.rubbing_ratio
         closed[:, i, j] = pair_formulas(bearing, float(theta[i]), float(rho[j]), vertical, k_f)

@@ -21,11 +21,12 @@ from meshes.parts import Scene
 class Onset:
     """How soon balls of a static state meet, N balls in order of azimuth.
 
-    omega (N,): orbits [rad/s]; loaded (N,): sum of contact forces [N]; gap: between neighbours at even spacing [rad];
-    meeting (N-1,): nut angle [rad] at which neighbours meet at these speeds (inf: never); converged: loads and motions.
+    orbit (N,): angular speed over the nut's; loaded (N,): sum of contact forces [N]; gap: between neighbours at even
+    spacing [rad]; meeting (N-1,): nut angle [rad] at which neighbours meet at these speeds (inf: never); converged: loads
+    and motions.
     """
 
-    omega: Array
+    orbit: Array
     loaded: Array
     gap: float
     meeting: Array
@@ -37,8 +38,10 @@ class Onset:
         return float(self.meeting.min(initial=np.inf))
 
 
-def groove_of(scene: Scene, mu: float, nut_speed: float) -> ScrewGroove:
-    """The grooves of a scene as friction needs them: same groove radius and material on screw and nut, right hand.
+def groove_of(scene: Scene) -> ScrewGroove:
+    """The grooves of a right-hand scene with one groove radius and material; coefficient of friction 1, nut at 1 rad/s.
+
+    Orbits of least dissipation do not depend on the coefficient and are proportional to the speed.
 
     Raises ValueError for other scenes.
     """
@@ -55,34 +58,32 @@ def groove_of(scene: Scene, mu: float, nut_speed: float) -> ScrewGroove:
         scene.track.contact_angle,
         screw.material.youngs_modulus,
         screw.material.poissons_ratio,
-        mu,
-        nut_speed,
+        mu=1.0,
+        nut_speed=1.0,
     )
 
 
-def contact_onset(
-    scene: Scene, result: StaticResult, mu: float = 0.1, nut_speed: float = 2.0 * np.pi, idle: float = 0.0
-) -> Onset:
+def contact_onset(scene: Scene, result: StaticResult, idle: float = 0.0) -> Onset:
     """Onset of ball-to-ball contact from static loads (N, 4); idle: orbit of unloaded balls over the nominal one.
 
     idle = 0: they do not move, as the source assumes; 1: they roll along. Speeds are those of the moment: where balls
-    go as they roll, and how loads follow, is ``screw_run``'s matter. Raises ValueError for balls that do not fit.
+    go as they roll, and how loads follow, is the matter of a run in time. Raises ValueError for balls that do not fit.
     """
-    groove = groove_of(scene, mu, nut_speed)
+    groove = groove_of(scene)
     order = np.argsort(result.azimuth)
     load = result.load[order]
     angle = np.where(np.isnan(result.contact_angle[order]), groove.contact_angle, result.contact_angle[order])
     loaded = load.sum(axis=1)
-    omega = np.full(load.shape[0], idle * groove.nominal_orbit)
+    orbit = np.full(load.shape[0], idle * groove.nominal_orbit)
     good = result.status == "converged"
     for k in np.flatnonzero(loaded > 0.0):
         ball = ball_motion(groove, load[k], angle[k])
-        omega[k] = ball.motion.q[0]
+        orbit[k] = ball.motion.q[0]
         good = good and ball.motion.status != "failed"
     gap = float(np.min(np.diff(result.azimuth[order]))) - groove.pair.spacing
     if gap < 0.0:
         raise ValueError("the balls of the scene overlap")
-    closing = (omega[:-1] - omega[1:]) / nut_speed
+    closing = orbit[:-1] - orbit[1:]
     meets = closing > 1e-9
     meeting = np.where(meets, gap / np.where(meets, closing, 1.0), np.inf)
-    return Onset(omega=omega, loaded=loaded, gap=gap, meeting=meeting, converged=good)
+    return Onset(orbit=orbit, loaded=loaded, gap=gap, meeting=meeting, converged=good)

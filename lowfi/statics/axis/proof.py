@@ -2,7 +2,7 @@
 
 As `lowfi.statics.proof` for one set: either compressive forces at the nominal contacts of balls and rollers, with what
 supports and springs do, balance the loads, or a motion of shaft and housings as rigid bodies opens every contact, or leaves
-it as it is, while the loads do work. Only the second proves that they are not held.
+it unchanged, while the loads do work. Only the second proves that they are not held.
 """
 
 from __future__ import annotations

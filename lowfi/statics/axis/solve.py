@@ -70,8 +70,8 @@ def prepare(system: System, engine: ModuleType, *, tolerance: float = TOLERANCE)
     return Prepared(system, engine, state, options, np.zeros(MAX_ITERATIONS + 1))
 
 
-def run(prepared: Prepared, *, start: bool = True) -> Outcome:
-    """Solve from the linear start, or from the state as it is."""
+def iterate(prepared: Prepared, *, start: bool = True) -> Outcome:
+    """Solve from the linear start, or from the present state."""
     arrays = prepared.system.axis, prepared.system.contacts, prepared.system.slices
     if start:
         prepared.engine.start_axis(*arrays, prepared.state, prepared.options)
@@ -145,7 +145,7 @@ def engine_for(assembly: Assembly, engine: Engine) -> ModuleType:
 
 def solve_with_hertz(prepared: Prepared) -> Outcome:
     """Solve, and where the assembly asks for Hertz at the actual geometry, update the constants until they settle."""
-    outcome = run(prepared)
+    outcome = iterate(prepared)
     system = prepared.system
     if system.assembly.ingredients.hertz != "actual" or outcome.status not in (0, 1):
         return outcome
@@ -159,7 +159,7 @@ def solve_with_hertz(prepared: Prepared) -> Outcome:
             change = max(change, float(np.abs(updated / b.problem.C - 1.0).max()))
             b.problem.C[:] = updated
             system.contacts.geometry[b.balls, :, 4] = updated
-        again = run(prepared, start=False)
+        again = iterate(prepared, start=False)
         outcome = again._replace(
             iterations=outcome.iterations + again.iterations, evaluations=outcome.evaluations + again.evaluations
         )

@@ -7,7 +7,7 @@ import pytest
 
 from lowfi import jit
 from lowfi.bearings.line_contact import LineLaw
-from lowfi.statics.axis.solve import prepare, run
+from lowfi.statics.axis.solve import iterate, prepare
 from lowfi.statics.axis.system import build, tapered
 from lowfi.statics.kernel import axis, axis_matrix, ball, rollers, skyline
 from lowfi.statics.records import AxisSlopes
@@ -31,7 +31,7 @@ def mixed():
 @pytest.fixture(scope="module")
 def ready():
     prepared = prepare(build(mixed()), jit.kernels(jit.STATICS, compiled=False))
-    run(prepared)
+    iterate(prepared)
     rng = np.random.default_rng(1)
     prepared.state.q[:] += rng.normal(0.0, 2e-7, prepared.state.q.shape)
     n, lengths = prepared.system.structure.nodes.size, prepared.system.axis.lengths
@@ -154,7 +154,7 @@ def test_compiled_kernels_find_the_same():
     found = []
     for compiled in (False, True):
         prepared = prepare(build(parts), jit.kernels(jit.STATICS, compiled=compiled))
-        outcome = run(prepared)
+        outcome = iterate(prepared)
         assert outcome.status == 0
         found.append(prepared.state.contact[..., 0].copy())
     assert relative(found[1], found[0]) < 1e-11

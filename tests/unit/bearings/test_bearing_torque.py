@@ -3,15 +3,7 @@
 import numpy as np
 import pytest
 
-from lowfi.bearings.torque import (
-    KILOGRAM_FORCE,
-    least_speed,
-    load_torque,
-    static_rating,
-    taper_geometry,
-    taper_torque,
-    viscous_torque,
-)
+from lowfi.bearings.torque import KILOGRAM_FORCE, load_torque, static_rating, taper_geometry, taper_torque, viscous_torque
 
 RPM = np.pi / 30.0
 INCH_POUND = 0.0254 * 4.4482216152605
@@ -62,5 +54,3 @@ def test_taper_torque_in_its_own_units():
     found = taper_torque(100.0, 10e-3, 1000.0 * RPM, 1000.0 * 4.4482216152605)
     assert found / INCH_POUND == pytest.approx(3.54e-3 * 1e4**0.62 * 1000.0**0.3, rel=1e-12)
     assert taper_geometry(found, 10e-3, 1000.0 * RPM, 1000.0 * 4.4482216152605) == pytest.approx(100.0, rel=1e-12)
-    speed = least_speed(20.0, 10e-3, 1000.0 * 4.4482216152605)
-    assert speed / RPM == pytest.approx(1700.0 * 1000.0**0.67 / 200.0, rel=1e-12)

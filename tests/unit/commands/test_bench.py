@@ -9,7 +9,7 @@ import pytest
 import compare.costs.bench as bench
 from compare.costs import chain_bench, startup
 from compare.costs.bench import run_bench
-from compare.costs.prepared import Ours, Source
+from compare.costs.prepared import Energy, Source
 from compare.costs.startup import command_line_job
 from compare.costs.timing import Job, timed
 from compare.scenes.catalogue import scene as shipped
@@ -23,23 +23,23 @@ def test_timing_is_a_median_after_an_uncounted_run():
 
 
 def test_runs_begin_from_the_same_state_and_solve():
-    ours = Ours(shipped("lin-case1"))
-    ours.cold()
-    first = ours.prepared.force.copy()
+    energy = Energy(shipped("lin-case1"))
+    energy.cold()
+    first = energy.prepared.force.copy()
     assert first.max() > 100.0
-    ours.reset()
-    assert ours.prepared.force.max() == 0.0
-    ours.cold()
-    assert (ours.prepared.force == first).all()
+    energy.reset()
+    assert energy.prepared.force.max() == 0.0
+    energy.cold()
+    assert (energy.prepared.force == first).all()
 
 
 def test_warm_start_carries_one_per_cent_more_load():
     scene = shipped("lin-case1")
-    ours, source = Ours(scene), Source(scene)
-    ours.change_load()
-    ours.warm()
-    rise = abs(float((ours.prepared.force[:, 0] * ours.prepared.normal[:, 0, 1]).sum()))
-    before = Ours(scene)
+    energy, source = Energy(scene), Source(scene)
+    energy.change_load()
+    energy.warm()
+    rise = abs(float((energy.prepared.force[:, 0] * energy.prepared.normal[:, 0, 1]).sum()))
+    before = Energy(scene)
     before.cold()
     base = abs(float((before.prepared.force[:, 0] * before.prepared.normal[:, 0, 1]).sum()))
     assert rise / base == pytest.approx(1.01, rel=1e-4)

@@ -16,6 +16,8 @@ from compare.errors import InputError, SceneError
 from compare.reference.store import key_of
 from compare.scenes import catalogue, scene_file
 from lowfi.friction.whole import feedback as ball_feedback
+from lowfi.statics.static import solve_static
+from lowfi.statics.validity import PRESSURE, SIZE
 from meshes.parts import Friction, Motion, Time
 from tests.helpers import ALL_BUT_AXIAL, small_screw
 
@@ -371,3 +373,16 @@ def test_tables_are_read_in_si_units():
     assert mine(("nut = 0.07\n", "")).friction == Friction(0.06, 0.06, ("Grease, by experience.",), "ball")
     other = mine(("nut = 0.07", "screw = 0")).friction
     assert (other.screw, other.nut) == (0.0, 0.06)
+
+
+def test_what_is_wrong_with_a_contact_is_told_once_and_as_solve_tells_it():
+    """Warnings of size and pressure are those of the state with friction; the contact loads' own are not repeated."""
+    hard = replace(small_screw(8, force=(0.0, 0.0, 60e3)), friction=Friction(0.1, 0.1))
+    static = solve_static(hard).warnings
+    for coupling in ("none", "ball"):
+        scene = replace(hard, friction=replace(hard.friction, coupling=coupling))
+        found = solve_scene(scene, Choices(model="lin")).data["warnings"]
+        for head in (SIZE, PRESSURE):
+            (once,) = (line for line in found if line.startswith(head))
+            (other,) = (line for line in static if line.startswith(head))
+            assert coupling == "ball" or once == other

@@ -9,7 +9,7 @@ from scipy.optimize import linprog
 from compare.evidence import source_cases
 from lowfi.friction.contact.ellipse import contacts, friction
 from lowfi.friction.linear.bearing import deviations, directions, semi_axes
-from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.chain import prepare, solve_linear_chain
 from lowfi.friction.linear.loads import balanced_loads, diagonal_loads
 from lowfi.friction.linear.pair import maps, pair_state, solve_pair
 
@@ -53,7 +53,7 @@ def out_of_balance(bearing, angles, loads, result):
 def test_equilibrium_of_every_ball(count):
     """(3.25), (3.26)-(3.29), (3.31) by vectors in space: independent of the energy, its derivatives and its solver."""
     angles, loads = random_chain(count, 8)
-    result = solve(prepare(BEARING, angles, loads))
+    result = solve_linear_chain(prepare(BEARING, angles, loads))
     assert result.status == "converged"
     force, moment = out_of_balance(BEARING, angles, loads, result)
     assert count == 1 or result.ball_force.max() > 0.1
@@ -66,7 +66,7 @@ def test_equilibrium_with_much_friction_between_balls(count, mu):
     """The same where the path round folds decides, of balls all of whose contacts slide: those that stick bear less."""
     bearing = replace(BEARING, mu_balls=mu)
     angles, loads = random_chain(count, 2, 5.0)
-    result = solve(prepare(bearing, angles, loads))
+    result = solve_linear_chain(prepare(bearing, angles, loads))
     assert result.status == "converged"
     force, moment = out_of_balance(bearing, angles, loads, result)
     spin = result.spin * semi_axes(bearing, loads)[0]
@@ -84,7 +84,7 @@ def test_equilibrium_with_much_friction_between_balls(count, mu):
 
 def test_contact_slip_is_that_of_rigid_bodies():
     """(3.22), (F.1)-(F.3) against v + omega x r in space, and only there where a contact carries load."""
-    result = solve(prepare(BEARING, ANGLES, LOADS), fast=False)
+    result = solve_linear_chain(prepare(BEARING, ANGLES, LOADS), fast=False)
     for j, i in np.ndindex(2, 4):
         n, omega = np.array([*directions(ANGLES)[j, i], 0.0]), np.array([*result.rotation[j], 0.0])
         slide = result.velocity[j] + np.cross(omega, BEARING.ball_radius * n)[2] - (0.01 if i > 1 else 0.0)
@@ -97,7 +97,7 @@ def test_complementarity_and_energy(count):
     angles, loads = random_chain(count, count)
     rng = np.random.default_rng(count)
     touching = rng.random(count - 1) < 0.9
-    result = solve(prepare(BEARING, angles, loads, touching))
+    result = solve_linear_chain(prepare(BEARING, angles, loads, touching))
     assert result.status == "converged"
     closing = -np.diff(result.velocity)
     assert np.all(result.ball_force >= 0.0)
@@ -112,7 +112,7 @@ def test_complementarity_and_energy(count):
 
 def test_power_does_not_depend_on_the_frame():
     """Seen from the carriage the bottom groove moves: same loss, and the forces on both grooves are opposite."""
-    result = solve(prepare(BEARING, ANGLES, LOADS))
+    result = solve_linear_chain(prepare(BEARING, ANGLES, LOADS))
     bottom, top = result.friction[:, :2].sum(), result.friction[:, 2:].sum()
     assert bottom == pytest.approx(-top, rel=1e-9)
     assert -bottom * BEARING.speed == pytest.approx(result.loss, rel=1e-8)
@@ -121,7 +121,7 @@ def test_power_does_not_depend_on_the_frame():
 def test_energy_is_least():
     """Without ball-to-ball friction the motion minimises the dissipation under the order of the velocities."""
     bearing = replace(BEARING, mu_balls=0.0)
-    result = solve(prepare(bearing, ANGLES, LOADS))
+    result = solve_linear_chain(prepare(bearing, ANGLES, LOADS))
     a, b = semi_axes(bearing, LOADS)
     n, rng = directions(ANGLES), np.random.default_rng(2)
 
@@ -142,8 +142,8 @@ def test_energy_is_least():
 def test_mirror():
     """Left and right exchanged: same forces and velocities, omega_y turned."""
     angles, loads = random_chain(4, 7)
-    one = solve(prepare(BEARING, angles, loads))
-    two = solve(prepare(BEARING, angles[:, [1, 0, 3, 2]], loads[:, [1, 0, 3, 2]]))
+    one = solve_linear_chain(prepare(BEARING, angles, loads))
+    two = solve_linear_chain(prepare(BEARING, angles[:, [1, 0, 3, 2]], loads[:, [1, 0, 3, 2]]))
     np.testing.assert_allclose(two.velocity, one.velocity, rtol=1e-9)
     np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-9)
     np.testing.assert_allclose(two.rotation, one.rotation * [1.0, -1.0], atol=1e-7)
@@ -152,8 +152,8 @@ def test_mirror():
 def test_reversed_motion_of_swapped_balls():
     """Carriage backwards and balls in reverse order: the same contacts under the same forces."""
     angles, loads = random_chain(4, 7)
-    one = solve(prepare(BEARING, angles, loads))
-    two = solve(prepare(replace(BEARING, speed=-0.01), angles[::-1], loads[::-1]))
+    one = solve_linear_chain(prepare(BEARING, angles, loads))
+    two = solve_linear_chain(prepare(replace(BEARING, speed=-0.01), angles[::-1], loads[::-1]))
     np.testing.assert_allclose(two.velocity, -one.velocity[::-1], rtol=1e-9)
     np.testing.assert_allclose(two.ball_force, one.ball_force[::-1], atol=1e-9)
     assert two.drive == pytest.approx(-one.drive, rel=1e-9)
@@ -161,15 +161,15 @@ def test_reversed_motion_of_swapped_balls():
 
 
 def test_swapped_balls_part():
-    assert solve(prepare(BEARING, ANGLES, LOADS)).ball_force[0] > 1.0
-    assert solve(prepare(BEARING, ANGLES[::-1], LOADS[::-1])).ball_force[0] == 0.0
+    assert solve_linear_chain(prepare(BEARING, ANGLES, LOADS)).ball_force[0] > 1.0
+    assert solve_linear_chain(prepare(BEARING, ANGLES[::-1], LOADS[::-1])).ball_force[0] == 0.0
 
 
 def test_turned_section():
     """All contacts turned about the track by one angle: the same velocities and forces."""
     angles, loads = random_chain(3, 9)
-    one = solve(prepare(BEARING, angles, loads))
-    two = solve(prepare(BEARING, angles + 0.05 * np.array([1.0, -1.0, 1.0, -1.0]), loads))
+    one = solve_linear_chain(prepare(BEARING, angles, loads))
+    two = solve_linear_chain(prepare(BEARING, angles + 0.05 * np.array([1.0, -1.0, 1.0, -1.0]), loads))
     np.testing.assert_allclose(two.velocity, one.velocity, rtol=1e-9)
     np.testing.assert_allclose(two.ball_force, one.ball_force, atol=1e-8)
 
@@ -177,18 +177,18 @@ def test_turned_section():
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 def test_forces_scale_with_friction_and_not_with_speed(factor):
     angles, loads = random_chain(3, 1)
-    one = solve(prepare(BEARING, angles, loads))
-    fast = solve(prepare(replace(BEARING, speed=0.01 * factor), angles, loads))
+    one = solve_linear_chain(prepare(BEARING, angles, loads))
+    fast = solve_linear_chain(prepare(replace(BEARING, speed=0.01 * factor), angles, loads))
     np.testing.assert_allclose(fast.ball_force, one.ball_force, rtol=1e-9)
     np.testing.assert_allclose(fast.velocity, factor * one.velocity, rtol=1e-9)
-    slippery = solve(prepare(replace(BEARING, mu=0.1 / abs(factor)), angles, loads))
+    slippery = solve_linear_chain(prepare(replace(BEARING, mu=0.1 / abs(factor)), angles, loads))
     np.testing.assert_allclose(slippery.ball_force * factor, one.ball_force, rtol=1e-8)
 
 
 def test_rigid_limit():
     """Point contacts cannot resist spin: the least sum of mu F |sliding| is a linear program."""
     angles, loads = random_chain(1, 4)
-    result = solve(prepare(replace(BEARING, young=2.1e23), angles, loads))
+    result = solve_linear_chain(prepare(replace(BEARING, young=2.1e23), angles, loads))
     n = directions(angles)[0]
     rows, right = np.column_stack([np.ones(4), n[:, 1], -n[:, 0]]), np.array([0.0, 0.0, 1.0, 1.0])
     program = linprog(
@@ -205,14 +205,14 @@ def test_rigid_limit():
 def test_two_point_contact_rolls_without_slip():
     """A diagonal through the centre carries all load: pure rolling at half speed, no loss."""
     loads = np.array([[100.0, 0.0, 100.0, 0.0]])
-    result = solve(prepare(BEARING, np.full((1, 4), 0.7), loads))
+    result = solve_linear_chain(prepare(BEARING, np.full((1, 4), 0.7), loads))
     assert result.velocity[0] == pytest.approx(0.5 * BEARING.speed, rel=1e-7)
     assert result.loss < 1e-8 * BEARING.mu * 200.0 * BEARING.speed
 
 
 def test_three_point_contact():
     loads = np.array([[60.0, 0.0, 50.0, 40.0]])
-    result = solve(prepare(BEARING, np.full((1, 4), 0.7), loads))
+    result = solve_linear_chain(prepare(BEARING, np.full((1, 4), 0.7), loads))
     assert result.status == "converged"
     assert result.friction[0, 1] == 0.0
     np.testing.assert_allclose(out_of_balance(BEARING, np.full((1, 4), 0.7), loads, result)[0], 0.0, atol=1e-7)
@@ -222,7 +222,7 @@ def test_two_point_transition_is_continuous():
     """Velocities approach those of two-point contact as the other diagonal is relieved."""
     angles = BEARING.contact_angle + deviations(np.radians([2.0]))
     side = -1.0 + np.array([0.3, 0.1, 1e-2, 1e-3, 1e-5, 0.0])
-    found = [solve(prepare(BEARING, angles, diagonal_loads(100.0, np.array([s])))).velocity[0] for s in side]
+    found = [solve_linear_chain(prepare(BEARING, angles, diagonal_loads(100.0, np.array([s])))).velocity[0] for s in side]
     steps = np.abs(np.diff(found)) / BEARING.speed
     assert steps[:2].min() > 1e-3
     assert steps[2:-1].max() < 1e-5
@@ -230,11 +230,11 @@ def test_two_point_transition_is_continuous():
 
 
 def test_zero_speed_and_no_load():
-    still = solve(prepare(replace(BEARING, speed=0.0), ANGLES, LOADS))
+    still = solve_linear_chain(prepare(replace(BEARING, speed=0.0), ANGLES, LOADS))
     assert still.status == "converged"
     assert still.loss == still.drive == still.power == 0.0
     assert not still.velocity.any()
-    empty = solve(prepare(BEARING, ANGLES, np.zeros((2, 4))))
+    empty = solve_linear_chain(prepare(BEARING, ANGLES, np.zeros((2, 4))))
     assert empty.loss == 0.0
     np.testing.assert_allclose(empty.velocity, 0.5 * BEARING.speed)
 
@@ -243,14 +243,14 @@ def test_unloaded_ball_is_pushed_along():
     """A ball without load between two others passes the force on."""
     angles = np.vstack([ANGLES[0], ANGLES[0], ANGLES[1]])
     loads = np.vstack([LOADS[0], np.zeros(4), LOADS[1]])
-    result = solve(prepare(replace(BEARING, mu_balls=0.0), angles, loads))
-    pair = solve(prepare(replace(BEARING, mu_balls=0.0), ANGLES, LOADS))
+    result = solve_linear_chain(prepare(replace(BEARING, mu_balls=0.0), angles, loads))
+    pair = solve_linear_chain(prepare(replace(BEARING, mu_balls=0.0), ANGLES, LOADS))
     np.testing.assert_allclose(result.ball_force, pair.ball_force[0], rtol=1e-8)
 
 
 def test_both_engines_agree():
     angles, loads = random_chain(3, 6)
-    one, two = (solve(prepare(BEARING, angles, loads), fast=k) for k in (False, True))
+    one, two = (solve_linear_chain(prepare(BEARING, angles, loads), fast=k) for k in (False, True))
     np.testing.assert_allclose(one.ball_force, two.ball_force, rtol=1e-10, atol=1e-12)
     np.testing.assert_allclose(one.velocity, two.velocity, rtol=1e-12)
 

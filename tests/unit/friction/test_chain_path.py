@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compare.evidence import source_cases
-from lowfi.friction.linear.chain import CREEP, prepare, solve
+from lowfi.friction.linear.chain import CREEP, prepare, solve_linear_chain
 from lowfi.friction.linear.kernel import band, coupled, energy, newton, path
 from lowfi.friction.linear.loads import balanced_loads
 from lowfi.friction.linear.records import ChainPoint, ChainState, Smoothing, Work
@@ -111,7 +111,7 @@ def follow(chain, monkeypatch=None):
     _, good = path.trace(chain.problem, point, CREEP, work, 5000)
     assert good
     coupled.reopen(point, CREEP)
-    _, left = newton.settle(chain.problem, point, Smoothing(CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
+    _, left = newton.semismooth_newton(chain.problem, point, Smoothing(CREEP, 1.0, 0.0, 0.0), work, 1e-12, 60, 1.0)
     assert left <= 1e-9
     return np.maximum(point.z, 0.0), np.sum(np.diff(np.sign(slopes)) != 0)
 
@@ -124,7 +124,7 @@ def test_path_goes_round_folds_and_does_not_depend_on_its_steps(monkeypatch):
     monkeypatch.setattr(path, "_cap", lambda tau: 0.1 / np.abs(tau).max())
     finer, _ = follow(chain)
     np.testing.assert_allclose(finer, found, atol=1e-8)
-    np.testing.assert_allclose(solve(chain).ball_force / chain.scale, found, atol=1e-8)
+    np.testing.assert_allclose(solve_linear_chain(chain).ball_force / chain.scale, found, atol=1e-8)
 
 
 def test_two_solutions_and_the_one_taken():
@@ -135,16 +135,16 @@ def test_two_solutions_and_the_one_taken():
     angles = np.radians([[45.415, 45.542, 42.175, 46.368], [46.394, 49.657, 49.704, 41.806]])
     loads = np.array([[0.0, 86.256, 0.0, 85.812], [130.612, 0.0, 125.399, 0.0]])
     apart, chain = prepare(BEARING, angles, loads, False), prepare(BEARING, angles, loads)
-    assert np.diff(solve(apart).velocity)[0] > 1e-4 * BEARING.speed
+    assert np.diff(solve_linear_chain(apart).velocity)[0] > 1e-4 * BEARING.speed
     jammed, _ = follow(chain)
     assert jammed[0] == pytest.approx(0.0938, abs=1e-3)
-    taken = solve(chain)
+    taken = solve_linear_chain(chain)
     assert taken.status == "converged"
     assert taken.ball_force[0] == 0.0
 
 
 def test_both_engines_agree_on_the_path():
     chain = random_chain(6, 2)
-    one, two = (solve(chain, fast=k) for k in (False, True))
+    one, two = (solve_linear_chain(chain, fast=k) for k in (False, True))
     assert one.status == two.status == "converged"
     np.testing.assert_allclose(one.ball_force, two.ball_force, rtol=1e-9, atol=1e-12)

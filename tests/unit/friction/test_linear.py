@@ -214,10 +214,10 @@ def test_rubbing_speed_and_loss():
 
 
 def test_spin_loss_is_that_of_the_numerical_model_without_deviations():
-    from lowfi.friction.linear.chain import prepare, solve
+    from lowfi.friction.linear.chain import prepare, solve_linear_chain
 
     loads = diagonal_loads(100.0, np.array([0.2]))
-    numerical = solve(prepare(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
+    numerical = solve_linear_chain(prepare(BEARING, np.full((1, 4), BEARING.contact_angle), loads), fast=False)
     assert analytic.spin_loss(BEARING, loads).sum() == pytest.approx(numerical.loss, rel=2e-3)
 
 

@@ -10,7 +10,7 @@ from lowfi.as_source.chain import balance, blocks, closing_in, solve_by_root
 from lowfi.as_source.linear import linear_balls, linear_law, linear_pair_by_root, solve_linear_by_root
 from lowfi.friction.contact.laws import Coulomb, Sigmoid
 from lowfi.friction.linear.bearing import deviations
-from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.chain import prepare, solve_linear_chain
 from lowfi.friction.linear.loads import balanced_loads
 from lowfi.friction.linear.pair import pair_state, solve_pair
 
@@ -49,7 +49,7 @@ def test_answer_goes_to_ours_as_the_sigmoid_sharpens():
 def test_chain_is_ours_where_the_rule_for_contact_holds():
     """Each ball faster than the next: all touch."""
     angles, loads = state([2.5, 2.0, 1.0, 1.5, 2.5], [-0.5, -0.3, 0.1, 0.3, 0.5])
-    ours, found = solve(prepare(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
+    ours, found = solve_linear_chain(prepare(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
     assert found.status == "exact"
     assert np.all(ours.ball_force > 0.0)
     np.testing.assert_allclose(found.ball_force, ours.ball_force, rtol=1e-8)
@@ -71,7 +71,7 @@ def test_balls_that_part_or_are_out_of_reach_stay_apart():
 def test_rule_for_contact_lets_balls_overlap():
     """The first is slower than the second, but not than the second held up by the third: 3.31 does not see that."""
     angles, loads = state([2.0, 2.5, 2.0], [-0.1, -0.2, 0.6])
-    ours, found = solve(prepare(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
+    ours, found = solve_linear_chain(prepare(BEARING, angles, loads)), solve_linear_by_root(BEARING, angles, loads)
     assert found.free[0, 0] < found.free[1, 0]
     assert found.q[0, 0] > found.q[1, 0] * (1.0 + 1e-4)
     assert found.status == "overlapping"

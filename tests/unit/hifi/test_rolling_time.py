@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hifi.rolling.balls import Choices, solve_rolling
-from hifi.rolling.loads import Cell, settle
+from hifi.rolling.loads import Cell, cell_loads
 from hifi.rolling.transient import run_from_rest
 from tests.rolling_scenes import linear_pair
 
@@ -50,7 +50,7 @@ def test_loads_of_two_opposite_contacts_share_a_force():
     inner = np.array([False, False, True, True])
     zero = np.zeros((1, 2))
     cell = Cell(n[None], 6e-4, np.zeros((1, 4)), np.full((1, 4), 1e-7), inner, np.eye(2)[None], zero, pull, zero)
-    found = settle(cell)
+    found = cell_loads(cell)
     assert found.converged
     assert found.force[0] == pytest.approx([100.0, 0.0, 100.0, 0.0], rel=1e-6, abs=1e-3)
 
@@ -61,5 +61,5 @@ def test_a_cell_that_nothing_holds_does_not_converge():
     cell = Cell(
         n, 6e-4, np.zeros((1, 1)), np.full((1, 1), 1e-7), np.array([False]), np.zeros((1, 2, 0)), zero, np.zeros(0), -zero
     )
-    found = settle(Cell(**(cell.__dict__ | {"push": np.array([[0.0, -5.0]])})))
+    found = cell_loads(Cell(**(cell.__dict__ | {"push": np.array([[0.0, -5.0]])})))
     assert not found.converged

@@ -16,7 +16,7 @@ from compare.extremes.tally import BALLS, Record, Tally
 from compare.printed.printed_data import load_table
 from compare.sections import friction_screw
 from lowfi.as_source.run import simulate_by_root
-from lowfi.friction.linear.chain import solve
+from lowfi.friction.linear.chain import solve_linear_chain
 from lowfi.friction.screw.chain import solve_chain
 from reports.figures import draw
 from reports.records import Figure, Section, Table, Text
@@ -184,7 +184,7 @@ def test_ours_has_no_failure_and_unique_answers(records):
 
 
 def test_the_longest_chains_are_solved_and_balance():
-    linear = solve(friction_chains.linear_chain(max(BALLS), 0.5).chain())
+    linear = solve_linear_chain(friction_chains.linear_chain(max(BALLS), 0.5).chain())
     screws = solve_chain(friction_chains.screw_chain(max(BALLS)))
     assert (linear.status, screws.converged) == ("converged", True)
     assert linear.power == pytest.approx(linear.loss, rel=1e-8)

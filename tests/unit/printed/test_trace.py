@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from compare.cli import app
+from compare.errors import InputError
 from compare.evidence.registry import BY_TABLE, COMPUTATIONS, NOT_COMPUTED, evidence, traces
 from compare.models.study import Study
 from compare.printed.printed_data import load_table, tables
@@ -45,23 +46,24 @@ def test_the_test_file_asserts_every_entry_of_the_table(computation):
 
 def test_scenes_exist_and_every_pattern_is_needed():
     shipped = set(catalogue.scene_names())
-    used = {(t.table, t.scenes) for t in TRACES}
+    used = {(t.table, behind) for t in TRACES for behind in (t.scenes, t.no_scene)}
     for t in TRACES:
         assert set(t.scenes) <= shipped, t
+        assert bool(t.scenes) != bool(t.no_scene), t
     for c in COMPUTATIONS:
-        for _, names in c.scenes:
-            assert (c.table, names) in used, (c.table, names)
+        for _, behind in c.behind:
+            assert (c.table, behind) in used, (c.table, behind)
 
 
 def test_only_what_needs_no_scene_has_none():
-    """Choices, arithmetic on printed numbers, other programs and machines; Liu's chain; Smith's formulas but three."""
+    """Choices, arithmetic on printed numbers, other programs and machines; Smith's formulas but three."""
     lin = [t for t in TRACES if t.table.startswith("lin")]
     external = [t for t in TRACES if t.table.startswith("external")]
-    assert [t.key for t in TRACES if t not in lin and t not in external and t.scenes] == [
-        "total_ball",
-        "total_taper",
-        "supported",
-    ]
+    assert [t.key for t in TRACES if t.table.startswith("smith") and t.scenes] == ["total_ball", "total_taper", "supported"]
+    assert {t.key for t in TRACES if t.table.startswith("liu") and not t.scenes} == {
+        *("v_2pi", "ball_error", "profile_error", "e_1", "e_2", "e_3", "plus_or_minus", "load", "free_length", "deviation"),
+        *("spread_100", "spread_1100", "spread_2100", "spread_percent"),
+    }
     formulas = {"external-contact", "external-vm63", "external-snfa", "external-gmn"}
     assert {t.table for t in external if not t.scenes} == formulas | {"external-sjovall", "external-thk"}
     assert {t.key for t in external if not t.scenes and t.table not in formulas} == {"thrust", "drag_formula"}
@@ -87,3 +89,17 @@ def test_command(capsys):
     assert row["test"] == "tests/literature/test_lin_chapter3_rotary.py::test_entry[lin-3.2:F_IR_II]"
     app(["list", "--trace"], result_action="return_value")
     assert "F_IR_II" in capsys.readouterr().out
+
+
+def test_one_table_in_a_pipe_breaks_no_name(capsys):
+    app(["list", "--trace", "--table", "smith-5", "--json"], result_action="return_value")
+    rows = json.loads(capsys.readouterr().out)
+    assert [(r["table"], r["key"]) for r in rows] == [("smith-5", row.key) for row in load_table("smith-5")]
+    assert {r["key"]: r["no_scene"] for r in rows}["accuracy_ball"] == "measured by the source: shown, not computed"
+    app(["list", "--table", "smith-5"], result_action="return_value")
+    out = capsys.readouterr().out
+    for row in rows:
+        assert {row["key"], row["computation"], row["test"].removeprefix("tests/literature/")} <= set(out.split())
+        assert row["no_scene"] in out
+    with pytest.raises(InputError, match='"smith-7"'):
+        app(["list", "--table", "smith-7"], result_action="return_value")

@@ -13,7 +13,8 @@ import pytest
 
 from compare.errors import InputError
 from compare.reference import parallel
-from compare.reference.parallel import run, use_tls
+from compare.reference.parallel import use_tls
+from tests.jobs_in_order import run
 
 distributed = pytest.importorskip("distributed")
 dask = pytest.importorskip("dask")

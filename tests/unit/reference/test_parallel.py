@@ -13,7 +13,8 @@ import pytest
 
 from compare.errors import InputError
 from compare.reference import parallel
-from compare.reference.parallel import as_done, run
+from compare.reference.parallel import as_done
+from tests.jobs_in_order import run
 
 pytestmark = pytest.mark.xdist_group("scheduler")
 

@@ -18,6 +18,7 @@ from compare.scenes.template import AXES, template
 from compare.scenes.units import show
 from meshes.axis import Assembly, RollerRow
 from meshes.parts import Scene
+from tests.shipped_texts import axis_names
 
 ROLLERS = """
 title = "rollers"
@@ -56,9 +57,9 @@ force = ["0 N", "0 N", "-100 lbf"]
 
 
 def test_shipped_axes_are_named_apart_from_whole_screws():
-    assert set(catalogue.axis_names()) >= {"axis-fixed-fixed", "double-nut", "smith-axis-taper", "lin-steering-rack"}
-    assert not set(catalogue.axis_names()) & set(catalogue.whole_names())
-    for name in catalogue.axis_names():
+    assert set(axis_names()) >= {"axis-fixed-fixed", "double-nut", "smith-axis-taper", "lin-steering-rack"}
+    assert not set(axis_names()) & set(catalogue.whole_names())
+    for name in axis_names():
         found = catalogue.shipped(name)
         assert isinstance(found, Assembly)
         assert found.assumed

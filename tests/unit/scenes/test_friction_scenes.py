@@ -15,9 +15,9 @@ from compare.scenes.kinds.linear import LinearScene
 from compare.scenes.kinds.table import KINDS
 from lowfi.friction.bearing.rotary import SIDES, Bearing, solve_ball, solve_ball_as_printed, source_law
 from lowfi.friction.linear.bearing import LinearBearing
-from lowfi.friction.linear.chain import prepare, solve
+from lowfi.friction.linear.chain import prepare, solve_linear_chain
 from lowfi.friction.linear.pair import solve_pair
-from tests.shipped_texts import changed
+from tests.shipped_texts import axis_names, changed
 
 ROTARY = Bearing(6.25e-3, 6.75e-3, 35e-3, 0.25 * np.pi, 2.1e11, 0.28, 0.1, 20.0 * np.pi)
 LINEAR = LinearBearing(5e-3, 0.56, 0.25 * np.pi, 0.01, 0.1, 0.1, 2.1e11, 0.28)
@@ -30,7 +30,7 @@ def solved(name, *changes):
 
 
 def test_every_shipped_scene_converges_and_balances_power():
-    names = sorted(set(catalogue.scene_names()) - set(catalogue.whole_names()) - set(catalogue.axis_names()))
+    names = sorted(set(catalogue.scene_names()) - set(catalogue.whole_names()) - set(axis_names()))
     assert names == [
         "lin-bearing-pairs",
         "lin-chain-10",
@@ -93,7 +93,7 @@ def test_chain_scene_is_the_library_s_and_a_gap_cuts_it():
     np.testing.assert_allclose(np.degrees(scene.angles), [[43.0, 47.0, 45.0, 45.0]] * 10, rtol=1e-12)
     found = solve_kind(scene).data
     loads = np.array([[b["load_N"][c] for c in ("BL", "BR", "TR", "TL")] for b in found["balls"]])
-    one = solve(prepare(LINEAR, scene.angles, loads))
+    one = solve_linear_chain(prepare(LINEAR, scene.angles, loads))
     assert [p["force_N"] for p in found["pairs"]] == pytest.approx(one.ball_force, rel=1e-8)
     assert np.all(one.ball_force > 0.0)
     cut = solved("lin-chain-10", ("side_force_ratio = -0.6\n", 'side_force_ratio = -0.6\ngap = "0.5 mm"\n')).data

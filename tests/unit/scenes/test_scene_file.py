@@ -17,6 +17,7 @@ from compare.scenes.kinds.table import KINDS
 from compare.scenes.schema import SceneKeys
 from compare.scenes.template import template
 from meshes.parts import SIDES
+from tests.shipped_texts import axis_names
 
 NAMES = catalogue.whole_names()
 EXPECTED = {
@@ -125,7 +126,7 @@ def test_whole_scene_may_name_its_kind_and_must_name_the_right_one():
 
 
 def test_kinds_of_friction_are_scenes_of_the_one_catalogue(tmp_path):
-    names = set(catalogue.scene_names()) - set(catalogue.whole_names()) - set(catalogue.axis_names())
+    names = set(catalogue.scene_names()) - set(catalogue.whole_names()) - set(axis_names())
     assert {scene_file.kind_of(catalogue.shipped(name)) for name in names} == set(FRICTION_ONLY)
     assert catalogue.shipped("lin-pair-a") is catalogue.shipped("lin-pair-a"), "each is read once"
     with pytest.raises(

@@ -10,7 +10,7 @@ from lowfi import jit
 from lowfi.as_source.static import beam_matrix
 from lowfi.compliance.bodies import LADDER, REFINED, geometry_only, grooved_section
 from lowfi.statics import elastic_system as model
-from lowfi.statics.elastic import contacts_of, flank_shifts, run, solve_elastic
+from lowfi.statics.elastic import contacts_of, flank_shifts, iterate, solve_elastic
 from lowfi.statics.elastic_system import Rebuild, ready
 from lowfi.statics.kernel import elastic_balls
 from lowfi.statics.mechanism import free_motions
@@ -81,7 +81,7 @@ def test_solution_is_stationary_and_balanced(case, backend):
     assert result.equilibrium.force_residual < 1e-9
     assert result.equilibrium.moment_residual < 1e-9
     elastic = assembled(scene, LADDER[backend])
-    assert run(elastic).residual <= 1e-10
+    assert iterate(elastic).residual <= 1e-10
     phi, amplitudes = elastic.state.phi, elastic.state.a
     _, f, _ = balls(elastic, motions(elastic, phi, amplitudes))
     assert np.abs(f - phi).max() < 1e-10 * elastic.scale
@@ -93,7 +93,7 @@ def test_solution_is_stationary_and_balanced(case, backend):
 def test_forces_are_the_gradient_of_the_energy(case):
     """-dE/dv by central differences of the balls' energy, away from the solution."""
     elastic = assembled(SCENES[case]())
-    run(elastic)
+    iterate(elastic)
     rng = np.random.default_rng(2)
     v = motions(elastic, elastic.state.phi, elastic.state.a) + rng.normal(0.0, 2e-7, elastic.flanks.v0.shape)
     _, f, _ = balls(elastic, v)
@@ -155,7 +155,7 @@ def test_pair_form_is_the_four_flank_form(sides, backend):
     four = assembled(scene, LADDER[backend])
     assert (pair.pair, four.pair) == (sides, None)
     for one in (pair, four):
-        assert run(one).status == 0
+        assert iterate(one).status == 0
     contacts = [contacts_of(one)[1][..., 0] for one in (pair, four)]
     assert relative(*contacts) < 1e-9
     assert (contacts[0][:, sides] > 0.0).all()
@@ -261,7 +261,7 @@ def energy_hessian(elastic, i, v, step=3e-9):
 @pytest.mark.parametrize("case", ["lin-case1", "lin-case3-offset", "bearing-9-preload", "lin-combined", "uneven flanks"])
 def test_flank_rows_square_to_the_hessian(case):
     elastic = assembled(SCENES[case]())
-    run(elastic)
+    iterate(elastic)
     v = motions(elastic, elastic.state.phi, elastic.state.a)
     _, _, state = balls(elastic, v)
     S, counts = np.zeros((len(v), 6, 8)), np.zeros(len(v), dtype=np.int64)
@@ -278,7 +278,7 @@ def test_flank_rows_square_to_the_hessian(case):
 
 def test_pair_rows_square_to_the_hessian():
     elastic = assembled(catalogue.scene("lin-case1"), use=(True, False, False, True))
-    run(elastic)
+    iterate(elastic)
     v = motions(elastic, elastic.state.phi, elastic.state.a)
     S, counts = np.zeros((len(v), 2, 2)), np.zeros(len(v), dtype=np.int64)
     elastic_balls.ball_rows(elastic.contacts, balls(elastic, v)[2].contact, S, counts)

@@ -9,7 +9,7 @@ from compare.scenes import catalogue
 from lowfi import jit
 from lowfi.statics.problem import build
 from lowfi.statics.records import BeamSlopes
-from lowfi.statics.static import prepare, run
+from lowfi.statics.static import iterate, prepare
 from meshes.errors import specimen
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, Errors
@@ -164,7 +164,7 @@ def test_a_cold_solve_takes_two_factors(monkeypatch):
     scene = catalogue.scene("lin-case1")
     layout = ball_layout(scene)
     prepared = prepare(build(scene, specimen(scene, layout), layout, PAIRS["SL and NR"][1]), kernels, tolerance=1e-10)
-    outcome = run(prepared)
+    outcome = iterate(prepared)
     assert (outcome.status, len(factors), outcome.evaluations) == (0, 2, 4)
     assert prepared.history[0] < 1e-3
     assert prepared.history[1] < 0.1 * prepared.history[0]

@@ -10,7 +10,7 @@ from lowfi.statics import pressed as module
 from lowfi.statics.pressed import pressed
 from lowfi.statics.problem import build, distances, hertz_C
 from lowfi.statics.records import FlankCommon, MemberArrays, MemberStates, PairCommon
-from lowfi.statics.static import prepare, run
+from lowfi.statics.static import iterate, prepare
 from meshes.errors import specimen, specimens
 from meshes.helix import ball_layout
 from meshes.parts import BallErrors, Errors, FourierTerm, SideErrors
@@ -32,7 +32,7 @@ def ready(sigma=1e-6, use=PAIR, oversize=1e-6, engine="compiled", sides=None):
     prepared = prepare(
         build(scene, specimen(scene, layout), layout, use), jit.kernels(jit.STATICS, compiled=engine == "compiled")
     )
-    run(prepared)
+    iterate(prepared)
     prepared.options = prepared.options._replace(tolerance=1e-11)
     errors = Errors(balls=BallErrors(oversize=oversize, sigma=sigma), seed=3, **(sides or {}))
     return prepared, replace(scene, errors=errors), layout
@@ -43,7 +43,7 @@ def one_by_one(prepared, scene, layout, count):
     found = []
     for m in range(count):
         single = prepare(build(scene, specimen(scene, layout, m), layout, prepared.problem.use), prepared.engine)
-        assert run(single).status == 0
+        assert iterate(single).status == 0
         found.append(single)
     return found
 
@@ -110,7 +110,7 @@ def test_residual_bounds_that_of_the_nodes():
         moved[:, 0] += lengths * q[:-1, 4]
         moved[:, 1] -= lengths * q[:-1, 3]
         single.state.d[:] = q[1:] - moved
-        run(replace_tolerance(single), start=False)
+        iterate(replace_tolerance(single), start=False)
         assert single.history[0] <= found.residual[m] * 1.0001
         assert single.history[0] >= 0.05 * found.residual[m]
 

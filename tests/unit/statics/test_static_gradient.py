@@ -9,7 +9,7 @@ from compare.scenes import catalogue
 from lowfi.as_source.static import element_stiffness
 from lowfi.statics.kernel import newton
 from lowfi.statics.records import BeamSlopes
-from lowfi.statics.shape import shape_matrix, shear_ratio
+from lowfi.statics.shape import shape_polynomials
 from meshes.partition import contact_stations
 from meshes.parts import SIDES, BallErrors
 from tests.helpers import FLANK_ERRORS, dense, prepared, small_screw, with_ingredients
@@ -62,8 +62,8 @@ class Model:
         else:
             j -= int(self.nodes[j] > station)
             length = self.nodes[j + 1] - self.nodes[j]
-            n = shape_matrix((station - self.nodes[j]) / length, length, shear_ratio(length, problem.section))
-            interpolated[:, 6 * j : 6 * j + 12] = n
+            xi = np.array([(station - self.nodes[j]) / length])
+            interpolated[:, 6 * j : 6 * j + 12] = shape_polynomials(xi, np.array([length]), problem.section)[0]
         x, y, z = point - [0.0, 0.0, station]
         return interpolated[:3] + np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]]) @ interpolated[3:]
 

@@ -124,8 +124,8 @@ def test_a_screw_that_is_not_held_has_no_loads(monkeypatch, status, model):
     from lowfi.statics import elastic, static
 
     module = static if model == "lin" else elastic
-    real = module.run
-    monkeypatch.setattr(module, "run", lambda *a, **k: real(*a, **k)._replace(status=status))
+    real = module.iterate
+    monkeypatch.setattr(module, "iterate", lambda *a, **k: real(*a, **k)._replace(status=status))
     result = (solve_static if model == "lin" else solve_elastic)(small_screw(force=(0.0, 0.0, 100.0)))
     assert not result.converged
     # this screw is held: the linear program finds the forces, so that running away proves nothing

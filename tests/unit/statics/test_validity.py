@@ -10,7 +10,7 @@ import pytest
 from lowfi.hertz import hertz_constants
 from lowfi.statics.problem import nominal_curvatures, nominal_hertz
 from lowfi.statics.static import solve_static
-from lowfi.statics.validity import YIELD_PRESSURE
+from lowfi.statics.validity import DENT_PRESSURE, LARGE, SIZE, size_warnings
 from meshes.parts import BallErrors, Balls, Errors, SideErrors, Support
 from tests.helpers import small_screw
 
@@ -27,14 +27,20 @@ def test_a_lightly_loaded_screw_has_no_warning():
     assert words(pressed(500.0)) == ""
 
 
-def test_pressure_beyond_yield_is_told_from_there_on():
+def test_pressure_that_leaves_a_dent_is_told_from_there_on():
     """p = 1.5 F^(1/3)/(pi C_a C_b): the force at which the source's screw reaches 4.2 GPa."""
     result = solve_static(pressed(4000.0), engine="interpreted")
     constants = nominal_hertz(pressed(4000.0))
     most = float(constants.pressure(result.load).max())
-    factor = (YIELD_PRESSURE / most) ** 3
+    factor = (DENT_PRESSURE / most) ** 3
     assert "GPa" not in words(pressed(4000.0 * factor * 0.9))
     assert "contact(s) above 4.2 GPa" in words(pressed(4000.0 * factor * 1.1))
+
+
+def test_ellipses_too_large_for_a_half_space_are_told_from_there_on():
+    radius = 3e-3
+    assert size_warnings(np.full((2, 4), 0.999 * LARGE * radius), radius) == []
+    assert size_warnings(np.full((2, 4), 1.001 * LARGE * radius), radius)[0].startswith(SIZE)
 
 
 def test_the_long_axis_of_the_ellipse_lies_across_the_groove():

@@ -16,7 +16,7 @@ from compare.reference.jobs import Engine
 from compare.scenes import scene_file
 from compare.sweep import run as sweeping
 from compare.sweep import store
-from compare.sweep.sample import solve
+from compare.sweep.sample import solve_sample
 from meshes.parts import SIDES
 
 VARY = ("supports[0].displace.ux=2 um:5 um", "errors.balls.oversize=4 um:7 um")
@@ -36,7 +36,7 @@ before = 0
 for _ in range(kills):  # each at a random number of stored samples and a random moment after
     child = os.fork()
     if child == 0:
-        sweeping.run(what, folder, Engine(workers=workers), print)
+        sweeping.run_samples(what, folder, Engine(workers=workers), print)
         os._exit(0)
     until = before + random.uniform(0.0, 0.8 * {samples} / (kills + 2))
     while len(list(store.read(folder))) < min(until, {samples}):
@@ -49,7 +49,7 @@ for _ in range(kills):  # each at a random number of stored samples and a random
     before = now
 assert before < {samples}, "no kill came in time"
 print(before)
-sweeping.run(what, folder, Engine(workers=workers), print)
+sweeping.run_samples(what, folder, Engine(workers=workers), print)
 """
 
 
@@ -59,7 +59,7 @@ def what(samples=40, **other):
 
 def run(folder, samples=40, engine=None, **other):
     said = []
-    return sweeping.run(what(samples, **other), folder, engine or Engine(), said.append), said
+    return sweeping.run_samples(what(samples, **other), folder, engine or Engine(), said.append), said
 
 
 def killed(folder, kills, workers, samples):
@@ -105,7 +105,7 @@ def test_a_cluster_of_two_workers_gives_the_same_numbers(tmp_path):
 
 def test_what_is_stored_is_not_solved_again(tmp_path, monkeypatch):
     first, _ = run(tmp_path / "a")
-    monkeypatch.setattr("compare.sweep.sample.solve", None)
+    monkeypatch.setattr("compare.sweep.sample.solve_sample", None)
     again, said = run(tmp_path / "a")
     assert again == first
     assert "40 stored" in said[0]
@@ -147,7 +147,7 @@ def test_workers_that_do_not_see_the_folder_send_their_records_back(tmp_path, mo
 
 def test_failures_are_rows_with_their_reason(tmp_path):
     sweep = sweep_of("lin-case1", ["balls.radius=2.7 mm:3.4 mm"], 6, "grid", 0, "lin")
-    found = sweeping.run(sweep, tmp_path / "a", Engine(), print)
+    found = sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
     status = [found[n]["status"] for n in range(6)]
     assert status[0] == "converged"
     assert status[-1].startswith("refused: lin-case1.toml: ")
@@ -166,19 +166,19 @@ def test_a_key_that_the_scene_does_not_have_is_refused_before_anything_is_solved
     for vary in ("track.led=1 mm:2 mm", "track.lead=1 kN:2 kN", "loads[3].force[2]=1 N:2 N"):
         sweep = sweep_of("lin-case1", [vary], 6, "lhs", 0, "lin")
         with pytest.raises(InputError):
-            sweeping.run(sweep, tmp_path / "a", Engine(), print)
+            sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
     assert not (tmp_path / "a").exists()
 
 
 def test_an_unknown_model_is_refused(tmp_path):
     sweep = sweep_of("lin-case1", ["track.lead=10 mm:20 mm"], 6, "lhs", 0, "no such")
     with pytest.raises(InputError, match="--model"):
-        sweeping.run(sweep, tmp_path / "a", Engine(), print)
+        sweeping.run_samples(sweep, tmp_path / "a", Engine(), print)
 
 
 def test_a_sample_is_the_solution_of_its_scene():
     sweep = sweep_of("lin-case3", ["loads[0].force[2]=1 kN:5 kN", "errors.balls.oversize=0 um:9 um"], 6, "lhs", 0, "lin")
-    found = solve(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
+    found = solve_sample(sweep.text, sweep.origin, sweep.keys, ["3.0 kN", "5.0 um"], "lin", "interpreted")
     text = sweep.text.replace("5 kN", "3 kN").replace("7 um", "5 um")
     result = run_model(scene_file.loads(text, "x.toml"), "lin", Options(discretisation=False))
     assert found["largest_load_N"] == pytest.approx(result.load.max(), rel=1e-12)

@@ -6,7 +6,7 @@ from compare.scenes import catalogue
 from compare.scenes.scene_file import scene_hash
 from compare.sections import tolerances
 from compare.sweep.keys import read_vary
-from compare.sweep.sample import solve
+from compare.sweep.sample import solve_sample
 from compare.sweep.stored import TOLERANCES, command, stored
 from compare.sweep.summary import MAIN
 
@@ -21,7 +21,7 @@ def test_scene_is_that_of_the_study():
 
 def test_worst_screw_is_what_the_model_gives_now():
     worst = FOUND["worst"][0]
-    again = solve(catalogue.scene_text(NAME), FOUND["scene"], KEYS, worst["values"], FOUND["model"], "interpreted")
+    again = solve_sample(catalogue.scene_text(NAME), FOUND["scene"], KEYS, worst["values"], FOUND["model"], "interpreted")
     assert again["status"] == "converged"
     assert again[MAIN] == pytest.approx(worst[MAIN], rel=1e-8)
     assert again["at"] == worst["at"]

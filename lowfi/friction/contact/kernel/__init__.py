@@ -3,7 +3,7 @@
 from .dissipation import dissipation, dissipation_many
 from .minimum import descend, evaluate, speeds_at
 from .motion import least_dissipation, least_dissipation_many
-from .rings import hertz_contact, press, settle
+from .rings import hertz_contact, minimise_energy, press
 
 __all__ = [
     "descend",
@@ -13,7 +13,7 @@ __all__ = [
     "hertz_contact",
     "least_dissipation",
     "least_dissipation_many",
+    "minimise_energy",
     "press",
-    "settle",
     "speeds_at",
 ]

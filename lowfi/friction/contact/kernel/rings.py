@@ -13,7 +13,7 @@ from lowfi.jit import kernel
 #: Contacts 0 and 1 of a ball are on the inner body, 2 and 3 on the outer one.
 ON_INNER = 2
 #: Longest step as a fraction of the distance of the grooves' centres from the ball.
-FAR = 0.3
+LONGEST_STEP = 0.3
 
 
 @kernel
@@ -76,7 +76,7 @@ def newton_step(cell: CellArrays, state: CellState, floor: float, dp: Array, du:
     for k in range(n):
         least = floor
         if np.max(state.force[k]) == 0.0:  # a ball that floats would ask for a step that makes those of others tiny
-            least = max(floor, sqrt(ball[k, 0] * ball[k, 0] + ball[k, 1] * ball[k, 1]) / (FAR * cell.reach))
+            least = max(floor, sqrt(ball[k, 0] * ball[k, 0] + ball[k, 1] * ball[k, 1]) / (LONGEST_STEP * cell.reach))
         xx, xz, zz, s_xx, s_xz, s_zz = least, 0.0, least, 0.0, 0.0, 0.0
         for i in range(4):
             xx, xz, zz = xx + stiff[k, i, 0], xz + stiff[k, i, 1], zz + stiff[k, i, 2]
@@ -125,7 +125,7 @@ def largest(balls: Array, inner: Array) -> float:
 
 
 @kernel
-def settle(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, goal: float, limit: int) -> int:
+def minimise_energy(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, goal: float, limit: int) -> int:
     """Minimum of the energy from (p, u), which are overwritten as ``state`` is; returns the steps.
 
     load: sum of the sizes of the given forces [N]. Ends where nothing is out of balance by more than ``goal`` of the
@@ -141,7 +141,7 @@ def settle(cell: CellArrays, load: float, p: Array, u: Array, state: CellState, 
         steps += 1
         floor = 1e-12 * np.max(state.stiffness) + 1e-12 * max(load, 1e-9) / reach
         newton_step(cell, state, floor, dp, du)
-        length = min(1.0, FAR * reach / max(largest(dp, du), 1e-300))
+        length = min(1.0, LONGEST_STEP * reach / max(largest(dp, du), 1e-300))
         slope = np.sum(state.ball * dp) + np.sum(state.inner * du)
         work = np.sum(cell.push * dp) + np.sum(cell.pull * du)
         moved = False

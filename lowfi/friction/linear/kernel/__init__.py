@@ -1,6 +1,6 @@
 """Kernels of chains of balls in a subset of Python that numba compiles; see ``lowfi.jit``."""
 
 from .law import regularised
-from .motion import solve
+from .motion import chain_motion
 
-__all__ = ["regularised", "solve"]
+__all__ = ["chain_motion", "regularised"]

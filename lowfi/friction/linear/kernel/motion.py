@@ -10,7 +10,7 @@ from lowfi.jit import kernel
 from .band import solve_banded
 from .coupled import copied, reopen, restore
 from .energy import rebuild
-from .newton import descend, leap, settle
+from .newton import descend, leap, semismooth_newton
 from .path import FIRST, convex_sign, trace
 
 #: Stiffness towards nominal rolling per creeping speed, until the last: motions without resistance stay in place.
@@ -76,7 +76,7 @@ def _descend_eps(chain: ChainArrays, point: ChainPoint, work: Work, eps_end: flo
     total, eps = 0, FIRST
     while True:
         reopen(point, eps)
-        used, left = settle(chain, point, Smoothing(eps, 1.0, 0.0, SPRING * eps), work, COARSE, limit, 0.0)
+        used, left = semismooth_newton(chain, point, Smoothing(eps, 1.0, 0.0, SPRING * eps), work, COARSE, limit, 0.0)
         total += used
         if not left <= COARSE:
             return total, False
@@ -87,7 +87,7 @@ def _descend_eps(chain: ChainArrays, point: ChainPoint, work: Work, eps_end: flo
 
 
 @kernel
-def solve(
+def chain_motion(
     chain: ChainArrays, state: ChainState, z: Array, work: Work, eps: float, tolerance: float, limit: int
 ) -> tuple[int, float]:
     """Motion of all balls at creeping speed ``eps`` and forces max(z, 0); Newton steps and largest residual.
@@ -119,7 +119,7 @@ def solve(
         total += used
         reopen(point, eps)
     exact = Smoothing(eps, 1.0, 0.0, 0.0)
-    used, residual = settle(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
+    used, residual = semismooth_newton(chain, point, exact, work, tolerance, int(np.int64(100)), FIRMEST)
     total += used
     if residual > tolerance:
         used, residual = leap(chain, point, exact, work, tolerance, LEAPS)

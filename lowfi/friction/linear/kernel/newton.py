@@ -96,7 +96,7 @@ def descend(
 
 
 @kernel
-def settle(
+def semismooth_newton(
     chain: ChainArrays, point: ChainPoint, law: Smoothing, work: Work, tolerance: float, limit: int, firmest: float
 ) -> tuple[int, float]:
     """Semismooth Newton's method on the coupled equations, steps halved until the residual falls.

@@ -14,7 +14,7 @@ from lowfi.jit import kernel
 
 from .band import solve_banded
 from .coupled import assemble, copied, restore, shift
-from .newton import largest, settle
+from .newton import largest, semismooth_newton
 
 #: Creeping speed at the beginning of the path.
 FIRST = 0.1
@@ -119,7 +119,7 @@ def trace(chain: ChainArrays, point: ChainPoint, eps: float, work: Work, limit: 
     """
     n: int = work.g.shape[0]
     change, tau, ahead = np.zeros(n), np.zeros(n + 1), np.zeros(n + 1)
-    total, left = settle(chain, point, stage(0.0, eps), work, 0.1 * ON_PATH, int(np.int64(100)), 1.0)
+    total, left = semismooth_newton(chain, point, stage(0.0, eps), work, 0.1 * ON_PATH, int(np.int64(100)), 1.0)
     if not left <= ON_PATH:
         return total, False
     _tangent(chain, point, 0.0, eps, work, change, tau)

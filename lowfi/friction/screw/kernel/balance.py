@@ -8,7 +8,7 @@ from lowfi.friction.contact.records import Array
 from lowfi.friction.screw.records import BalanceParts, BallArrays, GrooveArrays
 from lowfi.jit import kernel
 
-from .band import solve
+from .band import solve_with_pivots
 from .contacts import evaluate, rubbing
 
 #: Half bandwidth with a ball's motion and the force on the next in one block of five.
@@ -141,7 +141,7 @@ def step(
         for j in range(4):
             side[row + j, 0] = -parts.balance[k, j]
         side[row + 4, 0] = -parts.complementarity[k]
-    solve(K, side, HALF)
+    solve_with_pivots(K, side, HALF)
     for k in range(n):
         row = 5 * ((k - start) % n)
         for j in range(4):

@@ -5,7 +5,7 @@ from lowfi.jit import kernel
 
 
 @kernel
-def solve(K: Array, x: Array, half: int) -> None:
+def solve_with_pivots(K: Array, x: Array, half: int) -> None:
     """Overwrites right-hand sides x (n, c) by the solutions, K by its factors; not finite where K is singular.
 
     Entry (i, j) of the matrix is K[i, half + j - i]; K (n, 3 half + 1) has room for what row exchange fills in.

@@ -12,14 +12,14 @@ from lowfi.friction.screw.records import JointMatrix, JointSystem, Place
 from lowfi.jit import kernel
 
 from .balance import REACH, couple, opening, room
-from .band import solve
+from .band import solve_with_pivots
 from .contacts import rubbing
 from .place import OWN_COLUMNS, OWN_ROWS, own
 
 #: Unknowns of a ball, half bandwidth.
 SIZE, HALF = 7, 12
 #: Longest step of positions as a fraction of the groove's reach.
-FAR = 0.1
+LONGEST_STEP = 0.1
 
 
 @kernel
@@ -152,7 +152,7 @@ def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
     both = np.empty((SIZE * n, m + 1))
     both[:, :m] = columns
     both[:, m] = -side
-    solve(K, both, HALF)
+    solve_with_pivots(K, both, HALF)
     if m > 0:
         small, right = np.zeros((m, 3 * m + 1)), np.empty((m, 1))
         for q in range(m):
@@ -160,7 +160,7 @@ def step(matrix: JointMatrix, start: int, length: float, d: Place) -> None:
             for o in range(m):
                 small[q, m + o - q] = corner[q, o] - np.sum(lines[q] * both[:, o])
             small[q, m] += 1e-12 * top
-        solve(small, right, m)
+        solve_with_pivots(small, right, m)
         for q in range(m):
             d.screw[q] = right[q, 0] * length
             both[:, m] -= both[:, q] * right[q, 0]
@@ -196,7 +196,7 @@ def newton_joint(system: JointSystem, at: Place, part: float, eps: float, goal: 
             return size, count
         step(matrix, start, length, d)
         moved = max(np.max(np.abs(d.ball)), np.max(np.abs(d.screw)) if m > 0 else 0.0)
-        part_of = min(1.0, REACH / max(np.max(np.abs(d.motion)), 1e-300), FAR * reach / max(moved, 1e-300))
+        part_of = min(1.0, REACH / max(np.max(np.abs(d.motion)), 1e-300), LONGEST_STEP * reach / max(moved, 1e-300))
         better = False
         for _ in range(30):
             trial = Place(p + part_of * d.ball, u + part_of * d.screw, x + part_of * d.motion, f + part_of * d.ball_force)
