@@ -6,6 +6,7 @@ revolution does beyond the same beam theory, plus each contact's own flank, less
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
@@ -48,6 +49,8 @@ from meshes.solid import dimensions
 LEAST = 0.5
 #: Distance of the groove's apex from a contact, in standard deviations of its patch, where a third of that lies beyond it.
 BEYOND_APEX = 0.43
+#: Left and right flank of a groove.
+BOTH = (0, 1)
 #: Fixings of the nut by the name of the scene's key.
 HELD = {"left face": "low", "right face": "high", "both faces": "both", "outer surface": "outer"}
 
@@ -117,7 +120,7 @@ MESH_ONLY = ("A hole of", "The screw is three-dimensional")
 
 @dataclass(frozen=True)
 class BodyCompliance:
-    """Compliance of a body beyond the screw's beam: G ``(2 c, 2 c)`` [m/N] of both flanks' contacts (all left ones, then
+    """Compliance of a body beyond the screw's beam: G ``(2 c, 2 c)`` [m/N] of its flanks' contacts (all left ones, then
     all right ones; two axes each), e [m/N] of each contact beside Hertz, and slope [m/N], what e gains by the logarithm of
     the contact's size."""
 
@@ -143,11 +146,11 @@ def axes_of(layout: BallLayout) -> Array:
     return np.stack([layout.radial, layout.binormal], axis=1)
 
 
-def contact_frames(scene: Scene, layout: BallLayout, screw: bool) -> tuple[Array, Array]:
-    """Nominal contact points ``(2 N, 3)`` [m] and section axes ``(2 N, 2, 3)`` of a body's two flanks."""
+def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequence[int] = BOTH) -> tuple[Array, Array]:
+    """Nominal contact points ``(c, 3)`` [m] and section axes ``(c, 2, 3)`` of a body's flanks, of N balls each."""
     at = nominal_contact_points(scene)[:2] if screw else nominal_contact_points(scene)[2:]
-    x = [layout.centre + p[0] * layout.radial + p[1] * layout.binormal for p in at]
-    return np.concatenate(x), np.concatenate([axes_of(layout)] * 2)
+    x = [layout.centre + at[s][0] * layout.radial + at[s][1] * layout.binormal for s in flanks]
+    return np.concatenate(x), np.concatenate([axes_of(layout)] * len(flanks))
 
 
 def geometry_only(scene: Scene) -> Scene:
@@ -245,10 +248,10 @@ def is_ring(geometry: Scene, screw: bool) -> bool:
     return geometry.track.lead == 0.0 and held_at(geometry, screw) not in ("rigid", "section")
 
 
-def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:
-    """Compliance ``(4 N, 4 N)`` [m/N] of the smooth body beyond the same body as a beam."""
+def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
+    """Compliance ``(2 c, 2 c)`` [m/N] of the smooth body beyond the same body as a beam."""
     geometry = geometry_only(scene)
-    x, axes = contact_frames(scene, layout, screw)
+    x, axes = contact_frames(scene, layout, screw, flanks)
     if float(np.abs(x[:, 2] - scene.nut.position).max()) > 0.5 * scene.nut.length:
         raise ValueError("a contact lies beyond the nut's faces: lengthen the nut or reduce the turns")
     found = smooth_compliance(geometry, screw, backend)
@@ -264,10 +267,10 @@ def kernel_part(scene: Scene, layout: BallLayout, screw: bool, backend: Backend)
     return G
 
 
-def nut_beam(scene: Scene, layout: BallLayout) -> Array:
-    """Compliance ``(4 N, 4 N)`` [m/N] of the nut as a Timoshenko tube clamped at its faces; zero if held outside."""
+def nut_beam(scene: Scene, layout: BallLayout, flanks: Sequence[int] = BOTH) -> Array:
+    """Compliance ``(2 c, 2 c)`` [m/N] of the nut as a Timoshenko tube clamped at its faces; zero if held outside."""
     geometry = geometry_only(scene)
-    x, axes = contact_frames(scene, layout, False)
+    x, axes = contact_frames(scene, layout, False, flanks)
     held = held_at(geometry, False)
     if held not in ("low", "high", "both"):
         return np.zeros((2 * len(x),) * 2)
@@ -277,15 +280,20 @@ def nut_beam(scene: Scene, layout: BallLayout) -> Array:
 
 
 def body_compliance(
-    scene: Scene, layout: BallLayout, screw: bool, backend: Backend, semi_axes: tuple[float, float]
+    scene: Scene,
+    layout: BallLayout,
+    screw: bool,
+    backend: Backend,
+    semi_axes: tuple[float, float],
+    flanks: Sequence[int] = BOTH,
 ) -> BodyCompliance:
     """Compliance of screw (beyond its beam) or nut between the contacts of a scene, and what is assumed for it.
 
-    semi_axes: of a typical contact [m], across the groove and along it. Raises ValueError for dimensions that leave no
-    groove, no wall or no land, and for contacts at the groove's apex.
+    semi_axes: of a typical contact [m], across the groove and along it; flanks: 0 left, 1 right. Raises ValueError for
+    dimensions that leave no groove, no wall or no land, and for contacts at the groove's apex.
     """
     kind = backend.screw if screw else backend.nut
-    zero = np.zeros((4 * layout.z.size,) * 2)
+    zero = np.zeros((2 * len(flanks) * layout.z.size,) * 2)
     if kind == "rigid" or (screw and kind == "beam"):
         return BodyCompliance(zero, 0.0, 0.0, ())
     geometry = geometry_only(scene)
@@ -293,7 +301,7 @@ def body_compliance(
     if held == "rigid":
         return BodyCompliance(zero, 0.0, 0.0, ())
     if kind == "beam":
-        return BodyCompliance(nut_beam(scene, layout), 0.0, 0.0, ())
+        return BodyCompliance(nut_beam(scene, layout, flanks), 0.0, 0.0, ())
     refuse_flat(geometry, screw, backend)
     e = own_flank(geometry, screw, backend)
     slope = 0.0
@@ -301,7 +309,7 @@ def body_compliance(
         e += at_size(flank_of(geometry, screw), semi_axes)
         slope = size_slope(flank_of(geometry, screw))
     assumed = tuple(x for x in dimensions(geometry).assumed if not x.startswith(MESH_ONLY))
-    return BodyCompliance(whole_body(scene, layout, screw, backend), e, slope, assumed)
+    return BodyCompliance(whole_body(scene, layout, screw, backend, flanks), e, slope, assumed)
 
 
 def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
@@ -318,17 +326,25 @@ def refuse_flat(scene: Scene, screw: bool, backend: Backend) -> None:
         )
 
 
-def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:
-    """Compliance ``(4 N, 4 N)`` [m/N] of the nut, or of the screw beyond its beam, without each contact's own flank.
+def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
+    """Compliance ``(2 c, 2 c)`` [m/N] of the nut, or of the screw beyond its beam, without each contact's own flank.
 
     Kept for all load cases of the same parts and balls: not to be written to.
     """
     if held_at(geometry_only(scene), screw) == "rigid":
-        return np.zeros((4 * layout.z.size,) * 2)
+        return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
     geometry = replace(geometry_only(scene), balls=scene.balls)
     if np.array_equal(layout.azimuth, ball_layout(scene).azimuth):
-        return _whole_body(geometry, screw, backend)
-    return _body_at(geometry, layout, screw, backend)
+        return of_flanks(_whole_body(geometry, screw, backend), flanks)
+    return _body_at(geometry, layout, screw, backend, flanks)
+
+
+def of_flanks(G: Array, flanks: Sequence[int]) -> Array:
+    """Rows and columns of some flanks ``(2 c, 2 c)`` of a matrix of both ``(4 N, 4 N)``."""
+    if len(flanks) == len(BOTH):
+        return G
+    half = len(G) // 2
+    return np.concatenate([np.concatenate([G[i * half :][:half, j * half :][:, :half] for j in flanks], 1) for i in flanks])
 
 
 @lru_cache(maxsize=8)
@@ -336,14 +352,14 @@ def _whole_body(scene: Scene, screw: bool, backend: Backend) -> Array:
     return _body_at(scene, ball_layout(scene), screw, backend)
 
 
-def _body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend) -> Array:
+def _body_at(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, flanks: Sequence[int] = BOTH) -> Array:
     held = held_at(scene, screw)
     if is_ring(geometry_only(scene), screw):
-        G = ring_contacts(whole_ring(geometry_only(scene), screw), layout.azimuth)
+        G = of_flanks(ring_contacts(whole_ring(geometry_only(scene), screw), layout.azimuth), flanks)
     else:
-        G = kernel_part(scene, layout, screw, backend)
+        G = kernel_part(scene, layout, screw, backend, flanks)
         if not screw and held != "outer":
-            G = G + nut_beam(scene, layout)
+            G = G + nut_beam(scene, layout, flanks)
     G = 0.5 * (G + G.T)
     G.flags.writeable = False
     return G

@@ -64,7 +64,7 @@ def _response(scene: Scene, layout: BallLayout, backend: Backend) -> EndResponse
     end = np.eye(6)
     end[0, 4], end[1, 3] = high - low, low - high
     by_springs = np.concatenate([motion_rows(taken, axes, low), end])
-    beam = cantilever(rows, stations, low, plain)[:, -6:]
+    beam = cantilever(rows, stations, low, plain, slice(-6, None))
     beam += (by_springs / np.array([shift, shift, axial, tilt, tilt, twist])) @ end.T
     whole = np.concatenate([contacts_by_end(found, x, axes), end_by_end(found)]) - beam
     return EndResponse(whole[:-6], 0.5 * (whole[-6:] + whole[-6:].T), high)

@@ -195,7 +195,11 @@ def motion_rows(x: Array, axes: Array, origin: float | None = None) -> Array:
     """Motion of contacts ``(c, 3)`` along their axes ``(c, 2, 3)`` by that of their section ``(2 c, 6)``, the section
     taken at the own station or at ``origin`` [m]."""
     arm = x * np.array([1.0, 1.0, 0.0]) if origin is None else x - np.array([0.0, 0.0, origin])
-    return np.concatenate([axes, np.cross(arm[:, None, :], axes)], axis=2).reshape(-1, 6)
+    out = np.empty((*axes.shape[:2], 6))
+    out[..., :3] = axes
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # the cross product of arm and axis
+        out[..., 3 + i] = arm[:, j, None] * axes[..., k] - arm[:, k, None] * axes[..., j]
+    return out.reshape(-1, 6)
 
 
 def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
@@ -205,21 +209,20 @@ def spring_compliance(tube: Tube, x: Array, axes: Array) -> Array:
     return np.asarray((rows / np.array([shift, shift, axial, tilt, tilt, twist])) @ rows.T)
 
 
-def cantilever(rows: Array, stations: Array, base: float, section: BeamSection) -> Array:
-    """Compliance ``(k, k)`` of motions on a Timoshenko cantilever held at ``base`` [m]; rows ``(k, 6)`` of the section's
-    motion at ``stations`` ``(k,)`` [m]."""
+def cantilever(rows: Array, stations: Array, base: float, section: BeamSection, loaded: slice = slice(None)) -> Array:
+    """Compliance ``(k, m)`` of motions on a Timoshenko cantilever held at ``base`` [m]; rows ``(k, 6)`` of the section's
+    motion at ``stations`` ``(k,)`` [m], loads on those ``loaded``, m."""
     a = stations - base
-    same = a[:, None] * a[None, :] > 0.0
-    m = np.where(same, np.minimum(np.abs(a)[:, None], np.abs(a)[None, :]), 0.0)
-    m1, m2 = 0.5 * m * m * np.sign(a)[:, None], m * m * m / 3.0
-    left, right = a[:, None], a[None, :]
+    left, right = a[:, None], a[loaded]
+    m = np.where(left * right > 0.0, np.minimum(np.abs(left), np.abs(right)), 0.0)
+    m1, m2 = 0.5 * m * m * np.sign(left), m * m * m / 3.0
     uu = (left * right * m - (left + right) * m1 + m2) / section.EI + m / section.kGA
     ur = (left * m - m1) / section.EI  # deflection by a moment
     ru = (right * m - m1) / section.EI
     shift, turn = rows[:, :2], rows[:, [4, 3]] * np.array([1.0, -1.0])
     yielding = rows[:, 2:] / np.array([section.EA, section.EI, section.EI, section.GJ])
-    G = uu * (shift @ shift.T) + ur * (shift @ turn.T) + ru * (turn @ shift.T)
-    return np.asarray(G + m * (yielding @ rows[:, 2:].T))
+    G = uu * (shift @ shift[loaded].T) + ur * (shift @ turn[loaded].T) + ru * (turn @ shift[loaded].T)
+    return np.asarray(G + m * (yielding @ rows[loaded, 2:].T))
 
 
 def clamped(rows: Array, stations: Array, ends: tuple[float, float], held: str, section: BeamSection) -> Array:

@@ -10,24 +10,12 @@ import numpy as np
 
 from lowfi.compliance.bodies import REFINED, Backend
 from lowfi.compliance.imported import Condensed
-from lowfi.statics import elastic as elastic_solver
+from lowfi.statics import elastic, static
 from lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
-from lowfi.statics.mechanism import free_motions
-from lowfi.statics.problem import Problem, build
-from lowfi.statics.records import Outcome
-from lowfi.statics.static import (
-    ACCEPTED,
-    Engine,
-    contact_angles,
-    follow_profile,
-    pick_engine,
-    pin,
-    prepare,
-    round_off_bound,
-    solve_with_hertz,
-    verdict,
-)
-from meshes.arrays import Array
+from lowfi.statics.problem import Problem, distances
+from lowfi.statics.selection import choose_sides
+from lowfi.statics.static import ACCEPTED, Engine, Unheld, contact_angles, pick_engine, round_off_bound, verdict
+from meshes.arrays import Array, Mask
 from meshes.errors import Specimen
 from meshes.helix import BallLayout
 from meshes.parts import Scene
@@ -49,16 +37,13 @@ class ContactLoads:
 
 
 def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine = "auto") -> ContactLoads:
-    """Contact loads of balls with errors ``drawn`` at places ``layout``: ``solve_static`` with all four flanks."""
-    kernels, use = pick_engine(engine, layout.z.size), np.ones(4, dtype=bool)
-    problem = build(scene, drawn, layout, use)
-    mechanism = free_motions(problem)
-    if mechanism.driven:
-        return _none(problem.C, f"not held: {mechanism.text}")
-    prepared = prepare(pin(problem, mechanism), kernels)
-    outcome = solve_with_hertz(prepared)
-    if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
-        outcome = follow_profile(prepared, outcome, layout, everything=False, refine=1)
+    """Contact loads of balls with errors ``drawn`` at places ``layout``: ``solve_static``."""
+    known = distances(scene, drawn)
+    use = choose_sides(scene, drawn, known)
+    solved = static.solve_sides(scene, drawn, layout, pick_engine(engine, layout.z.size), use, known=known)
+    if isinstance(solved, Unheld):
+        return _none(solved.problem.C, solved.status)
+    prepared, outcome = solved.prepared, solved.outcome
     status = verdict(outcome, round_off_bound(prepared, outcome.scale), prepared.problem)
     return _loads(prepared.force, prepared.normal, prepared.problem.C, status)
 
@@ -66,31 +51,33 @@ def beam_loads(scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine
 def elastic_loads(
     scene: Scene, drawn: Specimen, layout: BallLayout, engine: Engine = "auto", backend: Backend = REFINED
 ) -> ContactLoads:
-    """The same with elastic bodies, ``solve_elastic`` with all four flanks."""
+    """The same with elastic bodies, ``solve_elastic``."""
+    use = np.ones(4, dtype=bool) if drawn.profile.shape[1] else choose_sides(scene, drawn)
     with one_thread():
-        system, status = solved_system(scene, drawn, layout, backend, None, engine)
+        system, status = solved_system(scene, drawn, layout, backend, None, engine, use)
         if isinstance(system, Problem):
             return _none(system.C, status)
-        _, contact, _ = elastic_solver.contacts_of(system)
+        _, contact, _ = elastic.contacts_of(system)
     return _loads(contact[..., 0], contact[..., 1:3], system.problem.C, status)
 
 
 def solved_system(
-    scene: Scene, drawn: Specimen, layout: BallLayout, backend: Backend, condensed: Condensed | None, engine: Engine
+    scene: Scene,
+    drawn: Specimen,
+    layout: BallLayout,
+    backend: Backend,
+    condensed: Condensed | None,
+    engine: Engine,
+    use: Mask,
 ) -> tuple[Elastic | Problem, str]:
-    """Elastic bodies with all four flanks at their solution, and its status; the problem alone where nothing holds the
-    screw."""
-    kernels, use = pick_engine(engine, layout.z.size), np.ones(4, dtype=bool)
-    rebuild = Rebuild(scene, drawn, layout, use, None, backend, condensed, kernels, False, 1)
-    problem = rebuild.problem()
-    mechanism = free_motions(problem)
-    if mechanism.driven:
-        return problem, f"not held: {mechanism.text}"
-    rebuild, system = rebuild.pinned(pin(problem, mechanism))
-    outcome: Outcome = elastic_solver.solve_with_hertz(system)
-    if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
-        system, outcome = elastic_solver.follow_profile(system, outcome, rebuild)
-    return system, verdict(outcome, max(elastic_solver.round_off(system, outcome.scale), ACCEPTED), system.problem)
+    """Elastic bodies at their solution, with the sides ``use`` (4,) or all four, and its status; the problem alone where
+    nothing holds the screw."""
+    kernels = pick_engine(engine, layout.z.size)
+    solved = elastic.solve_sides(Rebuild(scene, drawn, layout, use, None, backend, condensed, kernels, False, 1))
+    if isinstance(solved, Unheld):
+        return solved.problem, solved.status
+    system, outcome = solved.elastic, solved.outcome
+    return system, verdict(outcome, max(elastic.round_off(system, outcome.scale), ACCEPTED), system.problem)
 
 
 #: How the models of a static run find loads again and again, by name.

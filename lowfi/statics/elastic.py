@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,11 +16,11 @@ from lowfi import jit
 from lowfi.compliance.bodies import REFINED, Backend, idealised
 from lowfi.compliance.imported import Condensed
 from lowfi.statics.elastic_system import Elastic, Rebuild, one_thread
-from lowfi.statics.mechanism import free_motions
+from lowfi.statics.mechanism import Mechanism, free_motions
 from lowfi.statics.problem import actual_hertz
 from lowfi.statics.records import Outcome
 from lowfi.statics.result import SolverReport, StaticResult
-from lowfi.statics.selection import choose_sides, describe_left_out
+from lowfi.statics.selection import all_clear, choose_sides, describe_left_out
 from lowfi.statics.shaft import flank_loads, node_motions
 from lowfi.statics.solved import SolvedState
 from lowfi.statics.static import (
@@ -28,6 +28,7 @@ from lowfi.statics.static import (
     NO_LOADS,
     PIN_SHOWN,
     Engine,
+    Unheld,
     contact_angles,
     lost,
     pick_engine,
@@ -121,24 +122,16 @@ def round_off(elastic: Elastic, scale: float) -> float:
 
 
 def untouched(elastic: Elastic) -> bool:
-    """True if every ball is loaded and no omitted flank is within MARGIN of its ball.
+    """True if no ball comes within MARGIN of an omitted flank, as `lowfi.statics.selection.all_clear` has it.
 
     A flank that was left out moves with its neighbour on the same ridge, up to their own elastic difference.
     """
     problem = elastic.problem
-    pair = elastic.pair
-    if pair is None:
-        return True
     p, contact, shift = contacts_of(elastic)
-    if bool((contact[:, pair[0], 0] == 0.0).any()):
-        return False
     for s in np.flatnonzero(~problem.use):
-        twin = int(s) ^ 1
-        w = problem.geometry[:, s, :2] + p - shift[:, twin]
-        gap = problem.geometry[:, s, 2] - problem.geometry[:, s, 3] - np.hypot(w[:, 0], w[:, 1])
-        if bool((gap < MARGIN).any()):
-            return False
-    return True
+        shift[:, s] = shift[:, int(s) ^ 1]
+    force = contact[None, ..., 0]
+    return bool(all_clear(p[None], shift[None], problem.geometry[None], force, problem.use, MARGIN)[0])
 
 
 def solve_with_hertz(elastic: Elastic) -> Outcome:
@@ -190,6 +183,38 @@ def follow_profile(elastic: Elastic, outcome: Outcome, rebuild: Rebuild) -> tupl
     return elastic, outcome._replace(iterations=iterations, evaluations=evaluations)
 
 
+class Solution(NamedTuple):
+    """A scene at the outcome of its solver, with what builds it anew, its unheld motions, notes on its sides, and when it
+    was prepared (`time.perf_counter`)."""
+
+    elastic: Elastic
+    outcome: Outcome
+    rebuild: Rebuild
+    mechanism: Mechanism
+    notes: tuple[str, ...]
+    prepared_at: float
+
+
+def solve_sides(rebuild: Rebuild) -> Solution | Unheld:
+    """Solve with the sides that ``rebuild`` builds, and again with all four where a ball may touch the others."""
+    notes: tuple[str, ...] = ()
+    scene, drawn = rebuild.scene, rebuild.drawn
+    while True:
+        problem = rebuild.problem()
+        mechanism = free_motions(problem)
+        if mechanism.driven:
+            return Unheld(problem, mechanism)
+        held, elastic = rebuild.pinned(pin(problem, mechanism))
+        prepared_at = perf_counter()
+        outcome = solve_with_hertz(elastic)
+        if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
+            elastic, outcome = follow_profile(elastic, outcome, held)
+        if np.all(rebuild.use) or (outcome.status == 0 and untouched(elastic)):
+            return Solution(elastic, outcome, held, mechanism, notes, prepared_at)
+        notes = ("two of the four sides may touch in the solution without them: solved again with all four",)
+        rebuild = replace(rebuild, use=np.ones(4, dtype=bool))
+
+
 def solve_elastic(
     scene: Scene,
     *,
@@ -231,22 +256,11 @@ def _solve(
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     every = everything or drawn.profile.shape[1] > 0
     use = np.ones(4, dtype=bool) if every else choose_sides(scene, drawn)
-    notes: tuple[str, ...] = ()
-    while True:
-        rebuild = Rebuild(scene, drawn, layout, use, None, backend, condensed, kernels, everything, refine)
-        problem = rebuild.problem()
-        mechanism = free_motions(problem)
-        if mechanism.driven:
-            return failed_result(problem, name, f"not held: {mechanism.text}", perf_counter() - start)
-        rebuild, elastic = rebuild.pinned(pin(problem, mechanism))
-        prepared_at = perf_counter()
-        outcome = solve_with_hertz(elastic)
-        if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
-            elastic, outcome = follow_profile(elastic, outcome, rebuild)
-        if np.all(use) or (outcome.status == 0 and untouched(elastic)):
-            break
-        notes = ("two of the four sides may touch in the solution without them: solved again with all four",)
-        use = np.ones(4, dtype=bool)
+    solved = solve_sides(Rebuild(scene, drawn, layout, use, None, backend, condensed, kernels, everything, refine))
+    if isinstance(solved, Unheld):
+        return failed_result(solved.problem, name, solved.status, perf_counter() - start)
+    elastic, outcome, mechanism, rebuild = solved.elastic, solved.outcome, solved.mechanism, solved.rebuild
+    problem = elastic.problem
     bound = round_off(elastic, outcome.scale)
     if outcome.status in NO_LOADS:
         return failed_result(problem, name, verdict(outcome, bound, problem), perf_counter() - start)
@@ -260,8 +274,8 @@ def _solve(
         engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
         formulation="convex energy, elastic bodies condensed to the contacts",
         round_off_bound=bound,
-        setup_seconds=prepared_at - start,
-        notes=notes,
+        setup_seconds=solved.prepared_at - start,
+        notes=solved.notes,
     )
     left = (*describe_left_out(problem, mechanism, everything=everything), *_cut(elastic))
     source = idealised(backend, scene) if condensed is None else (condensed.describe(),)

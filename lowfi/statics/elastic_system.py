@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cache
@@ -117,10 +116,9 @@ def contact_compliance(problem: Problem, force: float) -> float:
     return float(2.0 / 3.0 * np.mean(problem.C) / np.cbrt(force))
 
 
-def by_ball(N: int, sides: Sequence[int]) -> NDArray[np.int64]:
+def by_ball(N: int, sides: int) -> NDArray[np.int64]:
     """Places of (ball, side, axis) in arrays that go side after side, ``(N * sides * 2,)``."""
-    i, s, a = np.meshgrid(np.arange(N), np.asarray(sides), np.arange(2), indexing="ij")
-    return np.asarray(((s % 2) * N + i) * 2 + a, dtype=np.int64).ravel()
+    return np.arange(sides * N * 2).reshape(sides, N, 2).swapaxes(0, 1).ravel()
 
 
 def positive(G: Array) -> tuple[Array, float]:
@@ -157,9 +155,9 @@ def flanks_of(
     squeeze: Squeeze | None = None
     for screw in (True, False):
         sides = [s for s in ((0, 1) if screw else (2, 3)) if problem.use[s]]
-        body = body_compliance(scene, layout, screw, backend, typical_axes(problem, force))
+        body = body_compliance(scene, layout, screw, backend, typical_axes(problem, force), [s % 2 for s in sides])
         assumed += [x for x in body.assumed if x not in assumed]
-        order = by_ball(N, sides)
+        order = by_ball(N, len(sides))
         slope = body.slope + ball.slope  # by the logarithm of F^(1/3), which its tangent at the typical force stands for
         e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[sides] + slope / size
         if condensed is not None:
@@ -173,7 +171,6 @@ def flanks_of(
             squeeze = squeezed(shaft, sides, [stretch] if stretch is not None else [])
             if squeeze is not None:
                 beam, moved = beam + squeeze.added, moved + squeeze.moved
-            order = by_ball(N, range(len(sides)))
             own = own + beam[np.ix_(order, order)]
             v0[:, [s % 2 for s in sides]] = moved[order].reshape(N, len(sides), 2)
             R[:, [s % 2 for s in sides]] = rigid[order].reshape(N, len(sides), 2, -1)

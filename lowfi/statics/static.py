@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from time import perf_counter
 from types import ModuleType
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from lowfi.statics.result import SolverReport, StaticResult
 from lowfi.statics.selection import choose_sides, describe_left_out, flank_motions, shifts_of_beam, touched_sides
 from lowfi.statics.solved import SolvedState
 from lowfi.statics.summary import assemble_result, failed_result, model_assumptions
-from meshes.arrays import Array
+from meshes.arrays import Array, Mask
 from meshes.errors import Specimen, specimen
 from meshes.helix import BallLayout, ball_layout
 from meshes.parts import FREEDOMS, Scene
@@ -173,6 +173,61 @@ def round_off_bound(prepared: Prepared, scale: float) -> float:
     return 4.0 * float(np.finfo(float).eps) * lengths * most / scale
 
 
+class Solution(NamedTuple):
+    """A problem at the outcome of its solver, its unheld motions, the sides it was built with ``(4,)``, notes on these, and
+    when it was prepared (`time.perf_counter`)."""
+
+    prepared: Prepared
+    outcome: Outcome
+    mechanism: Mechanism
+    use: Mask
+    notes: tuple[str, ...]
+    prepared_at: float
+
+
+class Unheld(NamedTuple):
+    """A problem whose load drives motions that nothing holds."""
+
+    problem: Problem
+    mechanism: Mechanism
+
+    @property
+    def status(self) -> str:
+        """Status sentence."""
+        return f"not held: {self.mechanism.text}"
+
+
+def solve_sides(
+    scene: Scene,
+    drawn: Specimen,
+    layout: BallLayout,
+    kernels: ModuleType,
+    use: Mask,
+    *,
+    everything: bool = False,
+    refine: int = 1,
+    known: tuple[Array, Array] | None = None,
+) -> Solution | Unheld:
+    """Solve with the sides ``use`` (4,), and again with all four where a ball touches the others; known: the specimen's
+    ``distances``, where they have been computed."""
+    notes: tuple[str, ...] = ()
+    while True:
+        problem = build(scene, drawn, layout, use, everything=everything, refine=refine, known=known)
+        mechanism = free_motions(problem)
+        if mechanism.driven:
+            return Unheld(problem, mechanism)
+        prepared = prepare(pin(problem, mechanism), kernels)
+        prepared_at = perf_counter()
+        outcome = solve_with_hertz(prepared)
+        if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
+            outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
+        touched = touched_sides(kernels, prepared.problem, prepared.state.q, prepared.state.p, prepared.force)
+        if (outcome.status == 0 and not np.any(touched & ~use)) or np.all(use):
+            return Solution(prepared, outcome, mechanism, use, notes, prepared_at)
+        notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)
+        use = np.ones(4, dtype=bool)
+
+
 def solve_static(
     scene: Scene,
     *,
@@ -196,23 +251,11 @@ def solve_static(
     kernels = pick_engine(engine, layout.z.size, drawn.profile.shape[1] > 0)
     known = distances(scene, drawn)
     use = np.ones(4, dtype=bool) if everything else choose_sides(scene, drawn, known)
-    notes: tuple[str, ...] = ()
-    while True:
-        problem = build(scene, drawn, layout, use, everything=everything, refine=refine, known=known)
-        mechanism = free_motions(problem)
-        if mechanism.driven:
-            return failed_result(problem, "lin", f"not held: {mechanism.text}", perf_counter() - start)
-        prepared = prepare(pin(problem, mechanism), kernels)
-        ready = perf_counter()
-        outcome = solve_with_hertz(prepared)
-        if drawn.profile.shape[1] and scene.ingredients.arm != "nominal":
-            outcome = follow_profile(prepared, outcome, layout, everything=everything, refine=refine)
-        problem = prepared.problem
-        touched = touched_sides(kernels, problem, prepared.state.q, prepared.state.p, prepared.force)
-        if (outcome.status == 0 and not np.any(touched & ~use)) or np.all(use):
-            break
-        notes = (f"sides {', '.join(_names(~use))} touch in the solution without them: solved again with all four",)
-        use = np.ones(4, dtype=bool)
+    solved = solve_sides(scene, drawn, layout, kernels, use, everything=everything, refine=refine, known=known)
+    if isinstance(solved, Unheld):
+        return failed_result(solved.problem, "lin", solved.status, perf_counter() - start)
+    prepared, outcome, mechanism, use = solved.prepared, solved.outcome, solved.mechanism, solved.use
+    problem = prepared.problem
     status = verdict(outcome, round_off_bound(prepared, outcome.scale), problem)
     if outcome.status in NO_LOADS:
         return failed_result(problem, "lin", status, perf_counter() - start)
@@ -226,8 +269,8 @@ def solve_static(
         engine="compiled" if jit.is_compiled(kernels.__name__) else "interpreted",
         formulation="convex energy",
         round_off_bound=round_off_bound(prepared, outcome.scale),
-        setup_seconds=ready - start,
-        notes=notes,
+        setup_seconds=solved.prepared_at - start,
+        notes=solved.notes,
     )
     left_out = describe_left_out(problem, mechanism, everything=everything)
     result = assemble_result(solved_state(prepared), "lin", status, report, left_out, model_assumptions(scene))

@@ -73,7 +73,7 @@ def tangent_stiffness(
     layout = ball_layout(scene)
     drawn = specimen(scene, layout, member)
     with one_thread():
-        system, status = solved_system(scene, drawn, layout, backend, condensed, "auto")
+        system, status = solved_system(scene, drawn, layout, backend, condensed, "auto", np.ones(4, dtype=bool))
         if isinstance(system, Problem) or status != "converged":
             return Tangent(station, np.full((6, 6), np.nan), status)
         clamp = Support(station, tuple((name, 0.0) for name in FREEDOMS))

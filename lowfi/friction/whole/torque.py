@@ -138,4 +138,4 @@ def about_axis(at: StaticContacts, wrench: Array) -> tuple[Array, Array]:
     force = np.einsum("nsi,nij->nsj", wrench[..., :3], turn)
     moment = np.einsum("nsi,nij->nsj", wrench[..., 3:], turn)
     arm = np.einsum("nsi,nij->nsj", at.ball_radius[:, None, None] * at.normals, turn) + at.layout.centre[:, None]
-    return force[..., 2], moment[..., 2] + np.cross(arm, force)[..., 2]
+    return force[..., 2], moment[..., 2] + arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0]

@@ -160,7 +160,7 @@ def own_bodies(
         assumed += [x for x in body.assumed if x not in assumed]
         slope = body.slope + ball.slope
         e[:, sides], h[:, sides] = body.e + ball.e - slope, oblique[list(sides)] + slope / size
-        order = by_ball(N, sides)
+        order = by_ball(N, 2)
         found.append(body.G[np.ix_(order, order)])
     return (found[0], found[1]), e, h, ball.g * np.array([1.0, ball.sign, ball.sign, 1.0]), tuple(assumed)
 
@@ -203,7 +203,7 @@ def ready(system: System, backend: Backend, engine: ModuleType) -> ElasticAxis:
         raise ValueError(f"{N} balls and rollers: elastic bodies are limited to {LARGEST}; use the model lin")
     whole, s = combined(system, rollers, backend), system.structure
     shaft, housings = shaft_of(whole), housings_of(s, system.arm)
-    order = by_ball(N, (0, 1))
+    order = by_ball(N, 2)
     beam, moved, rigid = flank_response(shaft, [0, 1])
     stretches = [
         stretch_of(whole, b.problem.scene, b.problem.layout, backend, [0, 1], b.balls)

@@ -8,6 +8,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from compare.evidence.source_cases import lin_3_4_4
+from lowfi.compliance.bodies import REFINED
 from lowfi.friction.screw.chain import Chain, solve_chain
 from lowfi.friction.screw.load import settle_load
 from lowfi.friction.screw.run import run_cell
@@ -16,8 +17,10 @@ from lowfi.friction.whole.chain import chain_motion, grooves_of
 from lowfi.friction.whole.contacts import StaticContacts
 from lowfi.friction.whole.run import simulate
 from lowfi.friction.whole.state import friction_state
+from lowfi.statics import again
 from lowfi.statics.again import beam_loads, elastic_loads
 from lowfi.statics.elastic import solve_elastic
+from lowfi.statics.selection import choose_sides
 from lowfi.statics.static import solve_static
 from meshes.errors import draw, specimen
 from meshes.helix import ball_layout, layout_at, reduced_lead
@@ -255,10 +258,30 @@ def test_balls_of_unlike_sizes_touch_where_their_radii_meet():
 def test_loads_again_are_those_of_a_single_solution():
     scene = small_screw(6, 0.8, force=(20.0, 0.0, 400.0), oversize=2e-6)
     layout = ball_layout(scene)
-    for again, once in ((beam_loads, solve_static), (elastic_loads, solve_elastic)):
-        found, expected = again(scene, specimen(scene, layout), layout), once(scene)
+    for loads, once in ((beam_loads, solve_static), (elastic_loads, solve_elastic)):
+        found, expected = loads(scene, specimen(scene, layout), layout), once(scene)
         assert found.load == pytest.approx(expected.load, rel=1e-9, abs=1e-6)
         assert np.allclose(found.contact_angle, expected.contact_angle, rtol=1e-9, equal_nan=True)
+
+
+@pytest.mark.parametrize(("oversize", "pair"), [(0.0, True), (15e-6, False)])
+def test_loads_again_leave_out_what_cannot_touch(oversize, pair):
+    """An axial load opens one diagonal of balls without preload, one of which is too small for any load."""
+    scene = small_screw(6, 0.8, force=(0.0, 0.0, 400.0), oversize=oversize)
+    layout = layout_at(scene.track, ball_layout(scene).azimuth + 0.1, ball_layout(scene).z)
+    drawn = specimen(scene, layout)
+    drawn.ball_radius[2] -= 30e-6
+    use = choose_sides(scene, drawn)
+    few = again.solved_system(scene, drawn, layout, REFINED, None, "auto", use)[0]
+    assert (few.pair is not None) is pair
+    for loads in (elastic_loads, beam_loads):
+        found = loads(scene, drawn, layout)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(again, "choose_sides", lambda *_: np.ones(4, dtype=bool))
+            every = loads(scene, drawn, layout)
+        assert found.load[2].max() == 0.0 < found.load[3].max()
+        assert found.load == pytest.approx(every.load, rel=1e-9, abs=1e-7)
+        assert np.allclose(found.hertz_C, every.hertz_C, rtol=1e-12)
 
 
 def test_places_of_balls_can_be_given_to_elastic_bodies():
