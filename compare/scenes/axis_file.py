@@ -11,7 +11,7 @@ import numpy as np
 from compare.scenes.axis_schema import AxisKeys, HousingKeys, SetKeys, StiffKeys
 from compare.scenes.body_checks import geometry_faults
 from compare.scenes.fault import TOLERANCE, Fault, mm
-from compare.scenes.key_checks import choice_faults
+from compare.scenes.key_checks import choice_faults, friction_choice_faults
 from compare.scenes.records import friction_of, material_of, scene_of, support_of, vector
 from compare.scenes.refusal import refuse
 from compare.scenes.schema import IngredientKeys, SceneKeys, ScrewKeys
@@ -86,7 +86,8 @@ def kind_of_set(one: SetKeys) -> str:
 
 
 def _choice_faults(keys: AxisKeys) -> Iterator[Fault]:
-    """Sets and housings that lack a table, are named twice, or name what is not there."""
+    """Sets and housings that lack a table, are named twice, or name what is not there; friction without a coefficient."""
+    yield from friction_choice_faults(keys.friction)
     for i, one in enumerate(keys.sets):
         yield from _set_faults(keys, i, one)
     names = [h.name for h in keys.housings]

@@ -9,7 +9,7 @@ from compare.scenes.catalogue_faults import catalogue_faults
 from compare.scenes.circuits import ball_total
 from compare.scenes.fault import TOLERANCE, Fault, mm
 from compare.scenes.keys import MAX_BALLS, GrooveKeys
-from compare.scenes.schema import BallKeys, SceneKeys
+from compare.scenes.schema import BallKeys, FrictionKeys, SceneKeys
 from meshes.partition import MERGE
 
 
@@ -25,6 +25,7 @@ def choice_faults(keys: SceneKeys) -> Iterator[Fault]:
     if keys.motion is not None and keys.motion.speed == 0.0:
         advice = "friction at rest may have any value up to its limit: give the speed at which the part turns"
         yield Fault(("motion.speed",), "any angular speed but zero", advice)
+    yield from friction_choice_faults(keys.friction)
     yield from _circuit_choice_faults(keys)
     yield from catalogue_faults(keys)
 
@@ -45,6 +46,13 @@ def _circuit_choice_faults(keys: SceneKeys) -> Iterator[Fault]:
         value = "neither" if time.angle is None else "both"
         advice = 'write angle = "360 deg", or duration = "1 s"'
         yield Fault(("time.angle", "time"), "either angle or duration", advice, value)
+
+
+def friction_choice_faults(friction: FrictionKeys | None) -> Iterator[Fault]:
+    """Both grooves need a coefficient, their own or the shared one."""
+    if friction is not None and friction.coefficient is None and None in (friction.screw, friction.nut):
+        advice = "write e.g. coefficient = 0.1, or a coefficient for each groove, screw and nut"
+        yield Fault(("friction.coefficient",), "0 to 2", advice, "nothing")
 
 
 def _kind_faults(keys: SceneKeys) -> Iterator[Fault]:

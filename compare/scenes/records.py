@@ -90,6 +90,8 @@ def scene_of(keys: SceneKeys, name: str) -> Scene:
 def friction_of(keys: FrictionKeys) -> Friction:
     """Coefficients of a scene."""
     screw, nut = (keys.coefficient if own is None else own for own in (keys.screw, keys.nut))
+    if screw is None or nut is None:  # choice_faults has refused this
+        raise AssertionError("a groove without a coefficient")
     return Friction(screw, nut, tuple(map(escaped, keys.assumed)), keys.coupling, keys.balls)
 
 

@@ -15,7 +15,6 @@ from compare.scenes.keys import (
     Bore,
     Clearance,
     Coefficient,
-    CoulombKeys,
     Count,
     Deviation,
     Duration,
@@ -247,9 +246,12 @@ class SolidKeys(Table):
     )
 
 
-class FrictionKeys(CoulombKeys):
+class FrictionKeys(Table):
     """Coulomb friction of the balls on the grooves, for: rollbench friction. Static loads do not depend on it."""
 
+    coefficient: Coefficient | None = key(
+        "coefficient of friction of ball on groove; zero is allowed; needed unless screw and nut are given", None, 0.1
+    )
     screw: Coefficient | None = key("coefficient on the screw's groove, where it is another", None)
     nut: Coefficient | None = key("coefficient on the nut's groove, where it is another", None)
     balls: Coefficient | None = key("coefficient from ball to ball, where it is not the larger one of the grooves", None)

@@ -303,6 +303,19 @@ def test_bad_tables_are_refused_in_one_line(case):
     assert "\n" not in str(caught.value)
 
 
+def test_coefficients_of_both_grooves_stand_for_the_shared_one():
+    own = mine(("coefficient = 0.06", "screw = 0.06"))
+    assert own.friction == mine().friction
+    with pytest.raises(SceneError, match=r"friction.coefficient: got nothing; allowed: 0 to 2; .*screw and nut"):
+        mine(("coefficient = 0.06\n", ""))
+    double = catalogue.scene_text("double-nut")
+    assert "coefficient = 0.05\n" in double
+    with pytest.raises(SceneError, match=r"friction.coefficient: got nothing"):
+        scene_file.read(double.replace("coefficient = 0.05\n", "nut = 0.05\n"), "double.toml")
+    both = scene_file.read(double.replace("coefficient = 0.05\n", "screw = 0.04\nnut = 0.05\n"), "double.toml")
+    assert (both.friction.screw, both.friction.nut) == (0.04, 0.05)
+
+
 def test_files_and_names_go_to_the_solver_that_knows_them(tmp_path):
     own, kind, none = tmp_path / "own.toml", tmp_path / "kind.toml", tmp_path / "none.toml"
     own.write_text(MINE)
