@@ -157,9 +157,10 @@ def _energy_line(values: dict[str, Any]) -> str:
     """The powers in words."""
     part = values["efficiency_percent"]
     by = "the torque" if values["torque_power_W"] > values["axial_load_power_W"] else "the axial load"
+    taken = values["input_power_W"] if values["loss_W"] else 0.0  # else round-off
     worth = "no power leaves the shaft" if part is None else f"{by} drives with an efficiency of {part:.2f} %"
     return (
-        f"energy: contacts take {values['input_power_W']:.6g} W, lose {values['loss_W']:.6g} W, difference "
+        f"energy: contacts take {taken:.6g} W, lose {values['loss_W']:.6g} W, difference "
         f"{values['balance_W']:.1e} W; {worth}"
     )
 

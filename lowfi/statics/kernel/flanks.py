@@ -220,16 +220,16 @@ def flank_members(common: FlankCommon, options: BeamOptions, members: FlankMembe
                 rows, six = work[ROWS * n * i : ROWS * n * (i + 1)], slice(6 * n * i, 6 * n * (i + 1))
                 ten = slice(CHANGES * n * i, CHANGES * n * (i + 1))
                 meet_flanks(common, i, rows, changes[ten], steps[six], forces[six], worst)
-            for k in range(live):
-                m, residual = first + k, worst[n + k] / worst[k]
-                if before[k] < 0.0:  # has ended
+            for lane in range(live):
+                m, residual = first + lane, worst[n + lane] / worst[lane]
+                if before[lane] < 0.0:  # has ended
                     continue
                 found.residual[m] = residual
                 if residual <= options.tolerance:
                     found.status[m] = CONVERGED
-                    keep(work, k, m, found)
-                going = residual > options.tolerance and residual <= LEFT * before[k]
-                before[k] = residual if going else -1.0
+                    keep(work, lane, m, found)
+                going = residual > options.tolerance and residual <= LEFT * before[lane]
+                before[lane] = residual if going else -1.0
                 left -= 0 if going else 1
             if left == 0:
                 break
