@@ -10,10 +10,10 @@ from compare.evidence.rolling_proof import AS_RUNS, BY_GRID, RESOLVED, Proof
 from compare.gate import gate
 from compare.models.study import Study
 from compare.reference.store import shipped_store
-from compare.rolling import rows as rolling_rows
-from compare.rolling.body_sizes import NAMES, SCENES, Variant, variants
 from compare.rolling import changes as rolling_changes
 from compare.rolling import from_rest as rolling_from_rest
+from compare.rolling import rows as rolling_rows
+from compare.rolling.body_sizes import NAMES, SCENES, Variant, variants
 from compare.rolling.changes import Change, changes
 from compare.rolling.from_rest import Series, from_rest
 from compare.rolling.kept_sizes import FILE, Sizes
