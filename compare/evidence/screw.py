@@ -20,8 +20,8 @@ from compare.scenes.kinds.screw_balls import ScrewPairScene
 from lowfi.friction.bearing.pairs import TorqueCurve, torque_curve
 from lowfi.friction.screw.errors import Onset, contact_onset
 from lowfi.friction.screw.pair import PairResult, implied_load, solve_pair
-from lowfi.friction.screw.run import RunResult, resolved, simulate, summarise
-from lowfi.friction.screw.steps import StepError
+from lowfi.friction.screw.run import RunResult, simulate, summarise
+from lowfi.friction.screw.steps import StepError, solve_steps
 from meshes.arrays import Array
 
 #: Deviations theta [deg] of the cases of Table 3.7, and amplitudes [deg] of the runs, which 3.4.4 does not print.
@@ -56,13 +56,17 @@ def screw_run(amplitude: float) -> RunResult:
 @cache
 def stepped(amplitude: float) -> tuple[RunResult, StepError | None]:
     """The run with as many steps as keep their error below ``STEP_GOAL``, and that error."""
-    return resolved(source_cases.run_of(amplitude), STEP_GOAL)
+    return solve_steps(lambda steps: _in_steps(amplitude, steps), None, lin_3_4_4().steps, STEP_GOAL)
+
+
+def as_stepped(amplitude: float) -> RunResult:
+    """The run over the source's 200 steps."""
+    return _in_steps(amplitude, lin_3_4_4().steps)
 
 
 @cache
-def as_stepped(amplitude: float) -> RunResult:
-    """The run over the source's 200 steps."""
-    return simulate(source_cases.run_of(amplitude))
+def _in_steps(amplitude: float, steps: int) -> RunResult:
+    return simulate(replace(source_cases.run_of(amplitude), steps=steps))
 
 
 @cache

@@ -95,16 +95,13 @@ class Patch:
 
 def _matrix(patch: Patch, shift: float) -> Array:
     """See `Patch.tangential`; equal offsets are computed once."""
-    apart = patch.cells[:, None] - patch.cells[None]
-    low = apart.min(axis=(0, 1))
-    count = apart.max(axis=(0, 1)) - low + 1
-    i, j = (np.arange(count[k]) + low[k] for k in range(2))
-    dx, dy = patch.size
-    x, y = np.meshgrid(i * dx + shift, j * dy, indexing="ij")
+    span = np.ptp(patch.cells, axis=0)
+    (dx, dy), width = patch.size, 2 * span[1] + 1
+    x, y = np.meshgrid(np.arange(-span[0], span[0] + 1) * dx + shift, np.arange(-span[1], span[1] + 1) * dy, indexing="ij")
     table = influence(x, y, dx, dy, patch.solids)[..., :2, :2] / (dx * dy)
-    found = table[apart[..., 0] - low[0], apart[..., 1] - low[1]]
-    n = len(patch.cells)
-    return np.asarray(found.transpose(2, 0, 3, 1).reshape(2 * n, 2 * n))
+    line = patch.cells @ (width, 1)
+    apart = line[:, None] - line + (width * span[0] + span[1])
+    return np.block([[table[..., a, b].ravel()[apart] for b in range(2)] for a in range(2)])
 
 
 def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:

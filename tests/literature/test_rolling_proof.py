@@ -1,16 +1,22 @@
 """Rolling contacts with known answers: all as close as the report says that they are to be."""
 
+from functools import partial
+
 import pytest
 
+from compare.evidence import rolling_proof
 from compare.evidence.rolling_proof import FINER, Proof, proofs
+from hifi.rolling.bodies import Sizes
 from tests.evidence_study import GROUP
 
 pytestmark = pytest.mark.xdist_group(GROUP)
 
 
 @pytest.mark.slow
-def test_known_answers_are_reached():
-    found = proofs(meshing=False)
+def test_known_answers_are_reached(monkeypatch):
+    """On finite bodies of a quarter of the report's cells, which the answers do not tell from those."""
+    monkeypatch.setattr(rolling_proof, "Sizes", partial(Sizes, cells=(2, 2)))
+    found = proofs.__wrapped__(meshing=False)
     assert [(p.case, p.quantity, p.error) for p in found if not p.reached] == []
     strict = [p.reach for p in found if p.case.startswith(("Carter", "Cattaneo", "full slip")) and "alone" not in p.case]
     assert max(strict) == 0.5

@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from lowfi.friction.screw.path import ON_SCREW, SIGN_X, SIGN_Z, HelicalMotion, contact_axes
@@ -157,10 +158,11 @@ def contact_spacing(screw: HelicalMotion) -> float:
     return float(brentq(excess, 0.0, 0.5 * np.pi, xtol=1e-15, rtol=1e-14))
 
 
-def frame(screw: HelicalMotion, azimuth: float) -> Array:
-    """Rows x3, y3, z3 in fixed axes (3, 3) for a ball at the azimuth [rad] (Lin 3.62)."""
+def frame(screw: HelicalMotion, azimuth: ArrayLike) -> Array:
+    """Rows x3, y3, z3 in fixed axes (..., 3, 3) for balls at azimuths (...) [rad] (Lin 3.62)."""
     c, s, ca, sa = np.cos(azimuth), np.sin(azimuth), np.cos(screw.lead_angle), np.sin(screw.lead_angle)
-    return np.array([[c, s, 0.0], [-ca * s, ca * c, sa], [sa * s, -sa * c, ca]])
+    rows = np.array([[c, s, 0.0 * c], [-ca * s, ca * c, sa + 0.0 * c], [sa * s, -sa * c, ca + 0.0 * c]])
+    return np.moveaxis(rows, (0, 1), (-2, -1))
 
 
 def pair_geometry(screw: HelicalMotion) -> PairGeometry:

@@ -100,12 +100,10 @@ def screw_rows(groove: ScrewGroove, azimuth: Array, free: str) -> Array:
     "z": along the axis; "x", "y": across, in fixed axes; "r": radially at every ball (a ball with its own screw).
     Raises ValueError for other letters.
     """
-    azimuth = np.asarray(azimuth, dtype=float)
     if any(letter not in "xyzr" for letter in free):
         raise ValueError(f'free motions of the screw are letters of "xyzr", not "{free}"')
-    out = np.zeros((azimuth.size, 3, len(free)))
-    for k, phi in enumerate(azimuth):
-        turn = frame(groove, float(phi))
-        for j, letter in enumerate(free):
-            out[k, :, j] = (1.0, 0.0, 0.0) if letter == "r" else turn[:, "xyz".index(letter)]
+    turn = frame(groove, azimuth)
+    out = np.zeros((*turn.shape[:2], len(free)))
+    for j, letter in enumerate(free):
+        out[..., j] = (1.0, 0.0, 0.0) if letter == "r" else turn[..., "xyz".index(letter)]
     return out

@@ -16,7 +16,7 @@ from lowfi.friction.screw.groove import ScrewGroove
 from lowfi.friction.screw.load import Cell, screw_rows
 from lowfi.friction.screw.motion import Coupling
 from lowfi.friction.screw.pair import BOTH
-from lowfi.friction.screw.steps import StepError, solve_steps, step_error
+from lowfi.friction.screw.steps import StepError, step_error
 from meshes.arrays import Array
 
 
@@ -185,11 +185,6 @@ def simulate(run: Run) -> RunResult:
         )
         azimuth = azimuth + dt * omega
     return RunResult(run, **{key: np.array(rows) for key, rows in log.rows.items()})
-
-
-def resolved(run: Run, goal: float) -> tuple[RunResult, StepError | None]:
-    """The run with its steps doubled until their error is at most ``goal`` of the mean torque, and that error."""
-    return solve_steps(lambda steps: simulate(replace(run, steps=steps)), None, run.steps, goal)
 
 
 def checked(run: Run) -> tuple[RunResult, StepError | None]:

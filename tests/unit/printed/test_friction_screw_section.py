@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 
 import numpy as np
@@ -10,8 +11,9 @@ import pytest
 from compare.costs import friction_bench
 from compare.evidence import assumptions_3_4, screw
 from compare.evidence.registry import evidence
+from compare.evidence.source_cases import lin_3_4_4
 from compare.extremes import friction as friction_stability
-from compare.extremes import friction_chains
+from compare.extremes import friction_balls, friction_chains
 from compare.extremes.tally import BALLS, Record, Tally
 from compare.printed.printed_data import load_table
 from compare.sections import friction_screw
@@ -46,9 +48,12 @@ def found():
 
 @pytest.fixture(scope="module")
 def records() -> list[Record]:
-    """The report's table but for chains of 10 to 200 balls, which take most of its time (below: the longest once)."""
+    """The report's table but for chains of 10 to 200 balls (below: the longest once), from fewer random starts: these take
+    most of its time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(friction_chains, "BALLS", (2, 5))
+        patch.setattr(friction_chains, "CHAIN_STARTS", 1)
+        patch.setattr(friction_balls, "STARTS", 3)
         return friction_stability.rows()
 
 
@@ -224,6 +229,8 @@ def once(work, _):
 
 def test_bench_rows_are_positive(monkeypatch):
     monkeypatch.setattr(friction_bench, "timed", once)
+    monkeypatch.setattr(friction_bench, "SOURCE_STEPS", 4)
+    monkeypatch.setattr(friction_bench, "lin_3_4_4", partial(lin_3_4_4, steps=20, duration=0.4))
     rows = list(friction_bench.jobs(1))
     assert len({r.name for r in rows}) == len(rows) == 17
     for r in rows:

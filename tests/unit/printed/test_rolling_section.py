@@ -10,6 +10,8 @@ from compare.evidence.rolling_proof import AS_RUNS, BY_GRID, RESOLVED, Proof
 from compare.gate import gate
 from compare.models.study import Study
 from compare.reference.store import shipped_store
+from compare.rolling import changes as rolling_changes
+from compare.rolling import from_rest as rolling_from_rest
 from compare.rolling import rows as rolling_rows
 from compare.rolling.body_sizes import NAMES, SCENES, Variant, variants
 from compare.rolling.changes import Change, changes
@@ -17,7 +19,7 @@ from compare.rolling.from_rest import Series, from_rest
 from compare.rolling.kept_sizes import FILE, Sizes
 from compare.rolling.patches import PatchField
 from compare.rolling.rows import KNOWN
-from compare.rolling.runs import FINITE
+from compare.rolling.runs import FINITE, LEVELS
 from compare.sections import rolling
 from reports.figures import draw_map
 from reports.records import PressureMap, Text
@@ -34,6 +36,8 @@ LOW = {
     "lin-rotary-2": 20.2245,
     "lin-rotary-3": 35.5259,
 }
+#: A grid beyond those of a run.
+BEYOND = (26, 38)
 
 
 @pytest.fixture
@@ -123,9 +127,14 @@ def test_no_choice_behind_finite_bodies_moves_an_answer_by_more_than_its_uncerta
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("_low")
-def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty():
+def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty(monkeypatch):
+    """A grid less fine than the report's, but finer than all of a run; the two longest of its steps from rest."""
+    monkeypatch.setattr(rolling_changes, "BEYOND", BEYOND)
+    monkeypatch.setattr(rolling_from_rest, "STEPS", rolling_from_rest.STEPS[:2])
+    assert all(own > most for own, most in zip(BEYOND, LEVELS[max(LEVELS)], strict=True))
     kept = json.loads((shipped_store() / FILE).read_text(encoding="utf-8"))["variants"]
-    found = changes((shipped_store(),), from_rest(), [Variant(**row) for row in kept])
+    series = from_rest.__wrapped__()
+    found = changes((shipped_store(),), series, [Variant(**row) for row in kept])
     assert [(c.scene, c.choice) for c in found] == [
         *((SCENES[0], choice) for choice in ("grid", "finite bodies", "time step", "path of regularisation")),
         *((SCENES[1], choice) for choice in ("grid", "finite bodies", "path of regularisation")),
@@ -133,4 +142,4 @@ def test_no_grid_step_or_path_moves_an_answer_by_more_than_its_uncertainty():
     assert [c for c in found if not c.within] == []
     assert all(c.change < 1e-8 for c in found if c.choice.startswith("path"))
     assert all(c.change > 1e-6 for c in found if not c.choice.startswith("path"))
-    assert changes((), from_rest(), ()) == ()
+    assert changes((), series, ()) == ()

@@ -12,20 +12,31 @@ from reports.panels import draw_parts
 from reports.records import Panel, Series
 from tests.report_samples import figure
 
+pytestmark = pytest.mark.xdist_group("a figure")
+
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-class TestFigures:
-    def test_same_data_same_bytes(self):
-        assert figures.draw(figure()) == figures.draw(figure())
+@pytest.fixture(scope="module")
+def svg():
+    return figures.draw(figure())
 
-    def test_no_date_and_no_version_in_the_file(self):
-        svg = figures.draw(figure())
+
+@pytest.fixture(scope="module")
+def parts():
+    return draw_parts(figure())
+
+
+class TestFigures:
+    def test_same_data_same_bytes(self, svg):
+        assert figures.draw(figure()) == svg
+
+    def test_no_date_and_no_version_in_the_file(self, svg):
         assert "dc:date" not in svg
         assert "matplotlib.org" not in svg
 
-    def test_is_well_formed_and_shows_labels_and_escapes(self):
-        root = ElementTree.fromstring(figures.draw(figure()))
+    def test_is_well_formed_and_shows_labels_and_escapes(self, svg):
+        root = ElementTree.fromstring(svg)
         words = {"".join(element.itertext()) for element in root.iter(f"{SVG}text")}
         assert {"Case <1>", "normal force [N]", "computed", "printed", "source", "95 % band"} <= words
         assert "10⁻³" in words
@@ -38,18 +49,18 @@ class TestFigures:
         assert not any(re.search(r"\bum\b", word) for word in words)
 
     def test_identifiers_of_two_figures_do_not_meet_and_references_resolve(self):
-        svgs = [figures.draw(figure(name)) for name in ("one", "two")]
-        ids = [set(re.findall(r'\bid="([^"]+)"', svg)) for svg in svgs]
+        both = [figures.draw(figure(name)) for name in ("one", "two")]
+        ids = [set(re.findall(r'\bid="([^"]+)"', svg)) for svg in both]
         assert ids[0]
         assert not ids[0] & ids[1]
-        for svg, known in zip(svgs, ids, strict=True):
+        for svg, known in zip(both, ids, strict=True):
             used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', svg))
             assert used
             assert used <= known
 
-    def test_data_change_the_drawing(self):
+    def test_data_change_the_drawing(self, svg):
         other = Panel("Case <1>", "ball number", "normal force [N]", [Series("computed", [1, 2], [1.0, 5.0])])
-        assert figures.draw(figure(panels=[other])) != figures.draw(figure())
+        assert figures.draw(figure(panels=[other])) != svg
 
     def test_equal_labels_have_equal_numbers_in_all_panels(self):
         def panel(*labels):
@@ -94,11 +105,10 @@ class TestFigures:
 
 
 class TestPanels:
-    def test_values_lie_on_the_curves_and_the_panel_holds_them(self):
-        drawn = draw_parts(figure())
-        assert drawn.whole == figures.draw(figure())
-        assert len(drawn.panels) == 2
-        first = ElementTree.fromstring(drawn.panels[0])
+    def test_values_lie_on_the_curves_and_the_panel_holds_them(self, svg, parts):
+        assert parts.whole == svg
+        assert len(parts.panels) == 2
+        first = ElementTree.fromstring(parts.panels[0])
         left, top, width, height = map(float, first.get("viewBox").split())
         marks = [(float(c.get("cx")), float(c.get("cy")), c[0].text) for c in first.iter(f"{SVG}circle")]
         assert len(marks) == 4 + 3 + 4 + 4  # the one that is no number is not drawn
@@ -108,20 +118,19 @@ class TestPanels:
         x, y, _ = next(m for m in marks if m[2] == "computed\n1\n210")
         assert min(math.hypot(x - a, y - b) for a, b in uses) < 0.1
 
-    def test_a_legend_of_all_panels_is_an_element_of_its_own(self):
+    def test_a_legend_of_all_panels_is_an_element_of_its_own(self, parts):
         drawn = draw_parts(figure(panels=[figure().panels[0]] * 2))
         words = "".join(ElementTree.fromstring(drawn.legend).itertext())
         assert all(label in words for label in ("computed", "printed", "source", "95 % band"))
         assert "legend" not in "".join(drawn.panels)
-        assert draw_parts(figure()).legend == ""
+        assert parts.legend == ""
 
-    def test_colours_are_the_page_s_to_set_and_references_resolve(self):
-        drawn = draw_parts(figure())
-        text = "".join(drawn.panels)
+    def test_colours_are_the_page_s_to_set_and_references_resolve(self, parts):
+        text = "".join(parts.panels)
         assert {"var(--ink, #222222)", "var(--paper, #ffffff)", "var(--c0, #0072b2)"} <= set(
             re.findall(r"var\([^)]*\)", text)
         )
-        assert "var(" not in drawn.whole
+        assert "var(" not in parts.whole
         used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
         assert used <= set(re.findall(r'\bid="([^"]+)"', text))
 
