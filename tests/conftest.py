@@ -1,7 +1,9 @@
 """One thread for the linear algebra of every worker: the workers share the cores, and many small factors only wait for the
 threads of one another. What compiles kernels and what takes long is begun first."""
 
+import gc
 import os
+from collections.abc import Iterator
 
 import pytest
 
@@ -22,6 +24,17 @@ def keep_group(item: pytest.Item) -> None:
     named = getattr(item, "_nodeid", item.nodeid)
     if named != item.nodeid:
         item._id = type(item.id).parse(named)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """What collection makes lives as long as the process: garbage is not looked for among it, then or later."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.hookimpl(trylast=True)

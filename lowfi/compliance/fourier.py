@@ -122,7 +122,10 @@ def factor_c(n: int) -> float:
 
 
 def solved(bands: Array, n: int, loads: Array) -> Array:
-    """Motions ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the freedoms of `Body.bands`, which must hold the body."""
+    """Motions ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the freedoms of `Body.bands`.
+
+    Raises LinAlgError where these do not hold the body.
+    """
     K = np.tensordot(factor_c(n) * np.array([1.0, n, n * n]), bands, 1)
     return np.asarray(solveh_banded(K, loads, overwrite_ab=True, lower=True, check_finite=False))
 
@@ -171,7 +174,7 @@ class Body:
         return found
 
     def bands(self, free: NDArray[np.bool_]) -> Array:
-        """The parts of K on the freedoms that are ``free`` ``(3 nodes,)``, as lower bands ``(3, width, k)``: see `solved`."""
+        """The parts of K on the freedoms that are ``free`` ``(3 nodes,)``: lower bands ``(3, width, k)`` for `solved`."""
         row, column = self.parts[0].tocoo().coords  # the parts hold the same entries
         below = free[row] & free[column] & (row >= column)
         place = np.cumsum(free) - 1
