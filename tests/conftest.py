@@ -34,6 +34,7 @@ def pytest_collection() -> Iterator[None]:
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(5000)  # of 700: compiling and solving make many small objects that live on
         gc.enable()
 
 

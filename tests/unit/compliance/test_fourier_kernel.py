@@ -1,6 +1,7 @@
 """The Fourier kernel: plain tubes against closed forms, and the compliance between contacts against its own limits."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -253,6 +254,7 @@ def test_both_sets_of_a_harmonic_are_the_motions_in_space():
 BIG = 50e-3
 
 
+@cache
 def own(width, harmonics=2.6, size=1.0):
     """Own compliance of a radial Gaussian patch on the middle of a big shaft."""
     shaft = Tube(
