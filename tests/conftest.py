@@ -11,7 +11,7 @@ import pytest
 for _library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 
-# kept whatever the environment says: else each worker, and each program that a test starts, compiles all modules anew
+# bytecode is kept whatever the environment says: each worker and each program of a test would compile all modules anew
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
