@@ -1,12 +1,19 @@
 """One thread for the linear algebra of every worker: the workers share the cores, and many small factors only wait for the
 threads of one another. What compiles kernels and what takes long is begun first."""
 
+import gc
 import os
+import sys
+from collections.abc import Iterator
 
 import pytest
 
 for _library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
+
+# bytecode is kept whatever the environment says: each worker and each program of a test would compile all modules anew
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
 def begun(item: pytest.Item) -> tuple[float, bool]:
@@ -22,6 +29,18 @@ def keep_group(item: pytest.Item) -> None:
     named = getattr(item, "_nodeid", item.nodeid)
     if named != item.nodeid:
         item._id = type(item.id).parse(named)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """What collection makes lives as long as the process: garbage is not looked for among it, then or later."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.set_threshold(5000)  # of 700: compiling and solving make many small objects that live on
+        gc.enable()
 
 
 @pytest.hookimpl(trylast=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -136,8 +137,12 @@ class MotionKeys(SpeedKeys):
     )
 
 
+@cache
 def tidy_schema(keys: type[BaseModel]) -> dict[str, Any]:
-    """JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key."""
+    """JSON Schema (draft 2020-12) of one kind of scene, with description, unit, range and example of every key.
+
+    Kept: not to be written to.
+    """
     found: dict[str, Any] = without_null(keys.model_json_schema())
     return found
 

@@ -68,7 +68,7 @@ def _mend(raw: Any, where: Sequence[int | str], kind: str, node: Mapping[str, An
     last: Any = where[-1]
     examples = node.get("examples", [])
     if kind != "extra_forbidden" and examples and "properties" not in node and isinstance(raw, list | dict):
-        raw[last] = examples[0]
+        raw[last] = deepcopy(examples[0])
         return True
     if isinstance(raw, dict):
         raw.pop(last, None)

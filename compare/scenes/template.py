@@ -60,9 +60,8 @@ def template(kind: str = "ball screw") -> str:
 def _schema(kind: str) -> dict[str, Any]:
     if kind in WHOLE:
         schema = tidy_schema(SceneKeys)
-        if kind == "bearing":
-            del schema["properties"]["circulation"]  # the balls of a ring go round its one turn
-        return schema
+        left_out = {"circulation"} if kind == "bearing" else set()  # the balls of a ring go round its one turn
+        return schema | {"properties": {k: v for k, v in schema["properties"].items() if k not in left_out}}
     from compare.scenes.kinds.table import KINDS
 
     return tidy_schema(KINDS[kind].keys)

@@ -10,10 +10,8 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.linalg import spsolve
 
-from lowfi.compliance.fourier import Body, Grid, refine_lines
+from lowfi.compliance.fourier import Body, Grid, refine_lines, solved
 from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
 from meshes.parts import Material
@@ -124,7 +122,5 @@ def stiffness_of(body: Body, kind: str) -> float:
         else:
             fixed[0, -1, 0] = True  # the rigid shift across
     K, held, q = body.stiffness(n), fixed.ravel(), value.ravel()
-    free = np.flatnonzero(~held)
-    given = np.flatnonzero(held)
-    q[free] = spsolve(sp.csc_matrix(K[free][:, free]), -K[free][:, given] @ q[given])
+    q[~held] = solved(body.bands(~held), n, -(K @ q)[~held])
     return float(q @ (K @ q))

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cholesky, solve_triangular, solveh_banded
 
 from meshes.arrays import Array, Index
 
@@ -121,6 +121,15 @@ def factor_c(n: int) -> float:
     return 2.0 * np.pi if n == 0 else np.pi
 
 
+def solved(bands: Array, n: int, loads: Array) -> Array:
+    """Motions ``(k, ...)`` of harmonic n by loads ``(k, ...)`` on the freedoms of `Body.bands`.
+
+    Raises LinAlgError where these do not hold the body.
+    """
+    K = np.tensordot(factor_c(n) * np.array([1.0, n, n * n]), bands, 1)
+    return np.asarray(solveh_banded(K, loads, overwrite_ab=True, lower=True, check_finite=False))
+
+
 @dataclass(frozen=True)
 class Block:
     """Freedoms ``(k,)`` and the parts K_0, K_1, K_2 of their own block ``(3, k, k)`` and of that to the block before
@@ -163,6 +172,16 @@ class Body:
             )
             before = own
         return found
+
+    def bands(self, free: NDArray[np.bool_]) -> Array:
+        """The parts of K on the freedoms that are ``free`` ``(3 nodes,)``: lower bands ``(3, width, k)`` for `solved`."""
+        row, column = self.parts[0].tocoo().coords  # the parts hold the same entries
+        below = free[row] & free[column] & (row >= column)
+        place = np.cumsum(free) - 1
+        i, j = place[row[below]], place[column[below]]
+        bands = np.zeros((3, int((i - j).max()) + 1, int(free.sum())))
+        bands[:, i - j, j] = [part.data[below] for part in self.parts]
+        return bands
 
     def stiffness(self, n: int) -> sp.csr_matrix:
         """K_n ``(3 nodes, 3 nodes)``."""

@@ -12,12 +12,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from scipy.interpolate import CubicSpline
-from scipy.sparse.linalg import splu, spsolve
 
 from lowfi.compliance.cell import cell_grid
-from lowfi.compliance.fourier import Body, Grid, factor_c, quadratic, refine_lines, tube_grid
+from lowfi.compliance.fourier import Body, Grid, quadratic, refine_lines, solved, tube_grid
 from lowfi.compliance.sphere import expansion
 from lowfi.compliance.tube import Tube, patch_weights, radial_ends
 from meshes.arrays import Array
@@ -148,16 +146,14 @@ def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float
         if not flank.screw:
             held[:, -1] = True
         values = np.empty(n.size)
-        kept: dict[bytes, tuple[sp.csc_matrix, ...]] = {}
-        for k, harmonic in enumerate(n):
-            free = ~held.ravel() & body.axis_free(int(harmonic))
+        kept: dict[bytes, Array] = {}
+        for k, harmonic in enumerate(n.tolist()):
+            free = ~held.ravel() & body.axis_free(harmonic)
             key = free.tobytes()
             if key not in kept:
-                kept[key] = tuple(part[free][:, free].tocsc() for part in body.parts)
-            p0, p1, p2 = kept[key]
-            K = factor_c(int(harmonic)) * (p0 + harmonic * p1 + harmonic**2 * p2)
+                kept[key] = body.bands(free)
             f = force.ravel()[free]
-            values[k] = f @ spsolve(K, f, permc_spec="MMD_AT_PLUS_A")
+            values[k] = f @ solved(kept[key], harmonic, f)
         values *= patch_shares(n.astype(float), width, radius)
         total += 0.5 * series(n, values)
     return total
@@ -231,12 +227,8 @@ def ring_compliance(flank: Flank, held: str) -> RingCompliance:
     rows[4, count - 1 :, line, ::2] = normal_load(flank, half, width)
     n = harmonics_to(2.6 * radius / width)
     free = ~fixed.ravel()
-    p0, p1, p2 = (part[free][:, free].tocsc() for part in body.parts)
-    loads = rows.reshape(5, -1)[:, free].T
-    found = np.empty((n.size, 5, 5))
-    for k, harmonic in enumerate(n):
-        K = factor_c(int(harmonic)) * (p0 + harmonic * p1 + harmonic**2 * p2)
-        found[k] = loads.T @ splu(K, permc_spec="MMD_AT_PLUS_A").solve(loads)
+    bands, loads = body.bands(free), rows.reshape(5, -1)[:, free].T
+    found = np.array([loads.T @ solved(bands, harmonic, loads) for harmonic in n.tolist()])
     every = np.arange(n[-1] + 1.0)
     S = np.asarray(CubicSpline(n, found)(every))
     nominal = np.array([np.cos(flank.map.beta), np.sin(flank.map.beta)]) * flank.map.signs[flank.side]

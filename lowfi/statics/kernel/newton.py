@@ -262,7 +262,7 @@ def line_search(
 def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array) -> Outcome:
     """Minimise the energy from the given state; history (most + 1,): residual per step."""
     band = np.empty((6 * state.q.shape[0], options.half_band + 1))
-    return iterate(beam, contacts, state, options, history, band, False)
+    return iterate(beam, contacts, state, options, history, band, bool(np.bool_(False)))
 
 
 @kernel

@@ -1,6 +1,7 @@
 """The Fourier kernel: plain tubes against closed forms, and the compliance between contacts against its own limits."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from scipy.sparse.linalg import spsolve
 
 from compare.scenes import catalogue
 from lowfi.compliance.bodies import REFINED, contact_frames, geometry_only, smooth_body, smooth_compliance
-from lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, tube_grid
+from lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, solved, tube_grid
 from lowfi.compliance.groove import half_space
 from lowfi.compliance.sphere import expansion
 from lowfi.compliance.tube import (
@@ -46,6 +47,16 @@ def solve(body, n, held, force):
     q = np.zeros(free.size)
     q[free] = spsolve(sp.csc_matrix(K), force.ravel()[free])
     return q.reshape(force.shape)
+
+
+@pytest.mark.parametrize("n", [0, 1, 5])
+def test_bands_hold_the_stiffness_of_what_is_free(n):
+    body, rng = tube(3, 4, 10e-3), np.random.default_rng(n)
+    free = rng.random(body.parts[0].shape[0]) > 0.1
+    free[: 3 * body.grid.shape[1]] = False
+    loads = rng.normal(size=(int(free.sum()), 2))
+    K = body.stiffness(n)[free][:, free]
+    assert relative(K @ solved(body.bands(free), n, loads), loads) < 1e-9
 
 
 def simpson(z):
@@ -243,6 +254,7 @@ def test_both_sets_of_a_harmonic_are_the_motions_in_space():
 BIG = 50e-3
 
 
+@cache
 def own(width, harmonics=2.6, size=1.0):
     """Own compliance of a radial Gaussian patch on the middle of a big shaft."""
     shaft = Tube(

@@ -117,7 +117,7 @@ def follow(chain, monkeypatch=None):
 
 
 def test_path_goes_round_folds_and_does_not_depend_on_its_steps(monkeypatch):
-    chain = random_chain(10, 3)
+    chain = random_chain(5, 11)
     found, turns = follow(chain, monkeypatch)
     assert turns >= 2
     monkeypatch.setattr(path, "LENGTH", 0.01)

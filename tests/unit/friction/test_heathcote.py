@@ -45,23 +45,27 @@ def test_pure_rolling_has_two_lines_without_slip(slender):
     assert found == pytest.approx(3.0 * 7.0 * 4e-6 * exact, rel=0.02)
 
 
-def curved_power(scene, at, i, q):
-    """Power lost by ball i in motion q with curved contacts, by quadrature."""
+def curved_power(scene, at, i):
+    """Power lost by ball i with curved contacts, a function of its motion q, by quadrature."""
     path, radii = ball_path(scene, TURN, float(at.ball_radius[i])), groove_radii(scene)
     maps, drives = path.maps(at.normals[i])
-    motion = maps @ q + drives
     x, z, mass = quadrature(16, 24)
-    total = 0.0
-    for s in np.flatnonzero(at.force[i] > 0.0):
-        body = path.screw_speed if ON_SCREW[s] else path.nut_speed
-        turning = (q[0] - body) * path.axis + q[1:]
-        omega = turning @ contact_axes(at.normals[i, s])[0]
-        curve = omega * 0.25 * (1.0 / at.ball_radius[i] + 1.0 / radii[s])
-        a, b = at.a[i, s], at.b[i, s]
-        vx = motion[s, 0] + motion[s, 2] * b * z
-        vz = motion[s, 1] - motion[s, 2] * a * x + curve * (a * x) ** 2
-        total += 0.1 * at.force[i, s] * float(np.hypot(vx, vz) @ mass)
-    return total
+    along = [contact_axes(normal)[0] for normal in at.normals[i]]
+
+    def power(q):
+        motion = maps @ q + drives
+        total = 0.0
+        for s in np.flatnonzero(at.force[i] > 0.0):
+            body = path.screw_speed if ON_SCREW[s] else path.nut_speed
+            omega = ((q[0] - body) * path.axis + q[1:]) @ along[s]
+            curve = omega * 0.25 * (1.0 / at.ball_radius[i] + 1.0 / radii[s])
+            a, b = at.a[i, s], at.b[i, s]
+            vx = motion[s, 0] + motion[s, 2] * b * z
+            vz = motion[s, 1] - motion[s, 2] * a * x + curve * (a * x) ** 2
+            total += 0.1 * at.force[i, s] * float(np.hypot(vx, vz) @ mass)
+        return total
+
+    return power
 
 
 @pytest.mark.parametrize(("beta", "conformity", "oversize"), [(15, 0.52, 0.0), (45, 0.52, 0.0), (45, 0.58, 8e-6)])
@@ -76,8 +80,9 @@ def test_estimate_is_that_of_the_motion_solved_again(beta, conformity, oversize)
     for i in range(2):
         q0 = np.array([found.balls.orbit[i], *found.balls.rotation[i]])
         scale = np.array([1e-4, 1e-3, 1e-3, 1e-3]) * np.abs(q0).max()
+        power = curved_power(scene, at, i)
         best = minimize(
-            lambda y, i=i, q0=q0, scale=scale: 1e3 * curved_power(scene, at, i, q0 + scale * y),
+            lambda y, power=power, q0=q0, scale=scale: 1e3 * power(q0 + scale * y),
             np.zeros(4),
             method="Nelder-Mead",
             options={"xatol": 1e-5, "fatol": 1e-9, "maxiter": 4000, "adaptive": True},

@@ -28,8 +28,13 @@ CASES = {
 }
 
 
+def product(x, matrix):
+    """x @ matrix for complex x, part by part: as fast as real ones."""
+    return x.real @ matrix + 1j * (x.imag @ matrix) if np.iscomplexobj(x) else x @ matrix
+
+
 class Model:
-    """E(q, p) of beam, loads and contacts, for complex q (nodes, 6) and p (balls, 2), with its gradient by hand."""
+    """E(q, p) of beam, loads and contacts, for complex q (..., nodes, 6) and p (..., balls, 2); gradient by hand."""
 
     def __init__(self, ready):
         problem = ready.problem
@@ -50,7 +55,7 @@ class Model:
             for s in range(2):
                 centre = layout.centre[i] + drawn.centre[i, s] @ axes
                 self.B[i, s] = axes @ self.motion_of_point(centre, stations[i, s], problem)
-        self.B = self.B.reshape(self.count, 4, 2, -1)
+        self.B = self.B.reshape(8 * self.count, -1)
 
     def motion_of_point(self, point, station, problem):
         """Displacement (3, 6 n) of a point that moves with the section at ``station``: u + theta x r."""
@@ -67,9 +72,13 @@ class Model:
         x, y, z = point - [0.0, 0.0, station]
         return interpolated[:3] + np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]]) @ interpolated[3:]
 
+    def flat(self, q):
+        return q.reshape(*q.shape[:-2], self.n6)
+
     def contacts(self, q, p):
-        """Approach (N, 4) and the unit vector from ball to groove (N, 4, 2)."""
-        w = p[:, None, :] - self.drawn.centre - np.einsum("nsak,k->nsa", self.B, q.ravel())
+        """Approach (..., N, 4) and the unit vector from ball to groove (..., N, 4, 2)."""
+        moved = product(self.flat(q), self.B.T).reshape(*p.shape[:-1], 4, 2)
+        w = p[..., None, :] - self.drawn.centre - moved
         if self.drawn.profile.shape[1] == 0:
             size = np.sqrt((w * w).sum(-1))
             return self.drawn.ball_radius[:, None] - self.radius + size, w / size[..., None]
@@ -92,26 +101,22 @@ class Model:
     def energy(self, q, p):
         delta, _ = self.contacts(q, p)
         touching = np.where(delta.real > 0.0, delta, 0.0)
-        beam = 0.5 * q.ravel() @ (self.K @ q.ravel())
-        return beam - (self.load * q).sum() + (0.4 * self.C**-1.5 * touching**2.5).sum()
+        beam = 0.5 * (self.flat(q) * product(self.flat(q), self.K)).sum(-1)
+        return beam - (self.load * q).sum((-2, -1)) + (0.4 * self.C**-1.5 * touching**2.5).sum((-2, -1))
 
     def gradient(self, q, p):
-        """By q (6 n,) and p (2 N,), flat."""
+        """By q (..., 6 n) and p (..., 2 N), flat."""
         delta, normal = self.contacts(q, p)
         force = (np.where(delta.real > 0.0, delta, 0.0) / self.C) ** 1.5
         pull = force[..., None] * normal
-        by_q = self.K @ q.ravel() - self.load.ravel() - np.einsum("nsak,nsa->k", self.B, pull)
-        return np.concatenate([by_q, pull.sum(1).ravel()])
+        by_q = product(self.flat(q), self.K) - self.load.ravel() - product(pull.reshape(*p.shape[:-2], -1), self.B)
+        return np.concatenate([by_q, pull.sum(-2).reshape(*p.shape[:-2], -1)], -1)
 
     def complex_steps(self, function, q, p, h=1e-40):
         """Derivatives of a function of (q, p) by each of its arguments, in the rows."""
-        x, rows = np.concatenate([q.ravel(), p.ravel()]).astype(complex), []
-        for k in range(x.size):
-            x[k] += 1j * h
-            value = function(x[: self.n6].reshape(-1, 6), x[self.n6 :].reshape(-1, 2))
-            rows.append(value.imag / h)
-            x[k] = x[k].real
-        return np.array(rows)
+        x = np.concatenate([q.ravel(), p.ravel()])
+        x = x + 1j * h * np.eye(x.size)
+        return function(x[:, : self.n6].reshape(-1, *q.shape), x[:, self.n6 :].reshape(-1, *p.shape)).imag / h
 
 
 def at_random_state(scene, seed):
