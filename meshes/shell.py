@@ -257,7 +257,7 @@ def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float
     Raises ValueError where the surface is not closed.
     """
     edges = np.sort(np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]]), axis=1)
-    if np.any(np.unique(edges, axis=0, return_counts=True)[1] != 2):
+    if np.any(np.unique(edges @ np.array([len(points), 1]), return_counts=True)[1] != 2):
         raise ValueError("the surface is not closed")
     gmsh.model.add("volume")
     surface = gmsh.model.addDiscreteEntity(2)
@@ -395,7 +395,7 @@ def graded(near: Array, fine: float, coarse: float, first: float, last: float) -
 
     def size(x: Array) -> Array:
         share = (tree.query(x)[0] - first) / (last - first)
-        return np.asarray(fine + (coarse - fine) * np.clip(share, 0.0, 1.0))
+        return np.asarray(fine + (coarse - fine) * np.minimum(np.maximum(share, 0.0), 1.0))
 
     return size
 
