@@ -85,43 +85,43 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
         """Inverse Jacobians at X in the cells tind."""
         return np.asarray(self._once("invDF", X, tind, partial(super().invDF, X, tind)))
 
-    def _corners(self, find: Any, tind: Any) -> Index:
-        """Corners of the cells tind that are those of their faces find ``(k, f)``, or ``(k, 1)`` where all lie alike."""
-        corners = self.mesh.facets[:, find]
-        own = (self.mesh.t[:, tind] == corners[:, None]).argmax(axis=1)
-        return np.asarray(own[:, :1] if (own == own[:, :1]).all() else own)
+    def _corners(self, find: Any) -> Array:
+        """Corners of the reference cell that are those of the faces find ``(3, k, f)``, or ``(3, k, 1)`` where all lie
+        alike in their first cells."""
+        faces_, cells_ = self.mesh.facets[:, find], self.mesh.t[:, self.mesh.f2t[0, find]]
+        own = (cells_ == faces_[:, None]).argmax(axis=1)
+        return np.asarray(self.mesh.refdom.p[:, own[:, :1] if (own == own[:, :1]).all() else own])
 
-    def _places(self, X: Array, find: Any, tind: Any) -> Array:
-        """Places ``(3, f, q)``, or ``(3, q)`` where all faces lie alike, in the cells tind of points X of their faces."""
-        own = self._corners(find, tind)
-        flat = ElementTriP1() if len(own) == 3 else ElementQuad1()
-        shapes = np.array([flat.lbasis(X, k)[0] for k in range(len(own))])
-        found = np.einsum("kq,dkf->dfq", shapes, self.mesh.refdom.p[:, own])
-        return np.asarray(found[:, 0] if own.shape[1] == 1 else found)
+    def _places(self, X: Array, find: Any) -> Array:
+        """Places ``(3, f, q)``, or ``(3, q)`` where all lie alike, in their cells of points X of the faces find."""
+
+        def made() -> Array:
+            corners = self._corners(find)
+            flat = ElementTriP1() if corners.shape[1] == 3 else ElementQuad1()
+            shapes = np.array([flat.lbasis(X, k)[0] for k in range(corners.shape[1])])
+            found = np.einsum("kq,dkf->dfq", shapes, corners)
+            return np.asarray(found[:, 0] if corners.shape[2] == 1 else found)
+
+        return np.asarray(self._once("places", X, find, made))
 
     def G(self, X: Array, find: Any = None) -> Array:
         """Points of the faces find at X."""
-        tind = self.mesh.f2t[0, find]
-        x: Array = self.F(self._once("places", X, find, partial(self._places, X, find, tind)), tind)
+        x: Array = self.F(self._places(X, find), self.mesh.f2t[0, find])
         self._kept["faces"] = (x, find, X)
         return x
 
     def invF(self, x: Array, tind: Any = None) -> Array:
-        """Places in the cells tind of points x, as they came from `G`."""
+        """Places of points x of faces, as they came from `G`, in their first cells tind."""
         known, find, X = self._kept.get("faces", (None, None, None))
-        if known is not x:
-            raise ValueError("only points of faces have a place in a cell")
-        if np.array_equal(tind, self.mesh.f2t[0, find]):
-            return np.asarray(self._kept["places"][2])
-        return self._places(X, find, tind)
+        if known is not x or not np.array_equal(tind, self.mesh.f2t[0, find]):
+            raise ValueError("only points of faces have a place in a cell, in the face's first one")
+        return self._places(X, find)
 
     def detDG(self, X: Array, find: Any = None) -> Array:
         """Area of the faces find at X over that of the reference face."""
-        tind = self.mesh.f2t[0, find]
-        Y = self._once("places", X, find, partial(self._places, X, find, tind))
-        corners = self.mesh.refdom.p[:, self._corners(find, tind)]
-        sides = corners[:, [1, -1]] - corners[:, :1]
-        u, v = np.einsum("ijfq,jaf->aifq", self.DF(Y, tind), np.broadcast_to(sides, (3, 2, len(tind))))
+        tind, corners = self.mesh.f2t[0, find], self._corners(find)
+        sides = np.broadcast_to(corners[:, [1, -1]] - corners[:, :1], (3, 2, len(tind)))
+        u, v = np.einsum("ijfq,jaf->aifq", self.DF(self._places(X, find), tind), sides)
         return np.asarray(np.linalg.norm(np.cross(u, v, axis=0), axis=0))
 
 
@@ -206,8 +206,8 @@ def assemble(form: Any, mesh: Mesh) -> sp.csc_matrix:
         at = np.asarray(graph[np.repeat(own, n, axis=1).ravel(), np.tile(own, n).ravel()]).ravel()
         for block, added in zip(blocks, c @ product.reshape(9, -1), strict=True):
             np.add.at(block, at, added)
-    data = blocks.T.reshape(-1, 3, 3)
-    rows = sp.bsr_matrix((data, graph.indices, graph.indptr), shape=(3 * count, 3 * count)).tocsr()
+    blocks = blocks.T.reshape(-1, 3, 3)
+    rows = sp.bsr_matrix((blocks, graph.indices, graph.indptr), shape=(3 * count, 3 * count)).tocsr()
     return sp.csc_matrix((rows.data, rows.indices, rows.indptr), shape=rows.shape)  # block (a, b) is that of (b, a) turned
 
 
