@@ -7,6 +7,8 @@ gradients of the shape functions, one matrix product for each cell their integra
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,23 +32,31 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
     """scikit-fem's isoparametric map without Newton's method on faces, and without repetition.
 
     Where a point of a face lies in its cell is known from their corners. scikit-fem looks for it by Newton's method to an
-    absolute 1e-12, which is below round-off in cells of 10 um 16 mm from the origin. The shape functions and inverse
-    Jacobians last asked for are kept.
+    absolute 1e-12, which is below round-off in cells of 10 um 16 mm from the origin. Faces are mapped as parts of their
+    cells. What was last asked for is kept.
     """
 
     def __init__(self, mesh: Mesh) -> None:
         """Map of a mesh's own element."""
         super().__init__(mesh, mesh.elem(), mesh.bndelem)
-        self._at: tuple[Any, Array, Array] | None = None
-        self._inverse: tuple[Any, Any, Array] | None = None
-        self._face: tuple[Array, Array, Any] | None = None
+        self._kept: dict[str, tuple[Any, Any, Any]] = {}
+
+    def _once(self, name: str, X: Any, where: Any, made: Callable[[], Any]) -> Any:
+        """What ``made`` makes, or made for the same points X in the same cells or faces ``where`` before."""
+        known = self._kept.get(name)
+        if known is None or known[0] is not X or not (known[1] is where or np.array_equal(known[1], where)):
+            known = self._kept[name] = (X, where, made())
+        return known[2]
 
     def _shapes(self, X: Array) -> tuple[Array, Array]:
         """Shape functions ``(n, ...)`` and reference gradients ``(n, 3, ...)`` at X."""
-        if self._at is None or self._at[0] is not X:
+
+        def made() -> tuple[Array, Array]:
             own = [self.elem.lbasis(X, k) for k in range(len(self.elem.doflocs))]
-            self._at = (X, np.array([value for value, _ in own]), np.array([slope for _, slope in own]))
-        return self._at[1:]
+            return np.array([value for value, _ in own]), np.array([slope for _, slope in own])
+
+        found: tuple[Array, Array] = self._once("shapes", X, None, made)
+        return found
 
     def _sum(self, i: int, table: Array, tind: Any) -> Array:
         """Component i of the nodes of the cells tind times a table ``(n, q)`` or ``(n, cells, q)``: ``(cells, q)``."""
@@ -60,30 +70,59 @@ class CurvedMap(MappingIsoparametric):  # type: ignore[misc]
 
     def J(self, i: int, j: int, X: Array, tind: Any = None) -> Array:
         """Entry (i, j) of the Jacobian at X."""
-        return self._sum(i, self._shapes(X)[1][:, j], tind)
 
-    def G(self, X: Array, find: Any = None) -> Array:
-        """Points of the faces find at X."""
-        x: Array = super().G(X, find)
-        self._face = (x, X, find)
-        return x
+        def made() -> list[list[Array]]:
+            slopes = self._shapes(X)[1]
+            return [[self._sum(row, slopes[:, column], tind) for column in range(3)] for row in range(3)]
 
-    def invF(self, x: Array, tind: Any = None) -> Array:
-        """Places in the cells tind of points x, as they came from `G`: corner k of a face is one of its cell's corners."""
-        if self._face is None or self._face[0] is not x:
-            raise ValueError("only points of faces have a place in a cell")
-        _, X, find = self._face
-        corners = self.mesh.facets[:, find]
-        flat = ElementTriP1() if len(corners) == 3 else ElementQuad1()
-        own = (self.mesh.t[:, tind] == corners[:, None]).argmax(axis=1)
-        shapes = np.array([flat.lbasis(X, k)[0] for k in range(len(corners))])
-        return np.asarray(np.einsum("kq,dkf->dfq", shapes, self.mesh.refdom.p[:, own]))
+        return np.asarray(self._once("J", X, tind, made)[i][j])
+
+    def detDF(self, X: Array, tind: Any = None, J: Any = None) -> Array:
+        """Determinants of the Jacobians at X in the cells tind."""
+        return np.asarray(self._once("detDF", X, tind, partial(super().detDF, X, tind, J)))
 
     def invDF(self, X: Array, tind: Any = None) -> Array:
         """Inverse Jacobians at X in the cells tind."""
-        if self._inverse is None or self._inverse[0] is not X or self._inverse[1] is not tind:
-            self._inverse = (X, tind, super().invDF(X, tind))
-        return self._inverse[2]
+        return np.asarray(self._once("invDF", X, tind, partial(super().invDF, X, tind)))
+
+    def _corners(self, find: Any) -> Array:
+        """Corners of the reference cell that are those of the faces find ``(3, k, f)``, or ``(3, k, 1)`` where all lie
+        alike in their first cells."""
+        faces_, cells_ = self.mesh.facets[:, find], self.mesh.t[:, self.mesh.f2t[0, find]]
+        own = (cells_ == faces_[:, None]).argmax(axis=1)
+        return np.asarray(self.mesh.refdom.p[:, own[:, :1] if (own == own[:, :1]).all() else own])
+
+    def _places(self, X: Array, find: Any) -> Array:
+        """Places ``(3, f, q)``, or ``(3, q)`` where all lie alike, in their cells of points X of the faces find."""
+
+        def made() -> Array:
+            corners = self._corners(find)
+            flat = ElementTriP1() if corners.shape[1] == 3 else ElementQuad1()
+            shapes = np.array([flat.lbasis(X, k)[0] for k in range(corners.shape[1])])
+            found = np.einsum("kq,dkf->dfq", shapes, corners)
+            return np.asarray(found[:, 0] if corners.shape[2] == 1 else found)
+
+        return np.asarray(self._once("places", X, find, made))
+
+    def G(self, X: Array, find: Any = None) -> Array:
+        """Points of the faces find at X."""
+        x: Array = self.F(self._places(X, find), self.mesh.f2t[0, find])
+        self._kept["faces"] = (x, find, X)
+        return x
+
+    def invF(self, x: Array, tind: Any = None) -> Array:
+        """Places of points x of faces, as they came from `G`, in their first cells tind."""
+        known, find, X = self._kept.get("faces", (None, None, None))
+        if known is not x or not np.array_equal(tind, self.mesh.f2t[0, find]):
+            raise ValueError("only points of faces have a place in a cell, in the face's first one")
+        return self._places(X, find)
+
+    def detDG(self, X: Array, find: Any = None) -> Array:
+        """Area of the faces find at X over that of the reference face."""
+        tind, corners = self.mesh.f2t[0, find], self._corners(find)
+        sides = np.broadcast_to(corners[:, [1, -1]] - corners[:, :1], (3, 2, len(tind)))
+        u, v = np.einsum("ijfq,jaf->aifq", self.DF(self._places(X, find), tind), sides)
+        return np.asarray(np.linalg.norm(np.cross(u, v, axis=0), axis=0))
 
 
 def rule(mesh: Mesh) -> tuple[Array, Array]:
@@ -108,10 +147,19 @@ def cells(mesh: Mesh, **options: Any) -> Basis:
 
 def faces(mesh: Mesh, name: str, *, element: Any = None, **options: Any) -> FacetBasis:
     """A space (scalar on the mesh's own element unless given) on a named boundary. options: of `skfem.FacetBasis`."""
-    element = mesh.elem() if element is None else element
-    degree = _FACE_DEGREE[len(mesh.facets)]
-    quadrature = get_quadrature(mesh.brefdom, degree)
-    return FacetBasis(mesh, element, facets=name, **{"mapping": CurvedMap(mesh), "quadrature": quadrature, **options})
+    own = {"quadrature": get_quadrature(mesh.brefdom, _FACE_DEGREE[len(mesh.facets)]), "disable_doflocs": True}
+    own |= {"mapping": CurvedMap(mesh)} if "mapping" not in options else {}
+    own |= {"dofs": mesh.dofs} if element is None else {}
+    return FacetBasis(mesh, mesh.elem() if element is None else element, facets=name, **{**own, **options})
+
+
+def products(u: FacetBasis, v: FacetBasis) -> sp.csr_matrix:
+    """int v_i u_j dA of the functions of two scalar spaces on the same faces, (rows i, columns j)."""
+    left, right = (np.stack([np.asarray(phi[0]) for phi in space.basis], axis=1) for space in (v, u))  # (face, function, q)
+    local = (left * v.dx[:, None]) @ right.transpose(0, 2, 1)
+    rows, columns = (space.element_dofs.T.astype(np.int64) for space in (v, u))
+    at = (np.repeat(rows, right.shape[1], axis=1).ravel(), np.tile(columns, left.shape[1]).ravel())
+    return sp.csr_matrix((local.ravel(), at), (v.N, u.N))
 
 
 def nodal_areas(mesh: Mesh, name: str) -> Array:
@@ -138,47 +186,38 @@ def assemble(form: Any, mesh: Mesh) -> sp.csc_matrix:
     Freedoms are 3 * node + component of `mesh.doflocs`. Raises ValueError for cells turned inside out at a quadrature
     point and for other forms.
     """
-    c = tensor(form).transpose(1, 3, 0, 2).reshape(9, 9)
-    nodes = np.asarray(mesh.dofs.element_dofs.T, dtype=np.int64)
+    c = tensor(form).transpose(0, 2, 1, 3).reshape(9, 9)
+    nodes = np.asarray(mesh.dofs.element_dofs.T)
     count, n = mesh.doflocs.shape[1], nodes.shape[1]
-    indptr, indices = _pattern(nodes, count)
-    keys = np.repeat(np.arange(count, dtype=np.int64), np.diff(indptr)) * count + indices
-    blocks = np.zeros((len(indices), 9))
-    points = rule(mesh)
+    graph = _graph(nodes, count)
+    blocks = np.zeros((9, graph.nnz))
+    points, mapping = rule(mesh), CurvedMap(mesh)
     step = max(1, int(CHUNK_BYTES / (8 * max(9 * n * n, 6 * n * len(points[1])))))
     for first in range(0, len(nodes), step):
         some = np.arange(first, min(first + step, len(nodes)))
-        part = cells(mesh, quadrature=points, elements=some)
+        part = cells(mesh, quadrature=points, elements=some, mapping=mapping)
         volume = part.mapping.detDF(part.X, part.tind)
         if not np.all(volume > 0.0):
             bad = first + int(volume.min(axis=1).argmin())
             raise ValueError(f"cell {bad} of {len(nodes)} is turned inside out (det J {volume.min():.3g} m3)")
-        slopes = np.stack([phi[0].grad for phi in part.basis]).transpose(2, 3, 0, 1)  # (cell, q, a, k)
-        flat = (slopes * np.sqrt(part.dx)[:, :, None, None]).reshape(len(some), -1, 3 * n)
-        product = (flat.transpose(0, 2, 1) @ flat).reshape(-1, n, 3, n, 3)  # int N_a,k N_b,l
-        local = product.transpose(0, 1, 3, 2, 4).reshape(-1, 9) @ c
+        slopes = np.stack([phi[0].grad for phi in part.basis], axis=2) * np.sqrt(part.dx)[:, None]  # (k, cell, a, q)
+        product = slopes[:, None] @ slopes.swapaxes(2, 3)  # int N_a,k N_b,l
         own = nodes[some]
-        _add_rows(blocks, np.searchsorted(keys, (own[:, :, None] * count + own[:, None, :]).ravel()), local)
-    rows = sp.bsr_matrix((blocks.reshape(-1, 3, 3), indices, indptr), shape=(3 * count, 3 * count)).tocsr()
+        at = np.asarray(graph[np.repeat(own, n, axis=1).ravel(), np.tile(own, n).ravel()]).ravel()
+        for block, added in zip(blocks, c @ product.reshape(9, -1), strict=True):
+            np.add.at(block, at, added)
+    blocks = blocks.T.reshape(-1, 3, 3)
+    rows = sp.bsr_matrix((blocks, graph.indices, graph.indptr), shape=(3 * count, 3 * count)).tocsr()
     return sp.csc_matrix((rows.data, rows.indices, rows.indptr), shape=rows.shape)  # block (a, b) is that of (b, a) turned
 
 
-def _pattern(nodes: Index, count: int) -> tuple[Index, Index]:
-    """Row pointers and sorted columns of the graph of nodes that share a cell."""
+def _graph(nodes: Index, count: int) -> sp.csr_matrix:
+    """Graph of nodes that share a cell, its entries numbered row by row in ascending columns."""
     n = nodes.shape[1]
     incidence = sp.csr_matrix(
         (np.ones(nodes.size, dtype=np.int32), nodes.ravel(), np.arange(0, nodes.size + 1, n)), shape=(len(nodes), count)
     )
     graph = (incidence.T @ incidence).tocsr()
     graph.sort_indices()
-    return graph.indptr, graph.indices
-
-
-def _add_rows(target: Array, rows: Index, values: Array) -> None:
-    """Add row i of values to row rows[i] of target; a sparse product does it in compiled code."""
-    touched = np.zeros(len(target), dtype=bool)
-    touched[rows] = True
-    place = (np.cumsum(touched) - 1)[rows]
-    used = np.flatnonzero(touched)
-    scatter = sp.csc_matrix((np.ones(len(rows)), place, np.arange(len(rows) + 1)), shape=(len(used), len(rows)))
-    target[used] += scatter @ values
+    graph.data = np.arange(graph.nnz)
+    return graph

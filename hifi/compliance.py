@@ -71,7 +71,7 @@ class BallBlock:
                 inner.append(V)
                 middles.append(np.zeros((V.shape[1], V.shape[1])))
                 continue
-            found = _cholesky(self.own[s], np.flatnonzero(pick))
+            found = picked_factor(self.own[s], np.flatnonzero(pick))
             solved = dpotrs(found, V, lower=1)[0]
             cholesky.append(found)
             inner.append(solved)
@@ -80,7 +80,7 @@ class BallBlock:
         return BlockFactor(self, active.copy(), tuple(cholesky), tuple(inner), tuple(middles), small)
 
 
-def _cholesky(matrix: Array, pick: Indices) -> Array:
+def picked_factor(matrix: Array, pick: Indices) -> Array:
     """Lower Cholesky factor of the picked rows and columns of a symmetric matrix (above its diagonal: anything).
 
     Raises numpy.linalg.LinAlgError where they are not positive definite. LAPACK itself: SciPy's checks of small matrices

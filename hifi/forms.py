@@ -41,12 +41,3 @@ def share(axis: int | None = None) -> Any:
         return v if axis is None else w.x[axis] * v
 
     return LinearForm(weight)
-
-
-def weights() -> Any:
-    """int phat_k N_i dA of the pressures' hats phat_k (rows) and the displacements' traces N_i (columns)."""
-
-    def product(u: Any, p: Any, _: Any) -> Any:
-        return u * p
-
-    return BilinearForm(product)

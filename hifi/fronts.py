@@ -8,7 +8,6 @@ and of the fronts of one branch, where a bordered factor holds L and Y whole.
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +16,9 @@ from scipy.linalg.blas import dgemm, dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
 from meshes.arrays import Array, Index
+
+#: Columns of a front that are added at once: of what lies above the diagonal, half this many rows are added in vain.
+WIDTH = 64
 
 
 class Supernodes(NamedTuple):
@@ -80,12 +82,11 @@ def _entries(A: sp.csc_matrix | sp.csr_matrix, own: Index) -> tuple[Index, Index
 
 
 def _extend_add(front: Array, rows: Index, columns: Index, block: Array) -> None:
-    """Add a child's block to its rows and columns of a front, by the runs of its rows that lie together in both."""
-    ends = np.flatnonzero(np.diff(rows) != 1) + 1
-    for low, high in pairwise([0, *ends.tolist(), rows.size]):
-        wide = min(high, columns.size) if low < columns.size else columns.size
-        first = int(rows[low])
-        front[first : first + high - low, columns[:wide]] += block[low:high, :wide]
+    """Add a child's block to its rows and columns of a front, columns ``WIDTH`` by ``WIDTH`` from the diagonal down."""
+    flat, start = front.ravel(order="K"), columns * front.shape[0]
+    for k in range(0, columns.size, WIDTH):
+        own = slice(k, k + WIDTH)
+        np.add.at(flat, (start[own, None] + rows[k:]).ravel(), block[k:, own].ravel(order="F"))
 
 
 def _eliminate(

@@ -16,8 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.lapack import dpotrs
 
+from hifi.compliance import picked_factor
 from hifi.hertz import HertzSolution, hertz
 from hifi.patch import CondensedPatch
 from hifi.pressures import mean_weights
@@ -114,23 +115,23 @@ def approaches_at(
 
 
 def approaches(C: Array, gap: Array, close: Array, loads: Array, start: Flags | None = None) -> tuple[Array, Flags]:
-    """Approaches ``(f,)`` [m] of a unilateral contact under ``loads`` [N], and its closed pairs ``(f, c)``: pressures
-    p >= 0, C p + gap - approach close >= 0, and close p the load.
+    """Approaches ``(f,)`` [m] of a unilateral contact of symmetric C under ``loads`` [N], and its closed pairs ``(f, c)``:
+    pressures p >= 0, C p + gap - approach close >= 0, and close p the load.
 
     start: closed pairs to begin with, else those of the load before. Raises ValueError where the active set does not
     settle.
     """
     active = gap / close <= np.quantile(gap / close, 0.3)
+    both = np.column_stack([close, gap])
     out, closed = np.empty(loads.size), np.empty((loads.size, gap.size), dtype=bool)
     for k, load in enumerate(loads):
         active = active if start is None else start[k]
         for _ in range(200):
             i = np.flatnonzero(active)
-            both = np.column_stack([close[i], gap[i]])
-            unit, rest = cho_solve(cho_factor(C[np.ix_(i, i)], lower=True, check_finite=False), both, check_finite=False).T
+            unit, rest = dpotrs(picked_factor(C, i), both[i], lower=1)[0].T
             out[k] = (load + close[i] @ rest) / (close[i] @ unit)
             pressure = out[k] * unit - rest
-            after = C[:, i] @ pressure + gap - close * out[k] < 0.0
+            after = pressure @ C[i] + gap - close * out[k] < 0.0
             after[i] = pressure > 0.0
             if (after == active).all():
                 break

@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from skfem import ElementLineP2, Mesh, condense
 
-from hifi.assembly import assemble
+from hifi.assembly import CurvedMap, assemble
 from hifi.forms import elasticity
 from hifi.pressures import contact_weights, mean_weights
 from hifi.response import compliance
@@ -137,7 +137,7 @@ def build_patch(
     grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2")
     points, interface, tie, nodes = _placed(points_of(grid), place, socket, linear)
     mesh = moved(grid, points)
-    if mesh.mapping().detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0:  # a left-handed map: mirror every cell
+    if CurvedMap(mesh).detDF(np.full((3, 1), 0.5), tind=np.array([0])) < 0.0:  # a left-handed map: mirror every cell
         grid = tensor_grid(lines.across, lines.depth, lines.along, "Q2", left_handed=True)
         points, interface, tie, nodes = _placed(points_of(grid), place, socket, linear)
         mesh = moved(grid, points)
@@ -264,17 +264,19 @@ def tie_matrix(xi: Array, socket: SocketMesh, *, linear: bool = False) -> sp.csr
         flat = [k for k in range(3) if k != axis]
         own = np.flatnonzero(~done & (np.abs(xi[:, axis] - value) < 1e-9))
         on_plane = np.all(np.abs(socket.xi[socket.triangles[:, :3], axis] - value) < 1e-6, axis=1)
-        for tri in socket.triangles[on_plane]:
-            a, b, c = socket.xi[tri[:3]][:, flat]
-            t = np.linalg.solve(np.column_stack([b - a, c - a]), (xi[own][:, flat] - a).T).T
-            bary = np.column_stack([1.0 - t.sum(axis=1), t])
-            inside = np.flatnonzero((bary > -1e-7).all(axis=1) & ~done[own])
-            w = bary[inside]
-            n = _linear_shape(w) if linear else _quadratic_shape(w)
-            rows.append(np.repeat(own[inside], 6))
-            columns.append(np.tile(tri, inside.size))
-            values.append(n.ravel())
-            done[own[inside]] = True
+        tri = socket.triangles[on_plane]
+        corner = socket.xi[tri[:, :3]][..., flat]
+        edges, arms = ((x - corner[:, :1]).swapaxes(1, 2) for x in (corner[:, 1:], xi[own][:, flat]))
+        t = np.linalg.solve(edges, arms)
+        bary = np.stack([1.0 - t.sum(axis=1), *t.swapaxes(0, 1)], axis=2)
+        inside = np.all(bary > -1e-7, axis=2)
+        found = np.flatnonzero(inside.any(axis=0))
+        first = inside[:, found].argmax(axis=0)
+        w = bary[first, found]
+        rows.append(np.repeat(own[found], 6))
+        columns.append(tri[first].ravel())
+        values.append((_linear_shape(w) if linear else _quadratic_shape(w)).ravel())
+        done[own[found]] = True
     if not done.all():
         raise ValueError("a patch node lies on no triangle of its socket")
     matrix = sp.coo_matrix(

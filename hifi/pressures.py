@@ -14,8 +14,8 @@ import scipy.sparse as sp
 from skfem import ElementHex2, Mesh
 from skfem.quadrature import get_quadrature
 
-from hifi.assembly import faces
-from hifi.forms import share, weights
+from hifi.assembly import faces, products
+from hifi.forms import share
 from meshes.arrays import Array, Index
 
 
@@ -51,8 +51,8 @@ def contact_weights(mesh: Mesh, contact: Index) -> sp.csr_matrix:
         return sp.csr_matrix(sp.diags(share().assemble(faces(mesh, "contact"))[contact]))
     rule = halves(mesh.brefdom, 7)
     u = faces(mesh, "contact", quadrature=rule)
-    p = faces(mesh, "contact", element=ElementHexHats(), quadrature=rule, mapping=u.mapping)
-    W = weights().assemble(u, p).tocsr()
+    p = faces(mesh, "contact", element=ElementHexHats(), quadrature=rule, mapping=u.mapping, dofs=u.dofs)
+    W = products(u, p)
     return sp.csr_matrix(W[contact][:, contact])
 
 

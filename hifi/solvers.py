@@ -20,7 +20,9 @@ from meshes.arrays import Array, Index
 
 METHODS = ("auto", "cholmod", "splu")
 SMALL = 3_000
-"""Freedoms below which SuperLU is as fast as anything."""
+"""Freedoms below which SuperLU is as fast as anything for one right-hand side."""
+FEW = 100_000
+"""Entries of all right-hand sides below which it is so for them."""
 SINGULAR = 1e13
 """Response of the matrix scaled to a unit diagonal to a unit load, above which it counts as singular."""
 
@@ -164,11 +166,12 @@ def gram(K: sp.spmatrix, B: sp.spmatrix) -> Array:
 
     Checked by one column more, K x for a known x, whose answer is x. Where that fails, or the library does not show its
     supernodes, a warning says so, and a factor that is held whole is solved with, column by column: it says what is wrong
-    with the matrix. So it does, without a warning, up to `SMALL` freedoms. Raises FactorError as `factor` does.
+    with the matrix. So it does, without a warning, up to `SMALL` freedoms and `FEW` entries of B. Raises FactorError as
+    `factor` does.
     """
     inner, columns = sp.csc_matrix(K), sp.csc_matrix(B)
     diagonal = _diagonal(inner)
-    if inner.shape[0] > SMALL:
+    if inner.shape[0] > SMALL or B.shape[0] * B.shape[1] > FEW:
         nodes = supernodes(inner)
         if nodes is None:
             warnings.warn("the library does not show its supernodes; " + HELD_WHOLE, RuntimeWarning, stacklevel=3)

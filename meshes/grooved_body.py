@@ -106,7 +106,9 @@ class GroovedBody:
 
 def cylindrical(r: float | Array, phi: float | Array, z: float | Array) -> Array:
     """Points ``(n, 3)`` of cylindrical coordinates."""
-    return np.stack(np.broadcast_arrays(r * np.cos(phi), r * np.sin(phi), z), axis=-1).astype(float)
+    points = np.empty((*np.broadcast(r, phi, z).shape, 3))
+    points[..., 0], points[..., 1], points[..., 2] = r * np.cos(phi), r * np.sin(phi), z
+    return points
 
 
 @dataclass(frozen=True)
@@ -153,10 +155,13 @@ class Groove:
         ends = GrooveEnds.of(m, spec.sockets, spec.size) if spec.ends else None
         return Groove(m, sides, land, behind, apex, edge, float(zeta[-1]), wall, ends)
 
+    def unrolled(self, side: int, gamma: Array) -> tuple[Array, Array, Array]:
+        """Radius [m], zeta [m] and turn psi [rad] of a flank at angles gamma."""
+        return self.m.unroll(*self.m.section(side, gamma, np.full(gamma.shape, self.m.radius[side])))
+
     def profile(self, side: int, gamma: Array) -> tuple[Array, Array]:
         """Radius [m] and zeta [m] of a flank at angles gamma."""
-        r, zeta, _ = self.m.unroll(*self.m.section(side, gamma, np.full(gamma.shape, self.m.radius[side])))
-        return r, zeta
+        return self.unrolled(side, gamma)[:2]
 
     def radius(self, line: float, r: float | Array, phi: Array) -> float | Array:
         """Radius [m] at total azimuths along a line of what lies at r in the whole groove."""
@@ -237,16 +242,13 @@ class Surface:
         m = self.m
         scale = np.array([np.hypot(m.rg, socket_centre(m, side)[0]), float(m.radius[side])])
 
-        def turn(gamma: Array) -> Array:
-            return m.unroll(*m.section(side, gamma, np.full(gamma.shape, m.radius[side])))[2]
-
         def laid(x: Array) -> Array:
-            return scale * np.stack([x[:, 0] - turn(x[:, 1]), x[:, 1]], axis=1)
+            return scale * np.stack([x[:, 0] - self.groove.unrolled(side, x[:, 1])[2], x[:, 1]], axis=1)
 
         def space(plane: Array) -> Array:
             along, gamma = (plane / scale).T
-            phi = along + turn(gamma)
-            r, zeta = self.groove.profile(side, gamma)
+            r, zeta, turn = self.groove.unrolled(side, gamma)
+            phi = along + turn
             return cylindrical(self.groove.radius(line, r, phi), phi, line + zeta + m.rg * phi)
 
         loops = [[(n, laid(x)) for n, x in loop] for loop in (boundary, *self._holes(side, line))]

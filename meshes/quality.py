@@ -59,8 +59,9 @@ def _of_cells(mesh: Mesh, cells: Index) -> Array:
 
 def _smallest(x: Array, table: Array) -> Array:
     """Scaled Jacobians ``(m, q)`` of cells with nodes at x ``(m, n, 3)``; table: reference gradients ``(q, n, 3)``."""
-    u, v, w = np.einsum("cnx,qnd->dcqx", x, table, optimize=True)
-    det = np.einsum("cqx,cqx->cq", np.cross(u, v), w)
+    u, v, w = np.einsum("cnx,qnd->dcqx", x, table, optimize=["einsum_path", (0, 1)])
+    normal = np.stack([u[..., i] * v[..., j] - u[..., j] * v[..., i] for i, j in ((1, 2), (2, 0), (0, 1))], axis=-1)
+    det = np.einsum("cqx,cqx->cq", normal, w)
     if x.shape[1] in (8, 27):
         size = np.sqrt(np.prod([np.einsum("cqx,cqx->cq", a, a) for a in (u, v, w)], axis=0))
     else:

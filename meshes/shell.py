@@ -12,10 +12,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 from scipy.spatial import cKDTree
-from skfem import Mesh, MeshTet1, MeshTet2
+from skfem import Mesh
 
 from meshes.arrays import Array, Index
-from meshes.fem import moved, with_faces
+from meshes.fem import Tet1, moved, second_order, with_faces
 from meshes.sockets import SocketMesh
 
 Placing = Callable[[Array], Array]
@@ -257,7 +257,7 @@ def tetrahedra(gmsh: Any, points: Array, tris: Index, sizes: Callable[..., float
     Raises ValueError where the surface is not closed.
     """
     edges = np.sort(np.concatenate([tris[:, [0, 1]], tris[:, [1, 2]], tris[:, [2, 0]]]), axis=1)
-    if np.any(np.unique(edges, axis=0, return_counts=True)[1] != 2):
+    if np.any(np.unique(edges @ np.array([len(points), 1]), return_counts=True)[1] != 2):
         raise ValueError("the surface is not closed")
     gmsh.model.add("volume")
     surface = gmsh.model.addDiscreteEntity(2)
@@ -376,7 +376,7 @@ def fill(shell: Shell, algorithm: int) -> Filled:
     used[: len(shell.points)] = True
     used[cells] = True
     cells, corners = (np.cumsum(used) - 1)[cells], corners[used]
-    straight = MeshTet2.from_mesh(MeshTet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
+    straight = second_order(Tet1(np.ascontiguousarray(corners.T), np.ascontiguousarray(cells.T)))
     pairs = np.sort(straight.edges, axis=0).T @ np.array([len(corners), 1])
     order = np.argsort(pairs)
     filled = Filled(straight, pairs[order], straight.dofs.edge_dofs[0, order].astype(np.int64))
@@ -395,7 +395,7 @@ def graded(near: Array, fine: float, coarse: float, first: float, last: float) -
 
     def size(x: Array) -> Array:
         share = (tree.query(x)[0] - first) / (last - first)
-        return np.asarray(fine + (coarse - fine) * np.clip(share, 0.0, 1.0))
+        return np.asarray(fine + (coarse - fine) * np.minimum(np.maximum(share, 0.0), 1.0))
 
     return size
 

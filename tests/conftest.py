@@ -3,17 +3,12 @@ threads of one another. What compiles kernels and what takes long is begun first
 
 import gc
 import os
-import sys
 from collections.abc import Iterator
 
 import pytest
 
 for _library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
-
-# bytecode is kept whatever the environment says: each worker and each program of a test would compile all modules anew
-sys.dont_write_bytecode = False
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
 def begun(item: pytest.Item) -> tuple[float, bool]:

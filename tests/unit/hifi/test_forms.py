@@ -8,7 +8,7 @@ from skfem import BilinearForm, Functional, MeshTet1
 from skfem.helpers import ddot, dot, eye, grad, sym_grad, trace
 
 from hifi import assembly
-from hifi.assembly import CurvedMap, assemble, faces, nodal_areas, rule, tensor
+from hifi.assembly import CurvedMap, assemble, faces, nodal_areas, products, rule, tensor
 from hifi.bodies import rigid_loads
 from hifi.forms import elasticity, hooke, share
 from hifi.pressures import ElementHexHats, contact_weights
@@ -250,8 +250,11 @@ def test_contact_weights_are_partitions_of_the_area(kind):
     if kind == "P1":
         np.testing.assert_allclose(W, W.T, atol=1e-15)
         return
-    hats = share().assemble(faces(mesh, "contact", element=ElementHexHats(), quadrature=_fine()))[nodes]
-    np.testing.assert_allclose(W.sum(axis=1), hats, rtol=1e-6)
+    hats = faces(mesh, "contact", element=ElementHexHats(), quadrature=_fine())
+    np.testing.assert_allclose(W.sum(axis=1), share().assemble(hats)[nodes], rtol=1e-6)
+    mass = BilinearForm(lambda u, v, _: u * v)
+    alike = faces(mesh, "contact", quadrature=_fine())
+    np.testing.assert_allclose(products(alike, hats).toarray(), mass.assemble(alike, hats).toarray(), atol=1e-15)
 
 
 def _fine():

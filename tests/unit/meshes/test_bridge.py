@@ -5,10 +5,12 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from skfem import MeshHex1, MeshHex2, MeshTet1, MeshTet2
 
 from hifi.assembly import faces, nodal_areas
 from meshes import bridge
 from meshes.bridge import MeshData, from_gmsh, from_skfem, to_skfem, write_mesh
+from meshes.fem import mesh_of, second_order
 from tests.fe_meshes import KINDS, boundary_faces, cube, jacobians, one, order_of, space
 
 VOLUMES = KINDS
@@ -206,3 +208,15 @@ def test_files_refuse_strange_suffixes_and_fields(tmp_path: Path):
         write_mesh(tmp_path / "cube.vtu", data, {"p": np.zeros(3)})
     with pytest.raises(ValueError, match="field 'p' has 3 values"):
         write_mesh(tmp_path / "cube.vtu", data, {}, {"p": np.zeros(3)})
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_edges_and_faces_are_numbered_as_scikit_fem_does(kind):
+    mesh, _ = mesh_of(*cube(kind, 3), kind)
+    theirs = {"P1": MeshTet1, "P2": MeshTet2, "Q1": MeshHex1, "Q2": MeshHex2}[kind](mesh.doflocs, mesh.t)
+    for name in ("facets", "t2f", "f2t", "edges", "t2e", "f2e"):
+        np.testing.assert_array_equal(getattr(mesh, name), getattr(theirs, name), name)
+    if kind[1] == "1":
+        finer, wanted = second_order(mesh), {"P": MeshTet2, "Q": MeshHex2}[kind[0]].from_mesh(theirs)
+        np.testing.assert_array_equal(finer.dofs.element_dofs, wanted.dofs.element_dofs)
+        np.testing.assert_array_equal(finer.doflocs, wanted.doflocs)
