@@ -74,7 +74,7 @@ def contacts_of(elastic: Elastic) -> tuple[Array, Array, Array]:
     shift = moved.copy()
     single = np.zeros((4, 5))
     for i in range(N):  # the centre follows from the motions of both flanks
-        elastic.engine.settle(
+        elastic.engine.settle_ball(
             p[i],
             shift[i],
             problem.geometry[i],

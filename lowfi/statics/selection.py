@@ -135,7 +135,7 @@ def touched_sides(engine: ModuleType, problem: Problem, motion: Array, centres: 
     offered[..., 5] = 1.0
     for i in range(problem.layout.z.size):
         shift[:2] = moved[i]
-        engine.settle(
+        engine.settle_ball(
             p,
             shift,
             offered[i],

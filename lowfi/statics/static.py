@@ -150,7 +150,7 @@ def _lift(problem: Problem) -> Array:
 
 def iterate(prepared: Prepared, *, start: bool = True) -> Outcome:
     """Solve from the linear start (or from the present state)."""
-    solve = prepared.engine.start_and_solve if start else prepared.engine.solve
+    solve = prepared.engine.start_and_solve if start else prepared.engine.solve_beam
     outcome: Outcome = solve(prepared.beam, prepared.contacts, prepared.state, prepared.options, prepared.history)
     prepared.scale = outcome.scale
     return outcome

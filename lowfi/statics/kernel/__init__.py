@@ -3,13 +3,13 @@
 from .axis import evaluate_axis, solve_axis, solve_lines, tangent
 from .axis_matrix import add_axis
 from .axis_start import start_axis
-from .ball import settle
+from .ball import settle_ball
 from .beam import assemble_beam
 from .elastic import solve_forces, start_forces
 from .elastic_balls import ball_rows, contact_law, evaluate_balls, rest
 from .flanks import flank_members
 from .members import answers, ensemble
-from .newton import evaluate, solve, start_and_solve
+from .newton import evaluate, solve_beam, start_and_solve
 from .pair import pair_alone
 from .press import press_members
 from .rollers import roller_forces
@@ -29,9 +29,9 @@ __all__ = [
     "press_members",
     "rest",
     "roller_forces",
-    "settle",
-    "solve",
+    "settle_ball",
     "solve_axis",
+    "solve_beam",
     "solve_forces",
     "solve_lines",
     "start_and_solve",

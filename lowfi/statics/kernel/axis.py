@@ -13,7 +13,7 @@ from lowfi.jit import kernel
 from lowfi.statics.records import Array, AxisArrays, AxisBalls, AxisRollers, AxisSlopes, AxisState, BeamOptions, Outcome
 
 from .axis_matrix import add_axis, add_balls, add_rollers, hold
-from .ball import FORCE, MX, MZ, block, settle
+from .ball import FORCE, MX, MZ, block, settle_ball
 from .beam import element_force, positions
 from .newton import CONVERGED, ITERATIONS, NOT_HELD, SINGULAR, residual_of, slope_along
 from .rollers import roller_forces
@@ -91,7 +91,7 @@ def evaluate_axis(
     shift = np.zeros((4, 2))
     for i in range(balls.r_ball.shape[0]):
         ball_shift(balls, q, i, shift)
-        energy += settle(
+        energy += settle_ball(
             p[i], shift, balls.geometry[i], balls.closure[i], balls.r_ball[i], balls.profile[i], balls.tiny, contact[i]
         )
         flank_hessian(contact[i], hessians[i])

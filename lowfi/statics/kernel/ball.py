@@ -218,7 +218,7 @@ def loosened(contact: Array, tiny: float, energy: float) -> float:
 
 
 @kernel
-def settle(
+def settle_ball(
     p: Array, shift: Array, geometry: Array, closure: Array, r_ball: float, profile: Array, tiny: float, contact: Array
 ) -> float:
     """Equilibrium of one ball at given motions of its flanks: minimises its contact energy over its centre.
@@ -270,8 +270,8 @@ def settle(
 def nudge(
     p: Array, shift: Array, geometry: Array, r_ball: float, profile: Array, tiny: float, contact: Array, pulls: Array
 ) -> float:
-    """One step of Newton's method of a ball's centre towards its equilibrium, from where it is: ``settle`` in parts, for
-    iterations that move the flanks a little between them.
+    """One step of Newton's method of a ball's centre towards its equilibrium, from where it is: ``settle_ball`` in parts,
+    for iterations that move the flanks a little between them.
 
     Fills ``contact`` where the ball was and p where it goes; pulls (2, 2): forces of the ball on the screw's flanks [N]
     there, to first order. Returns the net force that it was left with over its largest one.

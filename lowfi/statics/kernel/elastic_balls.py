@@ -177,7 +177,7 @@ def rest(
 ) -> float:
     """Equilibrium of one ball at given motions of its flanks (4, 2): fills x (3,) and ``contact``; returns the energy [J].
 
-    work (5, 3): scratch. See ``ball.settle``, of which this is the form with a body of its own.
+    work (5, 3): scratch. See ``ball.settle_ball``, of which this is the form with a body of its own.
     """
     H, g, trial = work[:3], work[3], work[4]
     start_centre(x, shift, geometry, closure)

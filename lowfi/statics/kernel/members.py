@@ -35,7 +35,7 @@ from .newton import (
     flank_shift,
     pull,
     residual_of,
-    solve,
+    solve_beam,
 )
 from .pair import pair_alone
 
@@ -128,7 +128,7 @@ def follow(
     room: tuple[Array, Array],
 ) -> Outcome:
     """Correct the state by a stiffness factored before, in the lower band; step (n, 6) and room: see
-    ``glance``. Status as in ``solve``."""
+    ``glance``. Status as in ``solve_beam``."""
     q, d, fixed = state.q, state.d, beam.fixed
     before, last, status, scale, residual, tried = 1e300, 1e300, ITERATIONS, 0.0, 0.0, 0
     pair = pair_alone(contacts) if contacts.B.shape[3] == 6 else -1
@@ -196,7 +196,7 @@ def ensemble(
         if outcome.status != CONVERGED:
             left += 1
             q[:], d[:], p[:], contact[:] = begin.q, begin.d, begin.p, begin.contact
-            outcome = solve(beam, own, state, options, history)
+            outcome = solve_beam(beam, own, state, options, history)
         found.status[m], found.residual[m] = outcome.status, outcome.residual
         found.q[m], found.p[m] = q, p
         for i in range(contact.shape[0]):

@@ -11,7 +11,7 @@ import numpy as np
 from lowfi.jit import kernel
 from lowfi.statics.records import Array, BeamArrays, BeamContacts, BeamOptions, BeamSlopes, BeamState, Outcome
 
-from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle
+from .ball import FORCE, MX, MZ, SIZE, USE, WX, WZ, net_force, reduced_hessian, settle_ball
 from .banded import factor_band, substitute_band
 from .beam import force_of
 from .pair import add_pairs, even_pairs, pair_alone
@@ -107,7 +107,7 @@ def evaluate(beam: BeamArrays, contacts: BeamContacts, state: BeamState, out: Be
             flank_shift(contacts, flat, i, 6, shift)
         else:
             flank_shift(contacts, flat, i, m, shift)
-        energy += settle(p[i], shift, geometry[i], closure[i], r_ball[i], profile, tiny, contact[i])
+        energy += settle_ball(p[i], shift, geometry[i], closure[i], r_ball[i], profile, tiny, contact[i])
         reduced_hessian(contact[i], hessians[i])
         for s in range(4):
             scale = max(scale, contact[i, s, FORCE])
@@ -259,7 +259,7 @@ def line_search(
 
 
 @kernel
-def solve(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array) -> Outcome:
+def solve_beam(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array) -> Outcome:
     """Minimise the energy from the given state; history (most + 1,): residual per step."""
     band = np.empty((6 * state.q.shape[0], options.half_band + 1))
     return iterate(beam, contacts, state, options, history, band, bool(np.bool_(False)))

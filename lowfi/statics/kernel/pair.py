@@ -72,7 +72,7 @@ def stand(
 def add_pairs(
     contacts: BeamContacts, state: BeamState, out: BeamSlopes, a: int, energy: float, scale: float
 ) -> tuple[float, float]:
-    """Add the balls that the pair a holds to energy [J] and slopes; fills centres and contacts as `ball.settle` does.
+    """Add the balls that the pair a holds to energy [J] and slopes; fills centres and contacts as `ball.settle_ball` does.
 
     A ball without load stands so that both flanks have their share of the gap. Returns the energy and the largest force
     met [N]. Six freedoms a flank.

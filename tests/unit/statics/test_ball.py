@@ -37,7 +37,7 @@ class Ball:
         """Energy, centre and contact rows of the kernel."""
         kernels = jit.kernels(jit.STATICS, compiled=engine == "compiled")
         p, contact = np.zeros(2), np.zeros((4, 5))
-        energy = kernels.settle(p, shift, self.geometry, self.closure, self.radius, self.drawn.profile, 1e-9, contact)
+        energy = kernels.settle_ball(p, shift, self.geometry, self.closure, self.radius, self.drawn.profile, 1e-9, contact)
         return energy, p, contact
 
     def gap(self, p, shift, side):
@@ -206,7 +206,9 @@ def two_flanks(b, shift):
     geometry = b.geometry.copy()
     geometry[[1, 2], 5] = 0.0
     p, contact = np.zeros(2), np.zeros((4, 5))
-    jit.kernels(jit.STATICS, compiled=False).settle(p, shift, geometry, b.closure, b.radius, b.drawn.profile, 0.0, contact)
+    jit.kernels(jit.STATICS, compiled=False).settle_ball(
+        p, shift, geometry, b.closure, b.radius, b.drawn.profile, 0.0, contact
+    )
     return contact
 
 

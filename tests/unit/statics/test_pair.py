@@ -54,7 +54,7 @@ def test_closed_form_is_the_minimum_over_the_centre(name, engine):
         shift[pair] = contacts.B[i, pair] @ motion[start : start + 6]
         p, contact, hessian = np.zeros(2), np.zeros((4, 5)), np.zeros((4, 4))
         at = contacts.geometry[i], contacts.closure[i], contacts.r_ball[i], contacts.profile, contacts.tiny
-        kernels.settle(p, shift, *at, contact)
+        kernels.settle_ball(p, shift, *at, contact)
         kernels.ball.reduced_hessian(contact, hessian)
         own = contact[:, 0] > 0.0
         assert np.array_equal(state.contact[i, :, 0] > 0.0, own)

@@ -171,7 +171,7 @@ def test_a_step_of_a_ball_is_right_to_first_order():
         p, contact, pulls = np.zeros(2), np.zeros((4, 5)), np.zeros((2, 2))
         at = own.geometry[2], own.closure[2], own.drawn.ball_radius[2], own.drawn.profile, 1e-9
         shift = np.array([[1e-6, 2e-6], [1e-6, 2e-6], [0.0, 0.0], [0.0, 0.0]])
-        kernels.settle(p, shift, *at, contact)
+        kernels.settle_ball(p, shift, *at, contact)
         expected = contact[:2, :1] * contact[:2, 1:3]
         assert np.count_nonzero(contact[:, 0]) == 4
         centre = p + off * np.array([1.0, -0.5])
