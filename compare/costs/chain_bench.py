@@ -25,7 +25,7 @@ def jobs(repeats: int = 5) -> Iterator[Job]:
     Raises RuntimeError where a screw does not converge.
     """
     count = MEMBERS if repeats > 1 else MEMBERS // 10
-    errors = draw_errors(case.SEED, 0, FEW, case.BALLS, HALF_RANGE)
+    errors = draw_errors(case.SEED, 0, FEW, case.balls(), HALF_RANGE)
     for law in LAWS:
         chain = case.screw(law)
         if solve_ensemble(chain, HALF_RANGE, [LOAD], count).failed:
@@ -41,6 +41,8 @@ def jobs(repeats: int = 5) -> Iterator[Job]:
         with threadpool_limits(1, "blas"):
             slow = timed(eliminate, repeats) / FEW
         fast = timed(ensemble, repeats) / count
-        note = f"per screw of {count}, {case.BALLS} balls, ±2 um, {LOAD:g} N, drawing included: {1.0 / fast:,.0f} a second "
+        note = (
+            f"per screw of {count}, {case.balls()} balls, ±2 um, {LOAD:g} N, drawing included: {1.0 / fast:,.0f} a second "
+        )
         note += f"(aim {TARGET:,}); ratio: the source's elimination, interpreted, dense equations"
-        yield Job(f"random errors, {law} contact angle", fast, slow / fast, case.BALLS, peak_MB(), note)
+        yield Job(f"random errors, {law} contact angle", fast, slow / fast, case.balls(), peak_MB(), note)

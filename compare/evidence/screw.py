@@ -66,6 +66,7 @@ def as_stepped(amplitude: float) -> RunResult:
 
 @cache
 def _in_steps(amplitude: float, steps: int) -> RunResult:
+    """That run, amplitude [deg] of theta, in that many steps of its period."""
     return simulate(replace(source_cases.run_of(amplitude), steps=steps))
 
 

@@ -53,14 +53,14 @@ def _band(quantity: Quantity, half_range: int, unit: float) -> list[Series]:
 
 
 def _printed(keys: Sequence[str], found: dict[str, float], *, loaded: bool = False) -> Series:
-    values = [case.BALLS - found[k] if loaded and k.startswith("unloaded") else found[k] for k in keys]
+    values = [case.balls() - found[k] if loaded and k.startswith("unloaded") else found[k] for k in keys]
     return Series(
         "printed", [float(k.removesuffix("_again").split("_")[2]) for k in keys], values, "markers", emphasis=True
     )
 
 
 def _without(chain_quantity: Callable[[Array, float], float]) -> Series:
-    zero = np.zeros(case.BALLS)
+    zero = np.zeros(case.balls())
     return Series("no errors", [float(f) for f in _LOADS], [chain_quantity(zero, float(f)) for f in _LOADS], "line")
 
 
@@ -92,7 +92,7 @@ def counts_in_words(found: dict[str, float]) -> str:
         if parts is None:
             continue
         half_range, load = int(parts[2]), float(parts[3])
-        count = case.BALLS - value if parts[1] else value
+        count = case.balls() - value if parts[1] else value
         low, high = np.quantile(case.sample(half_range, "loaded", load), [case.UNLIKELY, 1.0 - case.UNLIKELY])
         total += 1
         if not low <= count <= high:
@@ -108,7 +108,7 @@ def stiffness_in_words(found: dict[str, float]) -> str:
     for key, value in found.items():
         parts = re.fullmatch(r"K_(\d)_(\d+)", key)
         half_range, load = (int(parts[1]), float(parts[2])) if parts else (0, 0.0)
-        if load in case.LOADS.get(half_range, ()) and np.median(case.sample(half_range, "loaded", load)) == case.BALLS:
+        if load in case.LOADS.get(half_range, ()) and np.median(case.sample(half_range, "loaded", load)) == case.balls():
             off.append(error_percent(1e8 * value, float(np.median(case.sample(half_range, "stiffness", load)))))
     if not off:
         return "no printed stiffness stands at a load that all balls of most draws carry"

@@ -129,7 +129,7 @@ def test_unloaded_is_what_is_not_loaded() -> None:
 def test_what_the_calibration_implies() -> None:
     assert case.screw().compliance == pytest.approx(3.874e-12, rel=1e-3)
     assert 1e6 * case.implied_area(26.0) == pytest.approx(387.4, abs=0.1)
-    assert end_ratio(case.screw(), case.RATIO_LOAD) == pytest.approx(case.RATIO, abs=1e-9)
+    assert end_ratio(case.screw(), case.calibration_load()) == pytest.approx(case.printed_ratio(), abs=1e-9)
 
 
 def test_only_the_implicit_angle_gives_all_ratios() -> None:
@@ -152,7 +152,9 @@ def test_two_digits_exchanged() -> None:
 
 def test_no_contact_stiffness_mends_the_offset() -> None:
     """K 3.4 % larger gives the printed stiffness without errors, and takes Q33 at -2 um out of its per cent."""
-    stiffer = calibrated(replace(case.screw(), stiffness=1.034 * case.screw().stiffness), case.RATIO, case.RATIO_LOAD)
+    stiffer = calibrated(
+        replace(case.screw(), stiffness=1.034 * case.screw().stiffness), case.printed_ratio(), case.calibration_load()
+    )
     assert solve_chain(stiffer, np.zeros(78), 3000.0).stiffness == pytest.approx(8.196e8, rel=1e-3)
     assert solve_chain(stiffer, case.one_error(-2e-6), 5000.0).load[32] < 43.55 * 0.99
     assert drawn.secant(3000.0, 1.0) == pytest.approx(by_key("K_0_3000").value, rel=1e-4)

@@ -66,9 +66,9 @@ def compare_models(study: Study) -> tuple[Compared, ...]:
     """No errors, one ball too small or too large, and drawn screws, under both loads."""
     scene = study.scene(SCENE)
     chain = same_screw(scene)
-    drawn = draw_errors(case.SEED + 2, 0, DRAWN, case.BALLS, HALF_RANGE)
+    drawn = draw_errors(case.SEED + 2, 0, DRAWN, case.balls(), HALF_RANGE)
     kinds = [
-        ("none", np.zeros(case.BALLS)),
+        ("none", np.zeros(case.balls())),
         ("ball 33: -2 um", case.one_error(-2e-6)),
         ("ball 33: +2 um", case.one_error(2e-6)),
     ]

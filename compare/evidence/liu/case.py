@@ -6,11 +6,13 @@ from functools import cache
 
 import numpy as np
 
+from compare.evidence.entries import Entries
 from compare.scenes import catalogue
 from lowfi.random_errors.chain import Chain, ChainState, Law, ball_stiffness, calibrated, solve_chain
 from lowfi.random_errors.ensemble import Ensemble, Percentile, Quantity, percentile, solve_ensemble
 from meshes.arrays import Array
 from meshes.helix import lead_angle
+from meshes.parts import Scene
 
 #: What the source leaves open.
 ASSUMED = (
@@ -20,14 +22,6 @@ ASSUMED = (
     "Stiffness is the tangent dF/du at the loaded end: the step of load of (22) is not printed.",
     "Drawn errors are independent and uniform in +-e; the draws of the source are not printed.",
 )
-#: The screw of Table 2 and section 3.2.1.
-SCREW = catalogue.scene("liu-screw")
-BALLS, PITCH_RADIUS, PITCH = SCREW.ball_count, SCREW.track.pitch_radius, SCREW.track.lead
-BALL_DIAMETER, GROOVE_RADIUS = 2.0 * SCREW.balls.radius, SCREW.screw.groove_radius
-CONTACT_ANGLE, LEAD_ANGLE = SCREW.track.contact_angle, lead_angle(SCREW.track)
-YOUNG, POISSON = SCREW.balls.material.youngs_modulus, SCREW.balls.material.poissons_ratio
-#: The calibration: Q78/Q1 without errors, at the load of the scene [N].
-RATIO, RATIO_LOAD = 0.862, SCREW.loads[0].force[2]
 #: Drawn screws; seed; loads at which they are solved [N].
 MEMBERS, SEED = 5000, 2025
 LOADS: dict[int, tuple[float, ...]] = {
@@ -39,23 +33,49 @@ LOADS[2] = (100.0, 500.0, 1000.0, 1100.0, 1500.0, 2000.0, 2100.0, 2137.0, 3000.0
 UNLIKELY = 0.005
 
 
+def liu_screw() -> Scene:
+    """The screw of Table 2 and section 3.2.1; its load is that of section 4.1."""
+    return catalogue.scene("liu-screw")
+
+
+@cache
+def balls() -> int:
+    """Number of its balls."""
+    return liu_screw().ball_count
+
+
+@cache
+def printed_ratio() -> float:
+    """Q78/Q1 without errors of section 4.1: the input that the chain's compliance is calibrated to."""
+    return Entries("liu-4.1").printed("ratio")
+
+
+def calibration_load() -> float:
+    """Load [N] of that ratio, section 4.1's and the scene's."""
+    return liu_screw().loads[0].force[2]
+
+
 @cache
 def screw(law: Law = "implicit") -> Chain:
     """The calibrated chain by a reading of the contact angle; the source's is "implicit"."""
-    stiffness = ball_stiffness(BALL_DIAMETER, PITCH_RADIUS, GROOVE_RADIUS, CONTACT_ANGLE, YOUNG, POISSON)
-    distance = 2.0 * GROOVE_RADIUS - BALL_DIAMETER
-    plain = Chain(BALLS, stiffness, 0.0, distance, CONTACT_ANGLE, LEAD_ANGLE, law)
-    return calibrated(plain, RATIO, RATIO_LOAD)
+    scene = liu_screw()
+    track, steel, groove, diameter = scene.track, scene.balls.material, scene.screw.groove_radius, 2.0 * scene.balls.radius
+    stiffness = ball_stiffness(
+        diameter, track.pitch_radius, groove, track.contact_angle, steel.youngs_modulus, steel.poissons_ratio
+    )
+    plain = Chain(balls(), stiffness, 0.0, 2.0 * groove - diameter, track.contact_angle, lead_angle(track), law)
+    return calibrated(plain, printed_ratio(), calibration_load())
 
 
 def implied_area(balls_a_turn: float) -> float:
     """Area [m^2] of screw and nut in series, 1/(1/A_n + 1/A_s), that the calibration implies."""
-    return PITCH / balls_a_turn / (YOUNG * screw().compliance)
+    scene = liu_screw()
+    return scene.track.lead / balls_a_turn / (scene.balls.material.youngs_modulus * screw().compliance)
 
 
 def one_error(error: float) -> Array:
     """Errors [m] with that of ball 33 only."""
-    errors = np.zeros(BALLS)
+    errors = np.zeros(balls())
     errors[32] = error
     return errors
 

@@ -29,7 +29,7 @@ def sample_of(key: str) -> Array:
     name, which, load = key.removesuffix("_again").split("_")
     values = case.sample(2 if which in SETS else int(which), NAMES[name], float(load))
     if name == "unloaded":
-        return case.BALLS - values
+        return case.balls() - values
     return 1e-8 * values if name == "K" else values
 
 
@@ -74,11 +74,11 @@ def section_4_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every t
         ("unloaded_3_1000", 42, 43),
     ):
         placed(e, key, fewer_given(int(key.split("_")[1]), at_500, at_1000))
-    every = [case.sample(h, "loaded", 2137.0) == case.BALLS for h in RANGES]
+    every = [case.sample(h, "loaded", 2137.0) == case.balls() for h in RANGES]
     holds, words = share(np.logical_and.reduce(every))
     alone = ", ".join(f"{np.mean(m):.3f}" for m in every)
     e.claim("all_2137", holds, f"{words} (singly {alone})")
-    e.claim("all_5000", *share(case.sample(2, "loaded", 5000.0) == case.BALLS))
+    e.claim("all_5000", *share(case.sample(2, "loaded", 5000.0) == case.balls()))
     e.claim("fewer", *share(falling("loaded", 100.0) & falling("loaded", 500.0)))
     width = {(h, f): case.sample(h, "largest", f) - case.sample(h, "smallest", f) for h in RANGES for f in (1000.0, 5000.0)}
     grows = [width[h, 5000.0] > width[h, 1000.0] for h in RANGES]
@@ -112,13 +112,13 @@ def spreads(load: float) -> Array:
 def relative_to_none(key: str, printed: float, reference: float) -> str:
     """Percentile of a stiffness over that without errors: an offset of the contact stiffness drops out."""
     h, load = int(key.split("_")[1]), float(key.split("_")[2])
-    own = case.sample(h, "stiffness", load) / solve_chain(case.screw(), np.zeros(case.BALLS), load).stiffness
+    own = case.sample(h, "stiffness", load) / solve_chain(case.screw(), np.zeros(case.balls()), load).stiffness
     return "over the value without errors: " + case.place_in(own, printed / reference, 0.0)[1]
 
 
 def secant(load: float, step: float) -> float:
     """Stiffness (22) without errors [1e8 N/m] from a load on, by a step of load [N]."""
-    chain, zero = case.screw(), np.zeros(case.BALLS)
+    chain, zero = case.screw(), np.zeros(case.balls())
     moved = [solve_chain(chain, zero, f).displacement for f in (load, load + step)]
     return 1e-8 * step / (moved[1] - moved[0])
 
@@ -126,14 +126,14 @@ def secant(load: float, step: float) -> float:
 def section_4_4(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Section 4.4."""
     e = Entries("liu-4.4")
-    free = 1e-8 * solve_chain(case.screw(), np.zeros(case.BALLS), 3000.0).stiffness
+    free = 1e-8 * solve_chain(case.screw(), np.zeros(case.balls()), 3000.0).stiffness
     bare = e.printed("K_0_3000")
     for row in (f.printed for f in e.evidence()):
         if row.value is not None and row.key.startswith("K_") and row.key != "K_0_3000":
             near = row.key.endswith("_3000")
             placed(e, row.key, *((relative_to_none(row.key, row.value, bare),) if near else ()))
     other = {
-        law: 1e-8 * solve_chain(case.screw(law), np.zeros(case.BALLS), 3000.0).stiffness for law in ("exact", "constant")
+        law: 1e-8 * solve_chain(case.screw(law), np.zeros(case.balls()), 3000.0).stiffness for law in ("exact", "constant")
     }
     words = "; ".join(f"{law} contact angle {value:.3f}" for law, value in other.items())
     e.number("K_0_3000", free, f"{words}; (22) with a step of 100 N {secant(3000.0, 100.0):.3f}")
@@ -165,6 +165,6 @@ def _claims(e: Entries) -> None:
         f"in all of {3 * case.MEMBERS} drawn screws, {case.LOADS[1][0]:.0f} to 5000 N",
     )
     e.claim("softer", *share(falling("stiffness", 500.0)))
-    free = solve_chain(case.screw(), np.zeros(case.BALLS), 3000.0).stiffness
+    free = solve_chain(case.screw(), np.zeros(case.balls()), 3000.0).stiffness
     off = [100.0 * (np.median(case.sample(h, "stiffness", 3000.0)) / free - 1.0) for h in RANGES]
     e.words("meet", ", ".join(f"{x:.1f}" for x in off) + " % in the median of drawn screws")

@@ -14,6 +14,7 @@ from compare.models.study import Study
 from lowfi.random_errors.chain import Chain, end_ratio, solve_chain
 from lowfi.random_errors.elimination import solve_by_elimination
 from lowfi.random_errors.ensemble import draw_errors
+from meshes.helix import lead_angle
 
 #: Drawn screws on which the two algorithms are compared, or that are solved one by one.
 FEW = 20
@@ -22,13 +23,16 @@ FEW = 20
 def section_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Section 2.1 and Table 2."""
     e = Entries("liu-2")
-    mm = {"R": case.PITCH_RADIUS, "D": case.BALL_DIAMETER, "P_h": case.PITCH, "r": case.GROOVE_RADIUS}
+    scene = case.liu_screw()
+    track, balls, angle, lead = scene.track, scene.balls, scene.track.contact_angle, lead_angle(scene.track)
+    mm = {"R": track.pitch_radius, "D": 2.0 * balls.radius, "P_h": track.lead, "r": scene.screw.groove_radius}
     e.numbers({key: 1e3 * value for key, value in mm.items()})
-    e.numbers({"alpha_0": degrees(case.CONTACT_ANGLE), "M": float(case.BALLS), "E": 1e-9 * case.YOUNG, "nu": case.POISSON})
-    e.number("lead_angle", degrees(case.LEAD_ANGLE), "from pitch and radius")
+    steel = {"E": 1e-9 * balls.material.youngs_modulus, "nu": balls.material.poissons_ratio}
+    e.numbers({"alpha_0": degrees(angle), "M": float(scene.ball_count), **steel})
+    e.number("lead_angle", degrees(lead), "from pitch and radius")
     parts = [e.printed(key) for key in ("v_2pi", "ball_error", "profile_error")]
     e.numbers(dict(zip(("v_2pi", "ball_error", "profile_error"), parts, strict=True)))
-    right = parts[0] * sin(case.CONTACT_ANGLE) * cos(case.LEAD_ANGLE) + parts[1] + parts[2]
+    right = parts[0] * sin(angle) * cos(lead) + parts[1] + parts[2]
     e.number("range", right, as_printed=sum(parts))
     e.numbers({f"e_{h}": float(h) for h in case.LOADS})
     e.claim("plus_or_minus", False, "the plus sign draws in [e, 3 e], the minus sign in [-e, e]")
@@ -38,7 +42,7 @@ def section_2(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
 def loosest_agreement() -> tuple[int, int, float]:
     """Of ``FEW`` screws of +-2 um at 500 N: those with the same active set by both algorithms; most rounds of the
     elimination; largest difference of a load over the largest load."""
-    errors = draw_errors(case.SEED, 0, FEW, case.BALLS, 2e-6)
+    errors = draw_errors(case.SEED, 0, FEW, case.balls(), 2e-6)
     same, rounds, worst = 0, 0, 0.0
     for e in errors:
         ours, other = solve_chain(case.screw(), e, 500.0), solve_by_elimination(case.screw(), e, 500.0)
@@ -51,7 +55,7 @@ def loosest_agreement() -> tuple[int, int, float]:
 def section_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Section 3."""
     e = Entries("liu-3")
-    steps = max(solve_chain(case.screw(), x, 500.0).iterations for x in draw_errors(case.SEED, 0, FEW, case.BALLS, 2e-6))
+    steps = max(solve_chain(case.screw(), x, 500.0).iterations for x in draw_errors(case.SEED, 0, FEW, case.balls(), 2e-6))
     same, rounds, worst = loosest_agreement()
     e.claim(
         "newton",
@@ -60,12 +64,12 @@ def section_3(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every tab
         f"the same in {same} of {FEW}, in up to {rounds} rounds, loads to {worst:.0e}",
     )
     loaded = {f: case.sample(2, "loaded", f) for f in (500.0, 1000.0, 1500.0, 2000.0)}
-    share = float(np.mean(loaded[2000.0] == case.BALLS))
+    share = float(np.mean(loaded[2000.0] == case.balls()))
     e.claim("all_2000", share >= case.UNLIKELY, f"probability {share:.3f}")
     for key, load in (("unloaded_1500", 1500.0), ("unloaded_500", 500.0)):
-        sample = case.BALLS - loaded[load]
+        sample = case.balls() - loaded[load]
         e.number(key, float(np.median(sample)), case.place_in(sample, e.printed(key), 0.0)[1])
-    exactly = {f: float(np.mean(loaded[f] == case.BALLS - 1)) for f in (1000.0, 1500.0)}
+    exactly = {f: float(np.mean(loaded[f] == case.balls() - 1)) for f in (1000.0, 1500.0)}
     e.words("caption_1000", "probability of exactly one: {:.3f} at 1000 N, {:.3f} at 1500 N".format(*exactly.values()))
     e.numbers({"load": e.printed("load"), "free_length": e.printed("free_length")})
     ratio = case.sample(3, "smallest", 3000.0) / case.sample(3, "largest", 3000.0)
@@ -84,26 +88,26 @@ def mei() -> Chain:
 
 def mei_deviations(chain: Chain, errors: np.ndarray[tuple[int], np.dtype[np.float64]]) -> tuple[float, float]:
     """Largest deviation of a chain's loads from Mei's at 5000 N [%], over Mei's load and over the chain's."""
-    own = solve_chain(chain, errors, case.RATIO_LOAD).load
-    other = solve_chain(replace(chain, law="constant"), errors, case.RATIO_LOAD).load
+    own = solve_chain(chain, errors, case.calibration_load()).load
+    other = solve_chain(replace(chain, law="constant"), errors, case.calibration_load()).load
     return float(100.0 * np.abs(1.0 - own / other).max()), float(100.0 * np.abs(other / own - 1.0).max())
 
 
 def section_4_1(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
     """Section 4.1."""
-    e = Entries("liu-4.1")
+    e, load = Entries("liu-4.1"), case.calibration_load()
     area = 1e6 * case.implied_area(26.0)
     words = f"compliance of a segment {case.screw().compliance:.4g} m/N"
     words += f": with 26 balls a turn, areas in series 1/(1/A_n + 1/A_s) = {area:.0f} mm2"
-    e.number("ratio", end_ratio(case.screw(), case.RATIO_LOAD), words)
-    exact = end_ratio(replace(case.screw("exact"), law="constant"), case.RATIO_LOAD)
-    e.number("ratio_mei", end_ratio(mei(), case.RATIO_LOAD), f"beside the exact contact angle it would be {exact:.4f}")
-    zero = np.zeros(case.BALLS)
+    e.number("ratio", end_ratio(case.screw(), load), words)
+    exact = end_ratio(replace(case.screw("exact"), law="constant"), load)
+    e.number("ratio_mei", end_ratio(mei(), load), f"beside the exact contact angle it would be {exact:.4f}")
+    zero = np.zeros(case.balls())
     found = [x for law in ("implicit", "exact") for x in mei_deviations(case.screw(law), zero)]
     e.number("deviation", found[0], "implicit {:.2f} of Mei's, {:.2f} of its own load; exact {:.2f}, {:.2f}".format(*found))
-    less = solve_chain(mei(), zero, case.RATIO_LOAD).load - case.single(0.0, case.RATIO_LOAD).load
+    less = solve_chain(mei(), zero, load).load - case.single(0.0, load).load
     e.claim("smaller", bool(np.all(less > 0.0)), f"by {less.min():.2f} to {less.max():.2f} N")
-    errors = draw_errors(case.SEED, 0, FEW, case.BALLS, 2e-6)
+    errors = draw_errors(case.SEED, 0, FEW, case.balls(), 2e-6)
     worst = [mei_deviations(case.screw(), x)[0] for x in errors]
     e.claim("deviation_errors", max(worst) <= 2.875, f"{min(worst):.2f} to {max(worst):.2f} % in {FEW} drawn screws")
     return e.evidence()

@@ -42,7 +42,7 @@ def loads_of_others() -> tuple[float, float]:
     errors = case.one_error(2e-6)
     return (
         first_carrying_load(case.screw(), errors, 0, LIGHT),
-        first_carrying_load(case.screw(), errors, case.BALLS - 1, LIGHT),
+        first_carrying_load(case.screw(), errors, case.balls() - 1, LIGHT),
     )
 
 

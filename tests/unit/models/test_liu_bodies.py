@@ -25,7 +25,7 @@ def test_an_error_is_the_diameter_of_a_ball():
 
 
 def test_chain_shares_the_load_as_the_beam_does_on_average():
-    errors = np.zeros(case.BALLS)
+    errors = np.zeros(case.balls())
     beam = Study().solve(bodies.with_errors(SCENE, errors, 5000.0)).load[:, 0]
     axial = solve_chain(bodies.same_screw(SCENE), errors, 5000.0).load
     assert beam.mean() == pytest.approx(axial.mean(), rel=2e-3)
@@ -34,4 +34,4 @@ def test_chain_shares_the_load_as_the_beam_does_on_average():
     one = bodies.Compared("none", 5000.0, axial, beam, beam)
     rms, most, ball = one.off(beam)
     assert 0.0 < rms < abs(most) < 5.0
-    assert 1 <= ball <= case.BALLS
+    assert 1 <= ball <= case.balls()
