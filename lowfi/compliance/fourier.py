@@ -14,9 +14,9 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.linalg import solveh_banded
+from scipy.linalg import cholesky_banded, solveh_banded
 from scipy.linalg.blas import dtrsm
-from scipy.linalg.lapack import dpotrf
+from scipy.linalg.lapack import dpotrf, dtbtrs
 
 from meshes.arrays import Array, Index
 
@@ -130,6 +130,22 @@ def solved(bands: Array, n: int, loads: Array) -> Array:
     """
     K = np.tensordot(factor_c(n) * np.array([1.0, n, n * n]), bands, 1)
     return np.asarray(solveh_banded(K, loads, overwrite_ab=True, lower=True, check_finite=False))
+
+
+def on_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array, Array]:
+    """Harmonic n with all but the ``last`` freedoms of `Body.bands` condensed: stiffness S ``(last, last)`` and loads g
+    ``(last, c)`` on these, by ``loads`` ``(k, c)`` on all, and the work ``(c, c)`` of these with the last ones held.
+
+    Raises LinAlgError where these do not hold the body.
+    """
+    K = np.tensordot(factor_c(n) * np.array([1.0, n, n * n]), bands, 1)
+    L = cholesky_banded(K, overwrite_ab=True, lower=True, check_finite=False)
+    Y = dtbtrs(L, loads, uplo="L")[0]
+    before = L.shape[1] - last
+    place = np.arange(last)
+    below = place[:, None] - place
+    corner = np.where((below >= 0) & (below < len(L)), L[np.clip(below, 0, len(L) - 1), before + place], 0.0)
+    return corner @ corner.T, corner @ Y[before:], Y[:before].T @ Y[:before]
 
 
 @dataclass(frozen=True)
