@@ -6,7 +6,7 @@ Both fidelities read these records and nothing else of each other.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import Literal
+from typing import Any, Literal
 
 #: Contact sides in the order of every ``(n, 4)`` array: screw left, screw right, nut left, nut right.
 SIDES = ("SL", "SR", "NL", "NR")
@@ -333,6 +333,17 @@ class Scene:
     circulation: Circulation | None = field(default=None, repr=False)
     time: Time | None = field(default=None, repr=False)
     gate: GateLimits = field(default_factory=GateLimits, repr=False, compare=False)
+
+    def __hash__(self) -> int:
+        """Hash of the fields that are compared, kept once computed: many caches are looked up by scenes."""
+        found: int | None = self.__dict__.get("_hash")
+        if found is None:
+            found = self.__dict__["_hash"] = hash(tuple(getattr(self, f.name) for f in fields(self) if f.compare))
+        return found
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields alone: words have another hash in another process."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @property
     def stations(self) -> list[float]:

@@ -153,6 +153,7 @@ def contact_frames(scene: Scene, layout: BallLayout, screw: bool, flanks: Sequen
     return np.concatenate(x), np.concatenate([axes_of(layout)] * len(flanks))
 
 
+@lru_cache(maxsize=64)
 def geometry_only(scene: Scene) -> Scene:
     """The scene without loads, supports, errors, words and choices: what the bodies' compliance depends on."""
     return Scene(
@@ -167,6 +168,13 @@ def geometry_only(scene: Scene) -> Scene:
     )
 
 
+@lru_cache(maxsize=64)
+def with_balls(scene: Scene) -> tuple[Scene, Array]:
+    """The scene without all but the parts and the balls' own places, and their azimuths ``(N,)`` [rad]."""
+    return replace(geometry_only(scene), balls=scene.balls), ball_layout(scene).azimuth
+
+
+@lru_cache(maxsize=64)
 def flank_of(scene: Scene, screw: bool) -> Flank:
     """Groove of screw or nut on half a lead, or on half a ring's width. Raises ValueError for impossible dimensions."""
     dims = dimensions(scene)
@@ -179,6 +187,7 @@ def flank_of(scene: Scene, screw: bool) -> Flank:
     return Flank(m, land, far, screw, float(half), (scene.screw if screw else scene.nut).material)
 
 
+@lru_cache(maxsize=64)
 def held_at(scene: Scene, screw: bool) -> str:
     """Where the smooth body is held: see `Tube`; "rigid" where the body does not move beyond its contacts."""
     dims = dimensions(scene)
@@ -333,8 +342,8 @@ def whole_body(scene: Scene, layout: BallLayout, screw: bool, backend: Backend, 
     """
     if held_at(geometry_only(scene), screw) == "rigid":
         return np.zeros((2 * len(flanks) * layout.z.size,) * 2)
-    geometry = replace(geometry_only(scene), balls=scene.balls)
-    if np.array_equal(layout.azimuth, ball_layout(scene).azimuth):
+    geometry, azimuths = with_balls(scene)
+    if np.array_equal(layout.azimuth, azimuths):
         return of_flanks(_whole_body(geometry, screw, backend), flanks)
     return _body_at(geometry, layout, screw, backend, flanks)
 
@@ -380,5 +389,15 @@ def ball_compliance(scene: Scene, semi_axes: tuple[float, float], backend: Backe
 
 def forget() -> None:
     """Clear the per-geometry caches, so that the next solve is timed with its set-up."""
-    for kept in (grooved_section, smooth_compliance, whole_ring, own_flank, _whole_body):
+    for kept in (
+        geometry_only,
+        with_balls,
+        flank_of,
+        held_at,
+        grooved_section,
+        smooth_compliance,
+        whole_ring,
+        own_flank,
+        _whole_body,
+    ):
         kept.cache_clear()

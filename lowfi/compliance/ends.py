@@ -8,12 +8,12 @@ reciprocity a contact that presses inward moves the high end away.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from lowfi.compliance.bodies import Backend, contact_frames, geometry_only, held_at, smooth_compliance
+from lowfi.compliance.bodies import Backend, contact_frames, geometry_only, held_at, smooth_compliance, with_balls
 from lowfi.compliance.bodies import forget as forget_bodies
 from lowfi.compliance.tube import TubeCompliance, cantilever, end_springs, motion_rows, on_line, patch_weights, points_of
 from meshes.arrays import Array
@@ -40,8 +40,8 @@ def end_response(scene: Scene, layout: BallLayout, backend: Backend) -> EndRespo
     """
     if backend.screw != "kernel" or held_at(geometry_only(scene), True) != "section":
         return None
-    parts = replace(geometry_only(scene), balls=scene.balls)
-    if np.array_equal(layout.azimuth, ball_layout(scene).azimuth):
+    parts, azimuths = with_balls(scene)
+    if np.array_equal(layout.azimuth, azimuths):
         return _kept(parts, backend)
     return _response(parts, layout, backend)
 

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular, solveh_banded
+from scipy.linalg import cholesky_banded, solveh_banded
+from scipy.linalg.blas import dtrsm
+from scipy.linalg.lapack import dpotrf, dtbtrs
 
 from meshes.arrays import Array, Index
 
@@ -130,10 +132,26 @@ def solved(bands: Array, n: int, loads: Array) -> Array:
     return np.asarray(solveh_banded(K, loads, overwrite_ab=True, lower=True, check_finite=False))
 
 
+def on_last(bands: Array, n: int, loads: Array, last: int) -> tuple[Array, Array, Array]:
+    """Harmonic n with all but the ``last`` freedoms of `Body.bands` condensed: stiffness S ``(last, last)`` and loads g
+    ``(last, c)`` on these, by ``loads`` ``(k, c)`` on all, and the work ``(c, c)`` of these with the last ones held.
+
+    Raises LinAlgError where these do not hold the body.
+    """
+    K = np.tensordot(factor_c(n) * np.array([1.0, n, n * n]), bands, 1)
+    L = cholesky_banded(K, overwrite_ab=True, lower=True, check_finite=False)
+    Y = dtbtrs(L, loads, uplo="L")[0]
+    before = L.shape[1] - last
+    place = np.arange(last)
+    below = place[:, None] - place
+    corner = np.where((below >= 0) & (below < len(L)), L[np.clip(below, 0, len(L) - 1), before + place], 0.0)
+    return corner @ corner.T, corner @ Y[before:], Y[:before].T @ Y[:before]
+
+
 @dataclass(frozen=True)
 class Block:
-    """Freedoms ``(k,)`` and the parts K_0, K_1, K_2 of their own block ``(3, k, k)`` and of that to the block before
-    ``(3, k, j)``."""
+    """Freedoms ``(k,)`` and the parts K_0, K_1, K_2 of their own block ``(3, k, k)`` and of that between the first of them
+    and the block before ``(3, m, j)``."""
 
     own: Index
     diagonal: Array
@@ -144,32 +162,50 @@ class Body:
     """A body of revolution, assembled once for all harmonics."""
 
     def __init__(self, grid: Grid, young: float, poisson: float) -> None:
-        """Assemble the parts of K. Raises ValueError for an element turned inside out."""
+        """Find the parts of K of all elements. Raises ValueError for an element turned inside out."""
         self.grid = grid
-        cells = grid.cells()
+        self.elements = np.stack(element_matrices(grid, young, poisson))
+
+    @cached_property
+    def parts(self) -> tuple[sp.csr_matrix, ...]:
+        """K_0, K_1, K_2 ``(3 nodes, 3 nodes)``, which hold the same entries."""
+        cells = self.grid.cells()
         dof = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 27)
         row = np.repeat(dof, 27, axis=1).ravel()
         column = np.tile(dof, (1, 27)).ravel()
-        size = 3 * grid.r.size
-        self.parts = tuple(
-            sp.coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr() for k in element_matrices(grid, young, poisson)
-        )
+        size = 3 * self.grid.r.size
+        return tuple(sp.coo_matrix((k.ravel(), (row, column)), (size, size)).tocsr() for k in self.elements)
+
+    def rows(self) -> Array:
+        """The parts of K of each row of elements along r, ``(3, rows, 3, m, 3, m)``: of its three lines of m freedoms."""
+        count, columns = (n // 2 for n in self.grid.shape)
+        own = self.elements.reshape(3, count, columns, *(3,) * 6)
+        width = self.grid.shape[1]
+        out = np.zeros((3, count, 3, width, 3, 3, width, 3))
+        for j in range(columns):
+            at = slice(2 * j, 2 * j + 3)
+            out[:, :, :, at, :, :, at] += own[:, :, j]
+        return out.reshape(3, count, 3, 3 * width, 3, 3 * width)
 
     def blocks(self, held: NDArray[np.bool_]) -> list[Block]:
         """The parts of K by pairs of grid lines along z: freedoms that are not held, own block, block to the one before.
 
-        Line 0 alone, then lines 2 k - 1 and 2 k: elements join neighbouring blocks only.
+        Lines 2 k and 2 k + 1, the last one alone: only the first line of a block is joined to the block before.
         """
-        count, columns = self.grid.shape
-        edges = [0, *range(1, count, 2), count]
+        rows, width = self.rows(), 3 * self.grid.shape[1]
         found: list[Block] = []
         before = np.zeros(0, dtype=np.int64)
-        for a, b in pairwise(edges):
-            own = 3 * columns * a + np.flatnonzero(~held[3 * columns * a : 3 * columns * b])
-            rows = [part[own] for part in self.parts]
-            found.append(
-                Block(own, np.stack([r[:, own].toarray() for r in rows]), np.stack([r[:, before].toarray() for r in rows]))
-            )
+        for k in range(rows.shape[1] + 1):
+            lines = 2 if k < rows.shape[1] else 1
+            own = np.flatnonzero(~held[2 * k * width : (2 * k + lines) * width])
+            whole = np.zeros((3, lines * width, lines * width))
+            if lines == 2:
+                whole += rows[:, k, :2, :, :2].reshape(whole.shape)
+            if k:
+                whole[:, :width, :width] += rows[:, k - 1, 2, :, 2]
+            lower = rows[:, k - 1, 2, :, :2].reshape(3, width, 2 * width)
+            first = own[own < width]
+            found.append(Block(2 * k * width + own, whole[:, own[:, None], own], lower[:, first[:, None], before]))
             before = own
         return found
 
@@ -251,35 +287,51 @@ def line_compliance(
 
 
 def _sweep(body: Body, blocks: list[Block], n: int, watched: Index, springs: Sequence[float]) -> Array:
-    """Block Cholesky along z, forward only: with K = L L^T and Y = L^-1 E the answer is Y^T Y."""
+    """Block Cholesky along z, forward only: with K = L L^T and Y = L^-1 E the answer is Y^T Y.
+
+    Of a block X = L^-1 (C^T, E), C to the first line of the block after it: X^T X is what that line and its loads lose,
+    and a share of the answer.
+    """
     powers = factor_c(n) * np.array([1.0, n, n * n])
-    seen = np.zeros(0, dtype=np.int64)
-    total = int(watched.max()) + 1
     ends = end_motions(body, n) if springs else np.zeros((0, 0))
-    answer = np.zeros((total + len(ends),) * 2)
-    Y_before, L_before = np.zeros((0, 0)), np.zeros((0, 0))
+    total = int(watched.max()) + 1
+    found, seen = np.zeros((total + len(ends),) * 2), np.zeros(0, dtype=np.int64)
+    lost, loads = np.zeros((0, 0)), np.zeros((0, 0))
     for k, block in enumerate(blocks):
-        own = block.own
+        own, last = block.own, k == len(blocks) - 1
         diagonal = np.tensordot(powers, block.diagonal, 1)
+        diagonal[: len(lost), : len(lost)] -= lost
         if k == 0 and len(ends):
-            low = ends[:, own]
-            diagonal += low.T @ (np.array(springs[2:] if n == 0 else springs[:2])[:, None] * low)
+            low = ends[:, own[own < ends.shape[1]]]
+            size = low.shape[1]
+            diagonal[:size, :size] += low.T @ (np.array(springs[2:] if n == 0 else springs[:2])[:, None] * low)
         new = np.flatnonzero(watched[own] >= 0)
-        high = total + np.arange(len(ends) if k == len(blocks) - 1 else 0)
-        Y = np.zeros((own.size, seen.size + new.size + high.size))
-        if L_before.size and own.size:
-            lower = solve_triangular(L_before, np.tensordot(powers, block.lower, 1).T, lower=True, check_finite=False)
-            diagonal -= lower.T @ lower
-            Y[:, : seen.size] = -lower.T @ Y_before
-        Y[new, seen.size + np.arange(new.size)] = 1.0
-        if high.size:
-            line = own - (3 * body.grid.r.size - ends.shape[1])
-            Y[line >= 0, -high.size :] = ends[:, line[line >= 0]].T
+        high = total + np.arange(len(ends) if last else 0)
+        after = 0 if last else blocks[k + 1].lower.shape[1]
+        known = after + seen.size
+        X = np.zeros((own.size, known + new.size + high.size), order="F")
+        if not last:
+            X[:, :after] = np.tensordot(powers, blocks[k + 1].lower, 1).T
+        X[: len(loads), after:known] = -loads
+        X[new, known + np.arange(new.size)] = 1.0
+        if high.size:  # the last block is the last line
+            X[:, -high.size :] = ends[:, own - (3 * body.grid.r.size - ends.shape[1])].T
         seen = np.concatenate([seen, watched[own[new]], high])
-        if own.size == 0:
-            Y_before, L_before = np.zeros((0, seen.size)), np.zeros((0, 0))
-            continue
-        L_before = cholesky(diagonal, lower=True, check_finite=False)
-        Y_before = solve_triangular(L_before, Y, lower=True, overwrite_b=True, check_finite=False)
-        answer[np.ix_(seen, seen)] += Y_before.T @ Y_before
+        P = forward(diagonal, X)
+        lost, loads = P[:after, :after], P[:after, after:]
+        found[: seen.size, : seen.size] += P[after:, after:]
+    answer = np.zeros_like(found)
+    answer[np.ix_(seen, seen)] = found[: seen.size, : seen.size]
     return answer
+
+
+def forward(K: Array, X: Array) -> Array:
+    """X^T K^-1 X of a symmetric K ``(k, k)``, by its Cholesky factor; both are overwritten. Raises LinAlgError where K is
+    not positive."""
+    if K.size == 0:
+        return np.zeros((X.shape[1],) * 2)
+    L, fault = dpotrf(K.T, lower=1, clean=0, overwrite_a=1)  # symmetric, so that the transpose is K in LAPACK's order
+    if fault:
+        raise np.linalg.LinAlgError("the body is not held")
+    Y = dtrsm(1.0, L, X, lower=1, overwrite_b=1)
+    return np.asarray(Y.T @ Y)

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from lowfi.compliance.cell import cell_grid
-from lowfi.compliance.fourier import Body, Grid, quadratic, refine_lines, solved, tube_grid
+from lowfi.compliance.fourier import Body, Grid, on_last, quadratic, refine_lines, solved, tube_grid
 from lowfi.compliance.sphere import expansion
 from lowfi.compliance.tube import Tube, patch_weights, radial_ends
 from meshes.arrays import Array
@@ -135,28 +135,28 @@ def own_motion(flank: Flank, grid: Grid, load: tuple[Array, Array], width: float
 
     load: the patch's forces on the grid ``(rows, columns, 3)`` for equal loads on both flanks and for opposite ones.
     """
-    young, poisson = flank.material.youngs_modulus, flank.material.poissons_ratio
-    body = Body(grid, young, poisson)
+    rows, columns = grid.shape
+    turned = Grid(grid.r[::-1], -grid.z[::-1])  # so that the plane between both flanks comes last
+    body = Body(turned, flank.material.youngs_modulus, flank.material.poissons_ratio)
+    forces = np.stack([(force[::-1] * np.array([1.0, 1.0, -1.0])).ravel() for force in load], axis=1)
+    held = np.zeros((rows, columns, 3), dtype=bool)
+    held[0] = True
+    if not flank.screw:
+        held[:, -1] = True
     n = harmonics_to(2.6 * radius / width)
-    total = 0.0
-    for equal, force in zip((True, False), load, strict=True):
-        held = np.zeros((*grid.shape, 3), dtype=bool)
-        held[0, :, 2 if equal else slice(0, 2)] = True
-        held[-1] = True
-        if not flank.screw:
-            held[:, -1] = True
-        values = np.empty(n.size)
-        kept: dict[bytes, Array] = {}
-        for k, harmonic in enumerate(n.tolist()):
-            free = ~held.ravel() & body.axis_free(harmonic)
-            key = free.tobytes()
-            if key not in kept:
-                kept[key] = body.bands(free)
-            f = force.ravel()[free]
-            values[k] = f @ solved(kept[key], harmonic, f)
-        values *= patch_shares(n.astype(float), width, radius)
-        total += 0.5 * series(n, values)
-    return total
+    values = np.empty((2, n.size))
+    kept: dict[bytes, Array] = {}
+    for k, harmonic in enumerate(n.tolist()):
+        free = ~held.ravel() & body.axis_free(harmonic)
+        if free.tobytes() not in kept:
+            kept[free.tobytes()] = body.bands(free)
+        along = np.flatnonzero(free[-3 * columns :]) % 3 == 2
+        S, g, work = on_last(kept[free.tobytes()], harmonic, forces[free], along.size)
+        for case, moves in enumerate((~along, along)):  # equal loads leave the plane where it is along z, opposite across
+            own = g[moves, case]
+            values[case, k] = work[case, case] + own @ np.linalg.solve(S[np.ix_(moves, moves)], own)
+    values *= patch_shares(n.astype(float), width, radius)
+    return 0.5 * sum(series(n, own) for own in values)
 
 
 def true_motion(flank: Flank, width: float) -> float:

@@ -16,8 +16,8 @@ from meshes.section import BeamSection
 #: the angle between two contacts, the others as the sine.
 PARTS = ((0, 0), (1, 1), (2, 2), (0, 2), (1, 0), (1, 2))
 EVEN = 4
-#: Signs of the products that make the sine of a difference: sin s cos t - cos s sin t.
-SKEW = np.array([[1.0], [-1.0]])
+#: Numbers of a harmonic's motions times harmonics that are taken together: those of 32 contacts, and not much memory.
+TOGETHER = 200_000
 #: Points and weights of the quadrature over a patch, and the shapes of an element there.
 NODE, WEIGHT = np.polynomial.legendre.leggauss(8)
 SHAPES = quadratic(NODE)[0]
@@ -43,13 +43,14 @@ class Tube:
 @dataclass(frozen=True)
 class TubeCompliance:
     """Motion [m/N] of the loaded grid line by loads on it at stations z ``(k,)`` [m]: for each harmonic the parts ``PARTS``
-    of a symmetric matrix, side by side ``(k, 6 k)``. Of a shaft held by its section, for harmonics 0 and 1, by loads on the
+    of a symmetric matrix, side by side ``(harmonics, k, 6 k)``. Of a shaft held by its section, for harmonics 0 and 1, by
+    loads on the
     mean motions of its high end (`lowfi.compliance.fourier.end_motions`): ends ``(2, 3, k)``, the line (r, t, z), and
     own ``(2, 2)``, these motions themselves."""
 
     tube: Tube
     z: Array
-    parts: tuple[Array, ...]
+    parts: Array
     ends: tuple[Array, ...] = ()
     own: tuple[Array, ...] = ()
 
@@ -131,7 +132,7 @@ def tube_compliance(tube: Tube, zone: tuple[float, float]) -> TubeCompliance:
     springs = end_springs(tube) if tube.held == "section" else ()
     found = line_compliance(body, range(tube.harmonics + 1), held, line, rows, springs)
     size = 3 * (rows[1] - rows[0])
-    parts = tuple(np.hstack([S[i:size:3, j:size:3] for i, j in PARTS]) for S in found)
+    parts = np.array([np.hstack([S[i:size:3, j:size:3] for i, j in PARTS]) for S in found])
     ends = tuple(S[size:, :size].reshape(2, -1, 3).swapaxes(1, 2) for S in found[:2]) if springs else ()
     own = tuple(S[size:, size:] for S in found[:2]) if springs else ()
     return TubeCompliance(tube, z[rows[0] : rows[1]], parts, ends, own)
@@ -165,18 +166,21 @@ def contact_compliance(found: TubeCompliance, points: Points, *, resultant: bool
     A load at azimuth s makes cos(n (t - s)) of radial and axial motion and sin(n (t - s)) of the other (the reverse if it
     acts around the axis), so that only the angle between two contacts counts.
     """
-    tube, count = found.tube, points.z.size
+    tube, k, count = found.tube, found.z.size, points.z.size
     weights = patch_weights(found.z, points.z, tube.width)
     total = np.zeros((count, len(PARTS), count))
-    by_load, moved = np.empty((count, len(PARTS) * found.z.size)), np.empty_like(total)  # written anew for each harmonic
-    for n, parts in enumerate(found.parts):
-        share = np.exp(-0.5 * (n * tube.width / tube.radius) ** 2) if n > 1 or not resultant else 1.0
-        np.matmul(weights, parts, out=by_load)
-        np.matmul(by_load.reshape(-1, found.z.size), weights.T, out=moved.reshape(-1, count))
-        turned = share * np.array([np.cos(n * points.azimuth), np.sin(n * points.azimuth)])
-        moved[:, :EVEN] *= (turned.T @ turned)[:, None]  # cosine and sine of n times the angle between two contacts
-        moved[:, EVEN:] *= (turned[::-1].T @ (SKEW * turned))[:, None]
-        total += moved
+    at_once = max(1, TOGETHER // total.size)
+    for first in range(0, len(found.parts), at_once):
+        parts = found.parts[first : first + at_once]
+        n = np.arange(first, first + len(parts))[:, None]
+        share = np.where(n > 1 if resultant else n >= 0, np.exp(-((n * tube.width / tube.radius) ** 2)), 1.0)
+        c, s = np.cos(n * points.azimuth), np.sin(n * points.azimuth)
+        c_load, s_load = (share * c)[:, None], (share * s)[:, None]
+        c, s = c[..., None], s[..., None]
+        moved = ((weights @ parts).reshape(-1, k) @ weights.T).reshape(-1, count, len(PARTS), count)
+        # cosine and sine of n times the angle between two contacts
+        total[:, :EVEN] += np.einsum("nipj,nij->ipj", moved[:, :, :EVEN], c * c_load + s * s_load)
+        total[:, EVEN:] += np.einsum("nipj,nij->ipj", moved[:, :, EVEN:], s * c_load - c * s_load)
     whole = np.empty((count, 3, 3, count))
     for k, (i, j) in enumerate(PARTS):
         whole[:, i, j], whole[:, j, i] = total[:, k], total[:, k].T

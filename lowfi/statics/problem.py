@@ -130,6 +130,16 @@ def drawn_hertz(scene: Scene, drawn: Specimen, ball_radius: Array | None = None)
     return constants_of(scene, nominal_curvatures(scene) + curvature_changes(scene, drawn, radius))
 
 
+def distinct_hertz(scene: Scene, drawn: Specimen, ball_radius: Array) -> HertzConstants:
+    """As `drawn_hertz` for balls of these radii ``(N,)`` [m], but one row for all of them where they are alike."""
+    if not (ball_radius == ball_radius[0]).all():
+        return drawn_hertz(scene, drawn, ball_radius)
+    exact = not drawn.profile.size and (drawn.radius == groove_radii(scene)).all()
+    if exact and ball_radius[0] == scene.balls.radius:
+        return nominal_hertz(scene)
+    return drawn_hertz(scene, drawn, ball_radius[:1])
+
+
 def actual_hertz(scene: Scene, drawn: Specimen, gamma: Array) -> HertzConstants:
     """Hertz constants ``(N, 4)`` at contact angles gamma ``(N, 4)`` [rad], from the exact surfaces with all errors.
 
@@ -197,11 +207,7 @@ def hertz_C(scene: Scene, drawn: Specimen, ball_radius: Array | None = None) -> 
     if kind in ("as printed", "error-free"):
         return _repeated(_as_printed(scene) if kind == "as printed" else nominal_hertz(scene).C, own.shape)
     if own.ndim == 1:
-        exact = not drawn.profile.size and (drawn.radius == groove_radii(scene)).all()
-        if exact and (own == scene.balls.radius).all():
-            return _repeated(nominal_hertz(scene).C, own.shape)
-        same = own[:1] if (own == own[0]).all() else own  # equal balls have equal constants
-        return _repeated(drawn_hertz(scene, drawn, same).C, own.shape)
+        return _repeated(distinct_hertz(scene, drawn, own).C, own.shape)
     # C is smooth in the radius: for many specimens a polynomial through few exact values has all digits
     middle, half = 0.5 * (own.max() + own.min()), max(0.5 * float(own.max() - own.min()), 1e-9)
     series = chebinterpolate(lambda x: drawn_hertz(scene, drawn, middle + half * x).C, NODES - 1)  # type: ignore[type-var]

@@ -138,8 +138,7 @@ def flank_response(shaft: Shaft, used: list[int]) -> tuple[Array, Array, Array]:
     for start in range(0, 2 * count, CHUNK):
         pick = np.arange(start, min(start + CHUNK, 2 * count))
         loads = np.zeros((size, pick.size))
-        for k in range(dof.shape[1]):
-            np.add.at(loads, (dof[pick // 2, k], np.arange(pick.size)), rows[pick // 2, pick % 2, k])
+        loads[dof[pick // 2].T, np.arange(pick.size)] = rows[pick // 2, pick % 2].T
         q = shaft.solve(loads)
         G[:, pick] = np.einsum("cak,ckp->cap", rows, q[dof]).reshape(2 * count, pick.size)
     own = free_state(shaft)

@@ -26,7 +26,7 @@ def test_one_set_is_the_model_of_one_set(case):
     scene = small_screw(**CASES[case])
     if case == "preloaded":
         scene = replace(scene, errors=replace(FLANK_ERRORS, balls=scene.errors.balls, **NO_PROFILES))
-    alone, found = solve_static(scene, engine="interpreted"), solved(one_set(scene))
+    alone, found = solve_static(scene, engine="compiled"), solved(one_set(scene))
     assert alone.converged
     own = found.sets[0].balls
     assert relative(own.load, alone.load) < 1e-11

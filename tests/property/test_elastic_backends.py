@@ -57,15 +57,15 @@ def random_scene(seed):
 
 @cache
 def solved(seed, backend):
-    return solve_elastic(random_scene(seed), backend=LADDER[backend], name=backend)
+    return solve_elastic(random_scene(seed), backend=LADDER[backend], name=backend, engine="compiled")
 
 
 def assembled(scene, backend):
     layout = ball_layout(scene)
     drawn, use = specimen(scene, layout), np.ones(4, dtype=bool)
-    plain = jit.kernels(jit.STATICS, compiled=False)
-    problem = Rebuild(scene, drawn, layout, use, None, backend, None, plain, False, 1).problem()
-    return ready(pin(problem, free_motions(problem)), backend, plain, layout)
+    kernels = jit.kernels(jit.STATICS, compiled=True)
+    problem = Rebuild(scene, drawn, layout, use, None, backend, None, kernels, False, 1).problem()
+    return ready(pin(problem, free_motions(problem)), backend, kernels, layout)
 
 
 @pytest.mark.parametrize("backend", LADDER)
@@ -136,7 +136,7 @@ def test_chords_lie_above_the_energy(seed, backend):
 @pytest.mark.parametrize("seed", SEEDS[2::3])
 def test_mirror_image(seed, backend):
     scene = random_scene(seed)
-    one, other = solved(seed, backend), solve_elastic(mirrored(scene), backend=LADDER[backend])
+    one, other = solved(seed, backend), solve_elastic(mirrored(scene), backend=LADDER[backend], engine="compiled")
     assert relative(other.load, one.load) < 1e-8
     assert relative(other.centreline, one.centreline * [1, -1, 1, -1, 1, -1]) < 1e-8
 
@@ -153,7 +153,9 @@ def test_turned_end_for_end(nut_held, backend):
     """Bodies, contacts and clamped faces exchange their ends; the shaft's kernel sends its forces to one end always."""
     scene = small_screw(12, 2.0, phase=0.3, oversize=3e-6, force=(150.0, -80.0, 2500.0), moment=(2.0, 3.0, 0.0))
     scene = replace(scene, solid=replace(scene.solid, nut_held=nut_held))
-    one, other = (solve_elastic(s, backend=LADDER[backend]) for s in (scene, swapped(end_for_end(scene))))
+    one, other = (
+        solve_elastic(s, backend=LADDER[backend], engine="compiled") for s in (scene, swapped(end_for_end(scene)))
+    )
     apart = relative(other.load[::-1, [1, 0, 3, 2]], one.load)
     assert apart < (1e-10 if LADDER[backend].screw == "beam" else 4e-3)
 

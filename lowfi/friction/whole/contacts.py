@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from lowfi.friction.screw.path import SIGN_X, SIGN_Z
 from lowfi.hertz import contact_modulus, printed_hertz
 from lowfi.statics.again import ContactLoads
-from lowfi.statics.problem import actual_hertz, drawn_hertz, nominal_curvatures, nominal_hertz, relative_curvatures
+from lowfi.statics.problem import actual_hertz, distinct_hertz, nominal_curvatures, nominal_hertz, relative_curvatures
 from lowfi.statics.result import StaticResult
 from meshes.arrays import Array
 from meshes.errors import Specimen, specimen
@@ -39,12 +40,12 @@ class StaticContacts:
     across: NDArray[np.bool_]
     layout: BallLayout
 
-    @property
+    @cached_property
     def normals(self) -> Array:
         """Directions (N, 4, 3) from the ball's centre to its contacts in x3, y3, z3."""
         return np.stack([SIGN_X * np.cos(self.angle), np.zeros_like(self.angle), SIGN_Z * np.sin(self.angle)], axis=-1)
 
-    @property
+    @cached_property
     def frames(self) -> Array:
         """Rows x3, y3, z3 of each ball's section in fixed axes (N, 3, 3)."""
         return np.stack([self.layout.radial, self.layout.tangent, self.layout.binormal], axis=1)
@@ -139,7 +140,7 @@ def _ellipses(scene: Scene, drawn: Specimen, angle: Array) -> tuple[Array, Array
     if kind == "actual":
         h, curvature = actual_hertz(scene, drawn, angle), relative_curvatures(scene, drawn, angle)
     else:
-        h = nominal_hertz(scene) if kind == "error-free" else drawn_hertz(scene, drawn)
+        h = nominal_hertz(scene) if kind == "error-free" else distinct_hertz(scene, drawn, drawn.ball_radius)
         curvature = nominal_curvatures(scene)
     # curvatures come in ascending order: that of the groove's profile tells which one lies across
     profile = 1.0 / drawn.ball_radius[:, None] - 1.0 / groove_radii(scene)

@@ -7,6 +7,7 @@ follow from it, torques and efficiencies, are in ``screw_torque``.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +41,9 @@ class BallPath(HelicalMotion):
     screw_speed: float
 
 
+@lru_cache(maxsize=64)
 def ball_path(scene: Scene, drive: Drive, ball_radius: float) -> BallPath:
-    """Kinematics of a ball of radius [m] in a scene whose screw or nut turns."""
+    """Kinematics of a ball of radius [m] in a scene whose screw or nut turns; kept, as it keeps arrays."""
     screw = drive.speed if drive.turns == "screw" else 0.0
     track = scene.track
     lead = 2.0 * np.pi * reduced_lead(track)

@@ -11,7 +11,7 @@ from lowfi.friction.whole.feedback import JAMMED, feed_back, feeds_back, seats_o
 from lowfi.friction.whole.losses import BallFriction, ball_friction, closing_speeds
 from lowfi.friction.whole.neighbours import Neighbours, neighbours
 from lowfi.friction.whole.torque import ScrewTorque, sum_up
-from lowfi.jit import cached
+from lowfi.jit import CONTACT, cached, loaded
 from lowfi.statics.result import StaticResult
 from meshes.arrays import Array
 from meshes.parts import Friction, Scene
@@ -63,7 +63,7 @@ def friction_state(scene: Scene, result: StaticResult, friction: Friction, drive
     at = contacts_of(scene, result, member)
     coupled = feeds_back(scene, friction)
     pushed = friction.coupling == "balls"
-    fast = will_compile(scene, friction) or ((coupled or pushed) and cached())
+    fast = will_compile(scene, friction) or loaded(CONTACT) or ((coupled or pushed) and cached())
     balls = ball_friction(scene, at, friction, drive, fast)
     torque = bare = sum_up(scene, at, balls, drive)
     unsettled: tuple[int, ...] = ()

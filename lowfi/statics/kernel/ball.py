@@ -18,6 +18,8 @@ WX, WZ, SIZE, APPROACH, HERTZ, USE, RADIUS, SX, SZ = range(9)
 FORCE, MX, MZ, KN, KT = range(5)
 #: Bounds of a ball's iteration: steps, and halvings of one.
 SETTLING, HALVINGS = 60, 30
+#: Relative step of Newton's method in one unknown after which it has all digits: each squares the error of the one before.
+SETTLED = 1e-9
 
 
 @kernel

@@ -12,7 +12,7 @@ import numpy as np
 from lowfi.jit import kernel
 from lowfi.statics.records import Array, BallContacts, BodyState
 
-from .ball import FORCE, HALVINGS, HERTZ, KN, KT, MX, MZ, SETTLING, USE, meet, start_centre
+from .ball import FORCE, HALVINGS, HERTZ, KN, KT, MX, MZ, SETTLED, SETTLING, USE, meet, start_centre
 from .rollers import roller_elements, roller_rows
 
 LINEAR, BODY, HIGHER = range(3)
@@ -44,7 +44,8 @@ def contact_law(delta: float, c: float, e: float, h: float) -> tuple[float, floa
         else:
             low = x
         new = x - f / (x * (2.0 * c + x * (3.0 * e + 4.0 * h * x)))
-        if abs(new - x) <= 1e-16 * x:
+        if abs(new - x) <= SETTLED * x:
+            x = new
             break
         x = new if low < new < high else 0.5 * (low + high)
     return x * x * x, 3.0 * x / (2.0 * c + x * (3.0 * e + 4.0 * h * x)), stored(x, c, e, h)

@@ -262,6 +262,7 @@ def line_search(
 def solve_beam(beam: BeamArrays, contacts: BeamContacts, state: BeamState, options: BeamOptions, history: Array) -> Outcome:
     """Minimise the energy from the given state; history (most + 1,): residual per step."""
     band = np.empty((6 * state.q.shape[0], options.half_band + 1))
+    # a literal False would have numba compile iterate a second time beside that for the truth value of start_and_solve
     return iterate(beam, contacts, state, options, history, band, bool(np.bool_(False)))
 
 

@@ -9,7 +9,7 @@ from math import exp, log, sqrt
 from lowfi.jit import kernel
 from lowfi.statics.records import Array, AxisRollers, RollerContacts
 
-from .ball import FORCE, KN, KT, MX, MZ
+from .ball import FORCE, KN, KT, MX, MZ, SETTLED
 
 #: Flanks of a ball whose places a roller's cone and cup take.
 CONE, CUP = 0, 2
@@ -32,9 +32,9 @@ def roller_law(delta: float, g: float, s: float) -> tuple[float, float, float]:
         new = q - step
         if new <= 0.0:
             new = 0.5 * q
-        if abs(new - q) <= 1e-16 * q:
+        change, q = abs(new - q), new
+        if change <= SETTLED * q:
             break
-        q = new
     slope = 1.0 / (g - s * (1.0 + log(q)))
     energy = 0.5 * q * q * (g - s * (0.5 + log(q)))
     if rest > 0.0:

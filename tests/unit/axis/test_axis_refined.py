@@ -23,7 +23,7 @@ COARSE = replace(LADDER["refined"], harmonics=0.4, mesh=0.6)
 
 
 def refined(parts, **options):
-    result = solve_refined(parts, engine="interpreted", **options)
+    result = solve_refined(parts, engine="compiled", **options)
     assert result.status == "converged"
     return result
 
@@ -31,7 +31,7 @@ def refined(parts, **options):
 @pytest.mark.parametrize("oversize", [0.0, 7e-6])
 def test_one_set_is_the_refined_model_of_one_set(oversize):
     scene = small_screw(count=8, turns=1.5, lead=12e-3, force=(0.0, 0.0, 900.0), oversize=oversize)
-    alone, found = solve_elastic(scene, engine="interpreted"), refined(one_set(scene))
+    alone, found = solve_elastic(scene, engine="compiled"), refined(one_set(scene))
     assert relative(found.sets[0].balls.load, alone.load) < 1e-10
     assert found.equilibrium.force_residual < 1e-11
 
@@ -126,7 +126,7 @@ def test_profiles_of_each_set_count():
     scene = small_screw(count=8, turns=1.5, lead=12e-3, force=(0.0, 0.0, 900.0), oversize=3e-6, arm="nominal")
     errors = replace(scene.errors, SL=SideErrors(profile=(0.0, 4e-6, -3e-6)))
     uneven = replace(scene, errors=errors)
-    alone, found = solve_elastic(uneven, engine="interpreted"), refined(one_set(uneven))
+    alone, found = solve_elastic(uneven, engine="compiled"), refined(one_set(uneven))
     assert relative(found.sets[0].balls.load, alone.load) < 1e-9
     assert relative(found.sets[0].balls.contact_point, alone.contact_point) < 1e-9
     assert relative(refined(one_set(scene)).sets[0].balls.load, alone.load) > 1e-3
@@ -179,7 +179,7 @@ def test_one_set_with_a_shaft_beyond_it_is_the_refined_model_of_one_set(held):
     scene = small_screw(count=8, turns=1.5, lead=12e-3, force=(60.0, 0.0, 900.0), oversize=4e-6, load_at=0.18)
     ends = (*scene.supports, Support(0.2, (("ux", 0.0), ("uz", 20e-6)))) if held else scene.supports
     scene = replace(scene, supports=ends)
-    alone, found = solve_elastic(scene, engine="interpreted", everything=True), refined(one_set(scene))
+    alone, found = solve_elastic(scene, engine="compiled", everything=True), refined(one_set(scene))
     assert relative(found.sets[0].balls.load, alone.load) < 1e-9
     rigid = [refined(one_set(scene), backend=replace(LADDER["refined"], screw=kind)) for kind in ("kernel", "beam")]
     assert relative(rigid[1].sets[0].balls.load, alone.load) > 1e-3

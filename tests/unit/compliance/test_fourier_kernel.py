@@ -11,7 +11,7 @@ from scipy.sparse.linalg import spsolve
 
 from compare.scenes import catalogue
 from lowfi.compliance.bodies import REFINED, contact_frames, geometry_only, smooth_body, smooth_compliance
-from lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, solved, tube_grid
+from lowfi.compliance.fourier import Body, end_motions, factor_c, line_compliance, on_last, solved, tube_grid
 from lowfi.compliance.groove import half_space
 from lowfi.compliance.sphere import expansion
 from lowfi.compliance.tube import (
@@ -57,6 +57,13 @@ def test_bands_hold_the_stiffness_of_what_is_free(n):
     loads = rng.normal(size=(int(free.sum()), 2))
     K = body.stiffness(n)[free][:, free]
     assert relative(K @ solved(body.bands(free), n, loads), loads) < 1e-9
+    S, g, work = on_last(body.bands(free), n, loads, 7)
+    for held in (7, 3):  # of the last ones: all, or some
+        moves = np.arange(7 - held)
+        kept = np.arange(len(loads) - held)
+        whole = loads[kept].T @ spsolve(sp.csc_matrix(K[kept][:, kept]), loads[kept])
+        here = g[moves].T @ np.linalg.solve(S[np.ix_(moves, moves)], g[moves])
+        assert relative(work + here, whole) < 1e-9
 
 
 def simpson(z):

@@ -237,6 +237,17 @@ def test_contact_law_is_smooth_where_it_changes(c, e, h):
     assert h > 0.0 or np.all(np.diff(slopes) > 0.0)
 
 
+def test_contact_law_takes_few_rounds(monkeypatch):
+    """Rounding leaves steps above 1e-16 of the root for ever: to wait for less took all sixty rounds."""
+    rounds = []
+    monkeypatch.setattr(elastic_balls, "abs", lambda x: rounds.append(x) or abs(x), raising=False)
+    for law in LAWS:
+        for delta in np.geomspace(1e-9, 1e-4, 50):
+            rounds.clear()
+            elastic_balls.contact_law(delta, *law)
+            assert len(rounds) <= 12
+
+
 def test_contact_law_is_the_same_in_both_engines():
     for law in LAWS:
         for delta in np.geomspace(1e-9, 1e-4, 15):

@@ -21,7 +21,7 @@ from lowfi.statics.elastic import solve_elastic
 from meshes.condensed import load_condensed
 from meshes.helix import ball_layout
 
-QUIET = Options(discretisation=False, engine="interpreted")
+QUIET = Options(discretisation=False, engine="compiled")
 
 
 @pytest.fixture(autouse=True)
@@ -224,5 +224,5 @@ def test_every_rung_of_the_ladder_is_a_model() -> None:
     assert set(LADDER) < {m.name for m in ladder.RUNGS}
     scene = catalogue.scene("lin-case1")
     for name, backend in LADDER.items():
-        a, b = run_model(scene, name, QUIET), solve_elastic(scene, backend=backend, engine="interpreted")
+        a, b = run_model(scene, name, QUIET), solve_elastic(scene, backend=backend, engine="compiled")
         np.testing.assert_allclose(a.load, b.load, rtol=1e-9, atol=1e-6)
