@@ -93,7 +93,7 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
     rows = math.ceil(len(figure.panels) / columns)
     with matplotlib.rc_context({**_RC, "svg.hashsalt": f"rollbench-{figure.name}"}):
         canvas = Canvas(layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05, wspace=0.03, hspace=0.05))
-        FigureCanvasSVG(canvas)
+        svg = FigureCanvasSVG(canvas)
         orders = _orders(figure.panels)
         shared = len(figure.panels) > 1 and _same_labels(figure.panels)
         legends = 0
@@ -116,7 +116,8 @@ def drawing(figure: Figure) -> tuple[str, Canvas]:
             for axes, panel in zip(canvas.axes, figure.panels, strict=True):
                 place_texts(axes, panel.series)
         stream = io.StringIO()
-        canvas.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Title": figure.title})
+        # not savefig, which draws everything once more, unseen, to lay it out
+        svg.print_svg(stream, metadata={"Date": None, "Creator": None, "Title": figure.title})
     return _written(stream.getvalue(), figure.name), canvas
 
 

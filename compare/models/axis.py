@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from compare.errors import InputError, Refusal
 from compare.models.registry import MODELS
-from lowfi.compliance.bodies import LADDER
-from lowfi.statics.axis.refined import solve_refined
-from lowfi.statics.axis.result import AxisResult
-from lowfi.statics.axis.solve import solve_assembly
-from lowfi.statics.static import Engine
 from meshes.axis import Assembly
 from meshes.parts import Scene
+
+if TYPE_CHECKING:
+    from lowfi.statics.axis.result import AxisResult
+    from lowfi.statics.static import Engine
 
 #: Models that know several sets on one shaft: the source's and the steps of the ladder to the refined one.
 AXIS_MODELS = ("refined", "lin", "lin-cell", "lin-nut")
@@ -52,6 +53,10 @@ def run_axis(assembly: Assembly, model: str = "", engine: Engine = "auto", membe
         raise InputError(assembly.name, "model", f'"{model}"', ", ".join(AXIS_MODELS), advice)
     if member and not random_errors(assembly):
         raise InputError(assembly.name, "member", str(member), "0", "no set has random errors: leave it out")
+    from lowfi.compliance.bodies import LADDER
+    from lowfi.statics.axis.refined import solve_refined
+    from lowfi.statics.axis.solve import solve_assembly
+
     try:
         with np.errstate(all="ignore"):
             if model == "lin":

@@ -11,7 +11,7 @@ whose left side grows with u: it is the derivative of a convex energy, so one ro
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -67,12 +67,26 @@ class SetState:
         return float(self.row_stiffness.sum())
 
 
+def _of_rows(bearings: BearingSet, displacement: float, law: Callable[[Row, float], float]) -> Array:
+    """Load [N] or stiffness [N/m] of each row at a displacement [m]; the rows of a set are often one and deflect alike."""
+    known, values = dict[tuple[int, float], float](), []
+    for row, s, g in zip(bearings.rows, bearings.directions, bearings.offsets, strict=True):
+        at = id(row), s * displacement + g
+        if at not in known:
+            known[at] = law(row, at[1])
+        values.append(known[at])
+    return np.array(values)
+
+
+def _loads(bearings: BearingSet, displacement: float) -> Array:
+    """Thrust of each row [N]."""
+    return _of_rows(bearings, displacement, lambda row, d: row.load(d))
+
+
 def state_at(bearings: BearingSet, displacement: float) -> SetState:
     """State at a displacement u [m] of the inner rings."""
-    depth = [s * displacement + g for s, g in zip(bearings.directions, bearings.offsets, strict=True)]
-    loads = np.array([row.load(d) for row, d in zip(bearings.rows, depth, strict=True)])
-    slopes = np.array([row.stiffness(d) for row, d in zip(bearings.rows, depth, strict=True)])
-    return SetState(displacement, loads, slopes)
+    stiffness = _of_rows(bearings, displacement, lambda row, d: row.stiffness(d))
+    return SetState(displacement, _loads(bearings, displacement), stiffness)
 
 
 def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
@@ -88,7 +102,7 @@ def equilibrium(bearings: BearingSet, force: float = 0.0) -> SetState:
         return state_at(bearings, -s[0] * max(bearings.offsets))
 
     def excess(u: float) -> float:
-        return float(s @ state_at(bearings, u).loads) - force
+        return float(s @ _loads(bearings, u)) - force
 
     # between the displacement at which every row facing one way is loose and where it carries all
     step = max(max(abs(g) for g in bearings.offsets), 1e-9)

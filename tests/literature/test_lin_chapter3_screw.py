@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.evidence.screw import AMPLITUDES, pair
+from compare.evidence.screw import AMPLITUDES, as_stepped, pair
 from compare.evidence.source_cases import PAIR_SCENES, deviation, inferred, inferred_oversize, lin_3_4_4, plain, table_3_6
 from compare.printed.printed_data import Printed, load_table
 from lowfi.friction.screw.pair import BOTH, SHIFTED, Pair, PairResult, implied_load, sliding_speed, solve_pair
@@ -127,6 +127,8 @@ def test_hertz_constants_of_the_source_change_little() -> None:
 
 @cache
 def run_summary(amplitude: float, phase: float = 0.0) -> RunSummary:
+    if phase == 0.0:
+        return summarise(as_stepped(amplitude))
     return summarise(simulate(lin_3_4_4(amplitude=np.radians(amplitude), phase=phase)))
 
 

@@ -192,15 +192,14 @@ class Search:
         size, steps = self.kernels.newton(self.groove, self.balls, x, f, eps, goal, ACCEPTED, limit, self.parts)
         return x, f, float(size), int(steps)
 
-    def balanced(self, x: Array, f: Array) -> bool:
-        """Whether (x, f) counts as converged."""
-        self.kernels.residual(self.groove, self.balls, x, f, SPEEDS[-1], self.parts)
+    def balanced(self, f: Array) -> bool:
+        """Whether forces f (N,) count as converged with the motions where Newton ended at the last regularising speed."""
         return bool(self.kernels.worst(self.parts) <= ACCEPTED * max(1.0, float(np.max(f))))
 
     def direct(self, x: Array, f: Array) -> tuple[Array, Array, bool, int]:
         """Newton at the last regularising speed, cut short unless it comes near; whether (x, f) counts as converged."""
         x, f, _, steps = self.solve(x, f, SPEEDS[-1], GOAL, SHORT)
-        good = self.balanced(x, f)
+        good = self.balanced(f)
         if good and steps == SHORT:
             x, f, _, more = self.solve(x, f, SPEEDS[-1], GOAL, STEPS)
             steps += more
@@ -255,7 +254,7 @@ def solve_chain(
 def _result(s: Search, x: Array, f: Array, steps: int, from_start: bool = False) -> ChainMotion:
     """Forces and losses at the solution, in SI."""
     chain, n, eps, g = s.chain, s.count, SPEEDS[-1], s.chain.groove
-    good, bound = s.balanced(x, f), s.bound if s.rubbing else 0.0
+    good, bound = s.balanced(f), s.bound if s.rubbing else 0.0
     left, pair = float(np.max(np.abs(s.parts.balance))) * bound, g.pair
     ahead = np.append(x[1:, 0], x[0, 0])
     gap = np.where(s.allowed, s.groove.closing * (ahead - x[:, 0]) + s.balls.slack, 0.0)

@@ -74,7 +74,8 @@ def coupled_chain(
     push, drag, start = guess.push, guess.drag[:m], (guess.q, guess.ball_force)
     place, mixer, count = (bare.ball, bare.screw[:m]), Mixer(), 0
     while True:
-        load = settle_load(replace(held, push=push, drag=drag), place)
+        alike = held is cell and np.array_equal(push, cell.push) and np.array_equal(drag, cell.drag)
+        load = bare if alike else settle_load(replace(held, push=push, drag=drag), place)
         moved = solve_chain(Chain(cell.groove, load.force, cell.groove.normals(load.angle), slack), start)
         new_push, new_drag = feedback(held, moved.wrench, moved.ball_push[:, [0, 2]], coupling)
         x, g = np.append(push, drag), np.append(new_push, new_drag)

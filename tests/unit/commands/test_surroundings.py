@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from compare.cli import main
 from compare.errors import InputError
 from compare.scenes import scene_file
 from compare.scenes.catalogue import scene_text
@@ -27,13 +28,25 @@ def dead_process():
     return child.pid
 
 
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs the device /dev/full")
-@pytest.mark.parametrize("words", [("list",), ("list", "--json")])
-def test_a_full_output_ends_in_one_line(words):
+FULL = pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs the device /dev/full")
+SAID = "rollbench: standard output: No space left on device\n"
+
+
+@FULL
+@pytest.mark.parametrize("words", [["list"], ["list", "--json"], ["schema"]])
+def test_a_full_output_ends_in_one_line(words, monkeypatch, capsys):
     with open("/dev/full", "w") as full:
-        done = subprocess.run([*COMMAND, *words], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    assert done.returncode == 74
-    assert done.stderr == "rollbench: standard output: No space left on device\n"
+        monkeypatch.setattr(sys, "stdout", full)
+        with pytest.raises(SystemExit, match="74"):
+            main(words)
+    assert capsys.readouterr().err == SAID
+
+
+@FULL
+def test_a_process_whose_output_is_full_says_nothing_more_at_its_end():
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([*COMMAND, "list"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (74, SAID)
 
 
 def test_a_closed_output_ends_quietly():

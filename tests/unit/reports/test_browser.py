@@ -90,13 +90,19 @@ def small_report() -> Report:
     return Report("A report", "On what", {"a": "b"}, sections, {"x.toml": "ab" * 32})
 
 
-@pytest.fixture(scope="module", params=["light", "dark"])
-def seen(request, tmp_path_factory):
-    """What the browser found, page by page, and what it wrote on its console."""
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Holds the report, and the page that works on its pages."""
     folder = tmp_path_factory.mktemp("browser")
     write(small_report(), folder / "out")
     constants = f"const FOLDER = 'out/', PAGES = {json.dumps(PAGES)}, WIDTHS = {json.dumps(list(WIDTHS.items()))};"
     (folder / "work.html").write_text(WORK.replace("<script>", f"<script>{constants}", 1), encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module", params=["light", "dark"])
+def seen(request, folder):
+    """What the browser found, page by page, and what it wrote on its console."""
     scheme = 0 if request.param == "dark" else 1
     command = [
         CHROMIUM,
@@ -106,7 +112,7 @@ def seen(request, tmp_path_factory):
         "--allow-file-access-from-files",
         "--enable-logging=stderr",
     ]
-    command += [f"--blink-settings=preferredColorScheme={scheme}", f"--user-data-dir={folder / 'profile'}"]
+    command += [f"--blink-settings=preferredColorScheme={scheme}", f"--user-data-dir={folder / request.param}"]
     command += ["--virtual-time-budget=20000", "--dump-dom", (folder / "work.html").as_uri()]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
     result = re.search(r'<pre id="found">(.*?)</pre>', done.stdout, re.DOTALL)

@@ -27,6 +27,12 @@ class TestScene:
         assert np.all(grooves.surface(phi, z, 0.017) - (picture.track_radius + picture.ball_radius) > 0.0)
         np.testing.assert_allclose(grooves.surface(phi, z + 0.5 * picture.lead, picture.screw_radius), 0.016)
 
+    def test_a_ring_has_one_groove_in_which_its_balls_stand(self):
+        ring = screw(lead=0.0)
+        phi = np.linspace(-np.pi, np.pi, 9)
+        under = scene3d._grooves(ring).surface(phi, np.full_like(phi, ring.nut_position), ring.screw_radius)
+        assert np.all(np.abs(ring.track_radius - ring.ball_radius - under) < 0.15e-3)
+
     def test_starts_are_read_off_the_balls(self):
         one = screw()
         turned = np.asarray(one.ball_radii_centres) * np.array([-1.0, -1.0, 1.0])
@@ -78,11 +84,11 @@ class TestScene:
             scene3d.draw_loaded_screw(screw(), tmp_path / "s.png")
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("lead", [0.02, 0.0])
-    def test_picture_without_a_display(self, tmp_path, monkeypatch, lead):
+    def test_picture_without_a_display(self, tmp_path, monkeypatch):
+        """Of a screw; the surfaces of a ring are drawn in test_view3d."""
         monkeypatch.delenv("DISPLAY", raising=False)
         try:
-            scene3d.draw_loaded_screw(replace(screw(lead=lead), nut_length=0.02), tmp_path / "s.png")
+            scene3d.draw_loaded_screw(replace(screw(), nut_length=0.02), tmp_path / "s.png")
         except RuntimeError as error:
             if "libgl1" in str(error):
                 pytest.skip(str(error))

@@ -14,7 +14,8 @@ from reports.records import LoadedScrew, Report, Section
 
 CHROMIUM = shutil.which("chromium")
 TURN = np.linspace(0.0, 2.0 * np.pi, 7)
-BALLS = np.stack([0.01 * np.cos(TURN), 0.01 * np.sin(TURN), 0.05 + 0.01 * TURN / (2.0 * np.pi)], axis=1)
+BALLS = np.stack([0.01 * np.cos(TURN), 0.01 * np.sin(TURN), np.full_like(TURN, 0.05)], axis=1)
+#: A ring, whose surfaces come from the same functions as those of pictures (test_scene3d draws a screw).
 PICTURE = LoadedScrew(
     "bearing",
     "A short <screw>",
@@ -30,7 +31,7 @@ PICTURE = LoadedScrew(
     BALLS.tolist(),
     BALLS.tolist(),
     BALLS.tolist(),
-    lead=0.01,
+    lead=0.0,
     turns=True,
 )
 
