@@ -31,7 +31,7 @@ from compare.sweep import run as sweeping, store
 from compare.sweep.keys import read_vary
 
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
-sweeping.BATCHES = 5  # jobs of some samples each, in the midst of which workers are when their run is killed
+sweeping.BATCHES = 1  # so long that workers are in the midst of theirs when their run is killed
 text, vary = catalogue.scene_text({scene!r}), read_vary({vary!r})
 what = sweeping.Sweep(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
 random.seed(5)
