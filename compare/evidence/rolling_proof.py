@@ -234,12 +234,12 @@ def _contact() -> Iterator[Proof]:
     half as many cells change."""
     own = [example(n, by_cells=True) for n in EXAMPLE_GRIDS]
     other = [example(n) for n in (16, 24, 32)]
-    for k, (key, name) in enumerate((("lateral", "lateral force over mu P"), ("moment", "moment [N mm]"))):
+    for key, name in (("lateral", "lateral force over mu P"), ("moment", "moment [N mm]")):
         printed = entry("external-contact", key)
         assert printed.value is not None
-        values = tuple(v[k] for v in own)
+        values = tuple(getattr(v, key) for v in own)
         digits = 100.0 * printed.tolerance / abs(printed.value)
         yield Proof("CONTACT's example, discretised as there", name, values, printed.value, digits, values[-1], None)
         reach = abs(float(error_percent(values[0], values[-1])))
-        values = tuple(v[k] for v in other)
+        values = tuple(getattr(v, key) for v in other)
         yield Proof("CONTACT's example", name, values, printed.value, reach, values[-1])

@@ -51,7 +51,7 @@ class Patch:
 
         Of unit tangential forces, each uniform over its cell.
         """
-        half_space = _matrix(self, shift)
+        half_space = _matrix(self.cells, _table(self, shift))
         return half_space if self.regular is None else half_space + self.regular.block(self.at, TANGENTS, TANGENTS, shift)
 
     @property
@@ -77,8 +77,10 @@ class Patch:
         is interpolated. The symmetric part of D is positive: forces do work on it that the differences lose.
         """
         step = STEP * float(self.size[0])
-        now, before, first = (self.tangential(k * step) for k in range(3))
-        return np.asarray((3.0 * now - 4.0 * before + first) / (2.0 * step))
+        half_space = _matrix(self.cells, _backward([_table(self, k * step) for k in range(3)], step))
+        if self.regular is None:
+            return half_space
+        return half_space + _backward([self.regular.block(self.at, TANGENTS, TANGENTS, k * step) for k in range(3)], step)
 
     def scaled(self, length: float, force: float) -> Patch:
         """The patch of a similar contact: lengths and normal forces multiplied. Raises ValueError for finite bodies."""
@@ -93,15 +95,31 @@ class Patch:
         return out
 
 
-def _matrix(patch: Patch, shift: float) -> Array:
-    """See `Patch.tangential`; equal offsets are computed once."""
+def _table(patch: Patch, shift: float) -> Array:
+    """Displacements ``(2 w - 1, 2 h - 1, 2, 2)`` [m/N] along tangents by a cell's unit forces, at all offsets of a grid of
+    w by h cells, ``shift`` [m] upstream."""
     span = np.ptp(patch.cells, axis=0)
-    (dx, dy), width = patch.size, 2 * span[1] + 1
+    dx, dy = patch.size
     x, y = np.meshgrid(np.arange(-span[0], span[0] + 1) * dx + shift, np.arange(-span[1], span[1] + 1) * dy, indexing="ij")
-    table = influence(x, y, dx, dy, patch.solids)[..., :2, :2] / (dx * dy)
-    line = patch.cells @ (width, 1)
-    apart = line[:, None] - line + (width * span[0] + span[1])
-    return np.block([[table[..., a, b].ravel()[apart] for b in range(2)] for a in range(2)])
+    return np.asarray(influence(x, y, dx, dy, patch.solids)[..., :2, :2] / (dx * dy))
+
+
+def _backward(values: list[Array], step: float) -> Array:
+    """Difference of second order, per length, of values now and one and two steps [m] upstream."""
+    now, before, first = values
+    return np.asarray((3.0 * now - 4.0 * before + first) / (2.0 * step))
+
+
+def _matrix(cells: Index, table: Array) -> Array:
+    """Values ``(2 n, 2 n)`` of a table of all offsets at those of ``cells`` ``(n, 2)`` from one another."""
+    span, n = np.ptp(cells, axis=0), len(cells)
+    line = cells @ (2 * span[1] + 1, 1)
+    apart = line[:, None] - line + ((2 * span[1] + 1) * span[0] + span[1])
+    out = np.empty((2, n, 2, n))
+    for a in range(2):
+        for b in range(2):
+            out[a, :, b] = table[..., a, b].ravel()[apart]
+    return out.reshape(2 * n, 2 * n)
 
 
 def grid(shape: tuple[int, int], size: Array) -> tuple[Index, Array]:

@@ -278,10 +278,24 @@ def ellipse_patch(ratio: float, poisson: float, shape: tuple[int, int]) -> Patch
 
 
 def linear_coefficients(ratio: float, poisson: float, shape: tuple[int, int]) -> Array:
-    """C11, C22, C23, C33 of Kalker's linear theory for semi-axes along over across, where all of the contact sticks."""
+    """C11, C22, C23, C33 of Kalker's linear theory for semi-axes along over across, where all of the contact sticks.
+
+    Solved on the cells with y > 0: longitudinal creep makes tractions along x that are even in y and tractions across that
+    are odd, lateral creep and spin the opposite. Raises ValueError for an odd number of cells across.
+    """
+    if shape[1] % 2:
+        raise ValueError("need an even number of cells across")
     patch = ellipse_patch(ratio, poisson, shape)
+    count = len(patch.at)
+    half = np.flatnonzero(patch.at[:, 1] > 0.0)
+    image = np.lexsort((-patch.cells[:, 1], patch.cells[:, 0]))[half]
     units = np.stack([Creep(*row).slip(patch.at) for row in np.eye(3)], axis=1)
-    F = -units.T @ np.linalg.solve(patch.transport, -units)
+    rows = np.concatenate([half, count + half])
+    near, far = patch.transport[np.ix_(rows, rows)], patch.transport[np.ix_(rows, np.concatenate([image, count + image]))]
+    F = np.zeros((3, 3))
+    for kind, sense in ((slice(0, 1), 1.0), (slice(1, 3), -1.0)):
+        own = units[rows, kind]
+        F[kind, kind] = 2.0 * own.T @ np.linalg.solve(near + far * np.repeat([sense, -sense], half.size), own)
     return np.array([F[0, 0], F[1, 1], F[1, 2], F[2, 2]])
 
 

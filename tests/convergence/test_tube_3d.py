@@ -90,7 +90,7 @@ def kernel(harmonics=2.6, size=1.0):
     return G[np.ix_(pick, pick)]
 
 
-MESHES = (24, 12, 2), (36, 18, 3)
+MESHES = (24, 12, 2), (30, 15, 3)
 
 
 def test_solid_has_converged():

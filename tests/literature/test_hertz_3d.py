@@ -7,32 +7,22 @@ Numbers of jobs A and B: ball of radius 2.778 mm, E = 210 GPa, nu = 0.28, 225 N,
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
 from compare.sections import verification
-from hifi.block import JOBS, boussinesq, study
+from hifi.block import JOBS, boussinesq
 from hifi.hertz import hertz
 from reports.figures import draw
 from reports.records import Figure, Table
+from tests.hertz_studies import GROUP, study
 
-pytestmark = pytest.mark.xdist_group("Hertz blocks")
+pytestmark = pytest.mark.xdist_group(GROUP)
 
 #: approach [um], semi-axes [mm], pole pressure [MPa]
 EXACT = {"A": (9.24316, 0.160242, 0.160242, 4183.80), "B": (6.48391, 0.401384, 0.104759, 2554.89)}
-
-
-def solved(job, element, b_over_h, aim=1.0):
-    """A run, made once."""
-    return _solved(job, element, b_over_h, aim)
-
-
-@cache
-def _solved(job, element, b_over_h, aim):
-    return study(job, element, b_over_h, aim=aim)
 
 
 @pytest.mark.parametrize("name", EXACT)
@@ -105,7 +95,7 @@ def test_boussinesqs_field_carries_one_newton_through_every_hemisphere():
 @pytest.mark.parametrize("aim", [0.94, 1.0, 1.06])
 @pytest.mark.parametrize("name", JOBS)
 def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name, aim):
-    run = solved(JOBS[name], "Q2", 4.0, aim)
+    run = study(JOBS[name], "Q2", 4.0, aim=aim)
     assert run.approach == pytest.approx(run.exact.approach, rel=3e-3)
     assert run.semi_x == pytest.approx(run.exact.semi_x, rel=5e-3)
     assert run.semi_y == pytest.approx(run.exact.semi_y, rel=5e-3)
@@ -114,7 +104,7 @@ def test_production_mesh_meets_its_targets_wherever_the_contacts_edge_falls(name
 
 
 def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
-    monkeypatch.setattr(verification, "solve_block", solved)
+    monkeypatch.setattr(verification, "solve_block", study)
     made = verification.drawn(verification.levels(lambda _: None, {"Q1": (2,), "Q2": (4,)}))
     assert made.name == "verification"
     verdicts = made.items[1].paragraphs
@@ -125,7 +115,7 @@ def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
     ]
     assert [(row["job"], row["b_over_h"]) for row in rows[:2]] == [("A", 2.0), ("A", 4.0)]
     run = JOBS["A"]
-    by_hand = 100.0 * (solved(run, "Q2", 4.0).approach / run.exact.approach - 1.0)
+    by_hand = 100.0 * (study(run, "Q2", 4.0).approach / run.exact.approach - 1.0)
     assert rows[1]["approach"] == pytest.approx(by_hand, rel=1e-6)
     for item in made.items:
         if isinstance(item, Figure):
@@ -133,7 +123,7 @@ def test_section_says_from_the_data_whether_the_targets_are_met(monkeypatch):
 
 
 def test_section_admits_a_target_that_is_missed():
-    coarse = replace(solved(JOBS["A"], "Q2", 2.0), b_over_h=4.0)
+    coarse = replace(study(JOBS["A"], "Q2", 2.0), b_over_h=4.0)
     words = verification.verdict([verification.level("27-node hexahedra", coarse)])
     assert "NOT MET: approach, semi-axes, pole pressure" in words[0]
     rows = verification.value_rows([verification.level("27-node hexahedra", coarse)])

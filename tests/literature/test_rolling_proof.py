@@ -5,6 +5,7 @@ from functools import partial
 import pytest
 
 from compare.evidence import rolling_proof
+from compare.evidence.external.contacts import EXAMPLE_CELLS, example
 from compare.evidence.rolling_proof import FINER, Proof, proofs
 from hifi.rolling.bodies import Sizes
 from tests.evidence_study import GROUP
@@ -21,6 +22,13 @@ def test_known_answers_are_reached(monkeypatch):
     strict = [p.reach for p in found if p.case.startswith(("Carter", "Cattaneo", "full slip")) and "alone" not in p.case]
     assert max(strict) == 0.5
     assert sum(reach == 0.1 for reach in strict) == 10
+
+
+def test_contact_of_another_program_to_its_digits():
+    """CONTACT's example fastsim.ref_out, case 1, by its own differences: what its other digits print too."""
+    found = example(EXAMPLE_CELLS, by_cells=True)
+    assert (found.cells, found.sticking) == (1276, 356)
+    assert 30.0 * found.power == pytest.approx(540.4, abs=0.05)
 
 
 def test_order_counts_the_cells_of_its_own_grids():

@@ -54,7 +54,7 @@ def even(count, turns):
 
 
 def scenes():
-    table41 = even(71, 3.75)[24:47:2]  # 19 balls a turn: those of the next turn lie between
+    table41 = even(71, 3.75)[25:47:3]  # of 19 balls a turn every third: those of the next turn lie between
     yield "turns that do not line up", screw(14.5e-3, 7e-3, 2e-3, 2.16e-3, 28e-3, (20e-3, 44e-3), table41)
     own = even(45, 2.5)[20:24]
     other = screw(20e-3, 18e-3, 3e-3, 3.18e-3, 38.6e-3, (20e-3, 64e-3), own)
@@ -101,12 +101,13 @@ def test_any_scene_converges_in_balance_and_near_the_low_order_model(name, cache
         coarse=12e-3 * ratio,
         ball_fine=1e-3 * ratio,
         ball_coarse=2e-3 * ratio,
-        modes=8,
-        ball_modes=12,
-        growth=1.8,
-        own_cuts=(3, 2, 3),
-        own_sizes=(2e-3 * ratio, 8e-3 * ratio),
-        own_ball_sizes=(0.9e-3 * ratio, 1.8e-3 * ratio),
+        cuts=(2, 2, 2),
+        modes=6,
+        ball_modes=8,
+        growth=2.5,
+        own_cuts=(2, 2, 2),
+        own_sizes=(3e-3 * ratio, 8e-3 * ratio),
+        own_ball_sizes=(1.2e-3 * ratio, 2.4e-3 * ratio),
     )
     sides = needed_sides(scene)
     made = prepare(scene, sides, settings, cache=cache)

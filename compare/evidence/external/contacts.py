@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -57,16 +58,29 @@ def _example() -> tuple[float, tuple[float, float], float, float]:
     return given("contact", "force", "force"), radii, 2.0 * shear * (1.0 + poisson), poisson
 
 
+@dataclass(frozen=True)
+class Example:
+    """CONTACT's example as computed: lateral force over mu P and moment [N mm]; cells in contact, and of them those that
+    stick; power of friction at 1 m/s [W]."""
+
+    lateral: float
+    moment: float
+    cells: int
+    sticking: int
+    power: float
+
+
 @lru_cache(maxsize=8)
-def example(cells: int, *, by_cells: bool = False) -> tuple[float, float]:
-    """Lateral force over mu P and moment [N mm] of CONTACT's example on a grid; by_cells: discretised as by CONTACT."""
+def example(cells: int, *, by_cells: bool = False) -> Example:
+    """CONTACT's example on a grid of so many cells along each axis; by_cells: discretised as by CONTACT."""
     case, touch = inputs()["contact"], _example()
     creep, mu = Creep(0.0, case["creep_across"], case["spin"]), case["friction"]
     if by_cells:
         found = steady_by_cells(hertz_patch(*touch, (cells, cells), margin=EXAMPLE_MARGIN), creep, mu)
     else:
         found = steady(hertz_patch(*touch, (cells, cells)), creep, mu)
-    return float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment
+    sticking = int(np.count_nonzero(found.friction.stick[0]))
+    return Example(float(found.force[1]) / (mu * touch[0]), 1e3 * found.moment, len(found.patch.at), sticking, found.loss)
 
 
 def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table takes the study
@@ -79,7 +93,8 @@ def rolling(study: Study) -> tuple[Evidence, ...]:  # noqa: ARG001 - every table
     sheet.number("b", 1e3 * float(hertz.C_b) * cube)
     sheet.number("approach", 1e3 * float(hertz.C) * cube**2)
     sheet.number("pressure", 1e-6 * float(hertz.pressure(np.array(load))))
-    shown = [f"{value:.4g}" for value in example(EXAMPLE_CELLS)]
-    for key, value, finer in zip(("lateral", "moment"), example(EXAMPLE_CELLS, by_cells=True), shown, strict=True):
-        sheet.number(key, value, f"by CONTACT's differences over one cell; by those of rolling in 3D {finer}")
+    own, other = example(EXAMPLE_CELLS, by_cells=True), example(EXAMPLE_CELLS)
+    for key in ("lateral", "moment"):
+        note = f"by CONTACT's differences over one cell; by those of rolling in 3D {getattr(other, key):.4g}"
+        sheet.number(key, getattr(own, key), note)
     return sheet.evidence()

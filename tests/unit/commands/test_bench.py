@@ -1,8 +1,11 @@
 """The bench: its structure, and ratios above one (seconds are never asserted)."""
 
+import io
 import json
-from contextlib import nullcontext
+import subprocess
+from contextlib import nullcontext, redirect_stdout
 from dataclasses import asdict
+from time import perf_counter
 
 import pytest
 
@@ -82,11 +85,41 @@ def once_alike():
     return launch
 
 
+def in_this_process(arguments):
+    """`launch` of the jobs' process, whose code is run here: imports and kernels are there already."""
+    said = io.StringIO()
+    with redirect_stdout(said):
+        exec(arguments[1], {})
+    return 0.0, subprocess.CompletedProcess(arguments, 0, said.getvalue(), "")
+
+
+def once_if_long(work, repeats, reset=None):
+    """`timed`, but what takes more than 20 ms is run once."""
+    if reset is not None:
+        reset()
+    begin = perf_counter()
+    work()
+    seconds = perf_counter() - begin
+    return seconds if seconds > 0.02 else timed(work, repeats, reset)
+
+
+def test_a_process_is_launched_with_one_thread_and_its_failure_is_told(monkeypatch):
+    code = "import os; print(os.environ['OMP_NUM_THREADS'], os.environ['OWN'])"
+    seconds, done = timing.launch(["-c", code], {"OWN": "x"})
+    assert seconds > 0.0
+    assert done.stdout == "1 x\n"
+    monkeypatch.setattr(bench, "launch", lambda _: (0.1, subprocess.CompletedProcess([], 1, "", "first\nlast\n")))
+    with pytest.raises(RuntimeError, match=r"the timing process failed: \['last'\]"):
+        run_bench()
+
+
 @pytest.mark.slow
 def test_all_jobs(monkeypatch):
     # machine code of these very sources is there already: that it can be made from nothing, whoever changes them sees
     kept = code_folder().parents[1]
     monkeypatch.setattr(startup.tempfile, "TemporaryDirectory", lambda: nullcontext(str(kept)))
+    monkeypatch.setattr(bench, "launch", in_this_process)
+    monkeypatch.setattr(bench, "timed", once_if_long)
     monkeypatch.setattr(startup, "launch", once_alike())  # so that to compile and to load are one and the same process
     seen: list[str] = []
     jobs = run_bench(seen.append, repeats=1)

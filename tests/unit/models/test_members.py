@@ -2,6 +2,7 @@
 
 import csv
 import json
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from scipy.stats import binom, norm
 
 from compare.cli import main
 from compare.errors import InputError
+from compare.models import members
 from compare.models.members import KEPT, STEP, life_sum, run_members, statistics
 from compare.models.registry import Options, run_model
 from compare.reference.jobs import Engine
@@ -45,9 +47,15 @@ def test_stiffness_is_that_of_a_small_change_of_the_load():
     assert found.kept[1, 2] == pytest.approx(expected, rel=1e-3)
 
 
-@pytest.mark.slow
-def test_the_same_numbers_whatever_the_workers_and_the_engine_of_blocks():
+def test_the_same_numbers_whatever_block_is_done_first(monkeypatch):
+    """Blocks done in any order, which travel as those of other processes do."""
     alone = run_members(RANDOM, "lin", 12)
+
+    def backwards(jobs, *_):
+        numbered = list(enumerate(jobs))
+        return iter([(k, pickle.loads(pickle.dumps(function(*arguments)))) for k, (function, arguments) in numbered[::-1]])
+
+    monkeypatch.setattr(members.parallel, "as_done", backwards)
     shared = run_members(RANDOM, "lin", 12, Engine(workers=2))
     assert np.array_equal(alone.kept, shared.kept)
     for name in ("mean", "deviation", "smallest", "largest", "counts"):

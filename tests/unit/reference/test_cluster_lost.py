@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import contextmanager
 
 import pytest
 
@@ -28,28 +29,48 @@ def sleepy(seconds, begun=None):
     return seconds
 
 
-def start(*words):
-    return subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_" + words[0], *words[1:]])
+#: A scheduler and a worker in one process, which writes the scheduler's address to a file.
+CLUSTER = """
+import sys, time
+from distributed import LocalCluster
+options = {"threads_per_worker": 1, "processes": False, "dashboard_address": "127.0.0.1:0"}
+cluster = LocalCluster(n_workers=1, host="127.0.0.1", protocol="tcp://", **options)
+open(sys.argv[1], "w").write(cluster.scheduler_address + "\\n")
+time.sleep(300)
+"""
+
+
+@contextmanager
+def process(*words):
+    """A Python process, ended when the context is left."""
+    started = subprocess.Popen([sys.executable, *words])
+    try:
+        yield started
+    finally:
+        started.kill()
+        started.wait()
+
+
+@pytest.fixture
+def worker():
+    """A worker of its own process: (address of its scheduler, worker)."""
+    with distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as local:
+        address = local.scheduler_address
+        words = ("distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
+        with process("-m", *words) as started, distributed.Client(address, set_as_default=False) as client:
+            client.wait_for_workers(1, timeout=120)
+            yield address, started
 
 
 @pytest.fixture
 def cluster(tmp_path):
-    """A scheduler and a worker of their own processes: (address, scheduler, worker)."""
-    address_file = tmp_path / "scheduler.json"
-    scheduler = start(
-        "scheduler", "--port", "0", "--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(address_file)
-    )
-    end = time.monotonic() + 120.0
-    while not address_file.exists() and time.monotonic() < end:
-        time.sleep(0.1)
-    with distributed.Client(scheduler_file=str(address_file), set_as_default=False, timeout=120) as client:
-        address = client.scheduler.address
-        worker = start("worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
-        client.wait_for_workers(1, timeout=120)
-    yield address, scheduler, worker
-    for process in (worker, scheduler):
-        process.kill()
-        process.wait()
+    """A cluster of its own process: (address of its scheduler, process)."""
+    file = tmp_path / "address"
+    with process("-c", CLUSTER, str(file)) as started:
+        end = time.monotonic() + 120.0
+        while not (file.exists() and file.read_text().endswith("\n")) and time.monotonic() < end:
+            time.sleep(0.05)
+        yield file.read_text().strip(), started
 
 
 def lose(process, begun):
@@ -57,7 +78,7 @@ def lose(process, begun):
 
     def watch():
         while not begun.exists():
-            time.sleep(0.1)
+            time.sleep(0.02)
         process.kill()
 
     killer = threading.Thread(target=watch, daemon=True)
@@ -67,21 +88,23 @@ def lose(process, begun):
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(cluster, monkeypatch, capfd, tmp_path):
-    monkeypatch.setattr(parallel, "LONELY", 2.0)
-    address, _, worker = cluster
-    killer = lose(worker, begun := tmp_path / "begun")
-    with pytest.raises(InputError, match="the last worker is lost, and none came in 2 s"):
+def test_a_last_worker_that_is_lost_ends_the_jobs_after_a_stated_wait(worker, monkeypatch, capfd, tmp_path):
+    monkeypatch.setattr(parallel, "LONELY", 0.4)
+    monkeypatch.setattr(parallel, "LOOK", 0.1)
+    address, started = worker
+    killer = lose(started, begun := tmp_path / "begun")
+    with pytest.raises(InputError, match=r"the last worker is lost, and none came in 0\.4 s"):
         run([(sleepy, (60.0, begun)), (sleepy, (60.0, begun))], "dask", address)
     killer.join()
-    assert "waiting 2 s for another" in capfd.readouterr().err
+    assert "waiting 0.4 s for another" in capfd.readouterr().err
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-def test_a_scheduler_that_is_lost_is_named(cluster, tmp_path):
-    address, scheduler, _ = cluster
-    killer = lose(scheduler, begun := tmp_path / "begun")
+def test_a_scheduler_that_is_lost_is_named(cluster, monkeypatch, tmp_path):
+    monkeypatch.setattr(parallel, "PATIENCE", 2.0)
+    address, started = cluster
+    killer = lose(started, begun := tmp_path / "begun")
     with pytest.raises(InputError, match="the scheduler does not answer any more"):
         run([(sleepy, (60.0, begun)), (sleepy, (60.0, begun))], "dask", address)
     killer.join()

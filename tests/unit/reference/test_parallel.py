@@ -127,6 +127,20 @@ def test_a_cluster_is_used_by_all_its_workers_or_as_many_as_asked(scheduler, tmp
     assert time.perf_counter() - begin > 0.6
 
 
+def test_a_sweep_on_a_cluster_gives_the_same_numbers(scheduler, tmp_path):
+    from compare.commands.sweep import sweep_of  # not above, as dask
+    from compare.reference.jobs import Engine
+    from compare.sweep.run import run_samples
+
+    sweep = sweep_of("two-balls", ["errors.balls.oversize=4 um:7 um"], 12, "lhs", 1, "lin")
+    here, there = (
+        run_samples(sweep, tmp_path / name, engine, lambda _: None)
+        for name, engine in (("here", Engine()), ("there", Engine("dask", scheduler, 2)))
+    )
+    assert here == there
+    assert [here[n]["status"] for n in range(12)] == ["converged"] * 12
+
+
 def test_a_cluster_of_its_own():
     pids = run([process] * 2, "dask", workers=1)
     assert len(set(pids)) == 1

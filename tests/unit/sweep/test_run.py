@@ -25,12 +25,15 @@ SCENE = "two-balls"
 KILLS = """
 import os, random, signal, sys, time
 from pathlib import Path
-from compare.commands.sweep import sweep_of
 from compare.reference.jobs import Engine
+from compare.scenes import catalogue
 from compare.sweep import run as sweeping, store
+from compare.sweep.keys import read_vary
 
 folder, kills, workers = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
-what = sweep_of({scene!r}, {vary!r}, {samples}, "lhs", 1, "lin")
+sweeping.BATCHES = 1  # so long that workers are in the midst of theirs when their run is killed
+text, vary = catalogue.scene_text({scene!r}), read_vary({vary!r})
+what = sweeping.Sweep(text, "{scene}.toml", vary, {samples}, "lhs", 1, "lin")
 random.seed(5)
 before = 0
 
@@ -83,30 +86,21 @@ def killed(folder, kills, workers, samples):
         assert code == 0, said.read()
 
 
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """Records of a sweep of 100 samples that nobody kills."""
+    found, _ = run(tmp_path_factory.mktemp("undisturbed") / "a", 100)
+    assert all(record["status"] == "converged" for record in found.values())
+    return found
+
+
 @pytest.mark.slow
-def test_twenty_kills_lose_and_repeat_nothing(tmp_path):
-    killed(tmp_path / "a", 20, 1, 200)
+@pytest.mark.parametrize(("kills", "workers"), [(20, 1), (1, 2)], ids=["twenty kills", "workers that outlive the run"])
+def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undisturbed):
+    killed(tmp_path / "a", kills, workers, 100)
     numbers = sorted(record["sample"] for record in store.read(tmp_path / "a"))
-    assert numbers == list(range(200))
-    undisturbed, _ = run(tmp_path / "b", 200)
+    assert numbers == list(range(100))
     assert store.load(tmp_path / "a") == undisturbed
-
-
-@pytest.mark.slow
-def test_workers_that_outlive_the_run_repeat_nothing(tmp_path):
-    killed(tmp_path / "a", 2, 2, 400)
-    numbers = sorted(record["sample"] for record in store.read(tmp_path / "a"))
-    assert numbers == list(range(400))
-
-
-@pytest.mark.slow
-def test_a_cluster_of_two_workers_gives_the_same_numbers(tmp_path):
-    alone, _ = run(tmp_path / "a")
-    there, _ = run(tmp_path / "b", engine=Engine("dask", None, 2))
-    here, _ = run(tmp_path / "c", engine=Engine(workers=2))
-    assert alone == there == here
-    assert len(alone) == 40
-    assert all(record["status"] == "converged" for record in alone.values())
 
 
 def test_what_is_stored_is_not_solved_again(tmp_path, monkeypatch):
