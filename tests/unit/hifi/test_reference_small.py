@@ -25,7 +25,7 @@ from meshes.cache import Cache
 from meshes.parts import FourierTerm, Load, SideErrors, Support
 from meshes.sockets import local_points
 
-pytestmark = pytest.mark.xdist_group("two balls in 3D")
+pytestmark = pytest.mark.xdist_group("helped by processes")
 
 SMALL = Settings(
     b_over_h=0.8,
