@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.linalg.lapack import dpotrs
@@ -93,13 +94,15 @@ def approaches_at(
     loads: Array,
     place: tuple[float, float],
     start: Flags | None = None,
+    means: sp.csr_matrix | None = None,
 ) -> tuple[Array, Flags]:
     """Approaches ``(f,)`` [m] under ``loads`` ``(f,)`` [N] of a contact of own compliance ``(c, c)``, pressed straight in
     along the normal at its place, and its closed pairs ``(f, c)``.
 
-    place: of the contact beside the nominal one, across and along, in cells; start: closed pairs of a neighbouring place.
+    place: of the contact beside the nominal one, across and along, in cells; start: closed pairs of a neighbouring place;
+    means: over the patch's hats, where they are known.
     """
-    W = mean_weights(patch.weights)
+    W = mean_weights(patch.weights) if means is None else means
     normal, tangent, forward = contact_frame(m, side)
     x = patch.points - np.array([m.R, 0.0, 0.0])
     # the ball's centre moved by t: the gap is least t times (relative radius / r) beside the nominal contact
@@ -155,7 +158,7 @@ class PeriodicApproach:
     zone a contact finds another compliance beneath it, which is physics and no wave.
 
     loads ``(f,)`` [N]; trend ``(2, f)`` [m]: by the place across and along, in cells, from places half a cell away on
-    either side; closed: pairs ``(f, c)`` of the contact in the middle.
+    either side; closed: pairs ``(f, c)`` of the contact in the middle; means: over the patch's hats.
     """
 
     m: GrooveMap
@@ -165,16 +168,18 @@ class PeriodicApproach:
     loads: Array
     trend: Array
     closed: Flags
+    means: sp.csr_matrix
 
     @classmethod
     def of(cls, m: GrooveMap, side: int, patch: CondensedPatch, C: Array, loads: Array) -> PeriodicApproach:
         """Of a contact of compliance ``(c, c)`` [m/N] under ``loads`` ``(f,)`` [N]."""
-        _, closed = approaches_at(m, side, patch, C, loads, (0.0, 0.0))
+        W = mean_weights(patch.weights)
+        _, closed = approaches_at(m, side, patch, C, loads, (0.0, 0.0), means=W)
         left, right, back, ahead = (
-            approaches_at(m, side, patch, C, loads, place, closed)[0]
+            approaches_at(m, side, patch, C, loads, place, closed, W)[0]
             for place in ((-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5))
         )
-        return cls(m, side, patch, C, loads, np.array([right - left, ahead - back]), closed)
+        return cls(m, side, patch, C, loads, np.array([right - left, ahead - back]), closed, W)
 
     def table(self, across: int, along: int) -> Array:
         """Approaches ``(across, along, f)`` [m] less the trend, at places in a cell, from the middle of the zone on; both
@@ -184,7 +189,9 @@ class PeriodicApproach:
         for i, x in enumerate(np.arange(across) / across - 0.5):
             near = first
             for k, y in enumerate(np.arange(along) / along - 0.5):
-                found, near = approaches_at(self.m, self.side, self.patch, self.C, self.loads, (float(x), float(y)), near)
+                place = float(x), float(y)
+                given = self.m, self.side, self.patch, self.C, self.loads, place, near, self.means
+                found, near = approaches_at(*given)
                 out[i, k] = found - np.array([x, y]) @ self.trend
                 first = near if k == 0 else first
         return np.asarray(np.fft.ifftshift(out, axes=(0, 1)))

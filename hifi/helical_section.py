@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
-from skfem import Basis, BilinearForm, ElementQuad2, ElementVector, Functional, LinearForm, MeshQuad
-from skfem.helpers import grad
+from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 
 from meshes.arrays import Array
 from meshes.groove_map import GrooveMap
@@ -73,7 +72,8 @@ def _strain(value: Any, slope: Any, r: Array, rg: float, n: int) -> list[Any]:
     """rr, tt, zz, rz, rt, tz (engineering shears) of w with the derivatives along r and zeta."""
     u, v, w = value
     (u_r, u_z), (v_r, v_z), (w_r, w_z) = slope
-    u_t, v_t, w_t = (1j * n * f - rg * f_z for f, f_z in ((u, u_z), (v, v_z), (w, w_z)))
+    turn = 1j * n if n else 0.0
+    u_t, v_t, w_t = (turn * f - rg * f_z for f, f_z in ((u, u_z), (v, v_z), (w, w_z)))
     return [u_r, (v_t + u) / r, w_z, u_z + w_r, (u_t - v) / r + v_r, w_t / r + v_z]
 
 
@@ -93,29 +93,29 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     """Integrals over the section of what means and what they bring store against one another, ``(k, k)``."""
     e, nu = material.youngs_modulus, material.poissons_ratio
     shear = e / (2.0 * (1.0 + nu))
-    lame = 2.0 * shear * nu / (1.0 - 2.0 * nu)
+    hooke = np.diag(shear * np.array([2.0, 2.0, 2.0, 1.0, 1.0, 1.0]))
+    hooke[:3, :3] += 2.0 * shear * nu / (1.0 - 2.0 * nu)
+    r = np.asarray(basis.global_coordinates()[0])
+    weight = np.repeat(r * basis.dx, len(hooke), axis=1)
 
-    def work(a: list[Array], b: list[Array]) -> Array:
-        normal = lame * (a[0] + a[1] + a[2]) * np.conj(b[0] + b[1] + b[2])
-        same = sum(2.0 * shear * x * np.conj(y) for x, y in zip(a[:3], b[:3], strict=True))
-        return np.asarray(normal + same + sum(shear * x * np.conj(y) for x, y in zip(a[3:], b[3:], strict=True)))
+    def by_cells(strains: list[list[Array]]) -> Array:
+        """Strains as ``(cells, functions, points and components)``."""
+        found = np.array(strains).transpose(2, 0, 3, 1)
+        return np.ascontiguousarray(found).reshape(*found.shape[:2], -1)
 
-    @BilinearForm(dtype=np.complex128)
-    def stored(u, v, w):  # type: ignore[no-untyped-def]
-        r = w.x[0]
-        return r * work(_strain(u, grad(u), r, rg, n), _strain(v, grad(v), r, rg, n))
+    def stress(strains: Array) -> Array:
+        """Times the share of every point in the integral, ``(cells, points and components, functions)``."""
+        found = (strains.reshape(-1, len(hooke)) @ hooke).reshape(strains.shape)
+        return np.asarray((found * weight[:, None]).swapaxes(1, 2))
 
-    def loads(mean: Mean) -> Array:
-        @LinearForm(dtype=np.complex128)
-        def form(v, w):  # type: ignore[no-untyped-def]
-            r = w.x[0]
-            return r * work(mean(r), _strain(v, grad(v), r, rg, n))
-
-        return np.asarray(form.assemble(basis))
-
-    K = stored.assemble(basis)
-    F = np.stack([loads(mean) for mean in means], axis=1)
-    own = np.array([[_energy(basis, work, a, b) for b in means] for a in means])
+    B = by_cells([_strain(f[0], f[0].grad, r, rg, n) for f in basis.basis])
+    mean = by_cells([m(r) for m in means])
+    nodes, size = basis.element_dofs.T, basis.N
+    lines, columns = np.repeat(nodes, nodes.shape[1], axis=1).ravel(), np.tile(nodes, nodes.shape[1]).ravel()
+    K = sp.csr_matrix(((B.conj() @ stress(B)).ravel(), (lines, columns)), (size, size))
+    F = np.zeros((size, len(means)), dtype=B.dtype)
+    np.add.at(F, nodes, B.conj() @ stress(mean))
+    own = (mean @ stress(mean)).sum(axis=0)
     T = _periodic(basis, period)
     # the axis moves as a whole: n = 0 along and around, n = 1 across
     top = int(np.argmax(basis.doflocs[0]))
@@ -125,11 +125,6 @@ def _stored(basis: Basis, rg: float, n: int, material: Material, period: float, 
     T = T[:, free]
     answer = splu((T.T @ K @ T).tocsc(), permc_spec="MMD_AT_PLUS_A").solve(T.T @ F)
     return np.asarray((own - np.conj(T.T @ F).T @ answer).real)
-
-
-def _energy(basis: Basis, work: Callable[[list[Array], list[Array]], Array], a: Mean, b: Mean) -> float:
-    """What one mean stores against another."""
-    return float(Functional(lambda w: w.x[0] * work(a(w.x[0]), b(w.x[0])).real).assemble(basis))
 
 
 def _periodic(basis: Basis, period: float) -> sp.csr_matrix:

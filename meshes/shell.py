@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any, TypeVar
 
 import numpy as np
@@ -32,6 +33,8 @@ BEND = (1.2, 1.1)
 WALL = 1.6
 #: How fast edges grow away from the surface.
 INWARD = 0.5
+#: Cubes in which gmsh's questions for sizes are answered at once, along x, y and z, on faces and in volumes.
+FACE_BLOCK, VOLUME_BLOCK = (12, 12, 1), (4, 4, 4)
 #: gmsh's options: no output, one thread and no other chance than its own fixed seed, sizes from faces inwards.
 OPTIONS = {
     "General.Terminal": 0,
@@ -163,11 +166,11 @@ class Shell:
         own = np.concatenate([n for n, _ in rings])
         plane = np.concatenate([x for _, x in rings])
 
-        def length(at: Array) -> float:
-            found = min(float(self.size(space(at[:, :2]))[0]), limit)
-            return found if stretch is None else found * float(stretch(at[:, :2])[0])
+        def lengths(at: Array) -> Array:
+            found = np.minimum(self.size(space(at[:, :2])), limit)
+            return found if stretch is None else found * stretch(at[:, :2])
 
-        sizes = callback(length, 0.3 * self.fine)
+        sizes = callback(lengths, 0.3 * self.fine, FACE_BLOCK)
         tris, inner = triangulate(self.gmsh, [len(n) for n, _ in rings], plane, sizes, self.algorithm)
         number = np.concatenate([own, self.nodes(space(inner))])
         plane = np.concatenate([plane, inner])
@@ -195,16 +198,20 @@ class Shell:
         return np.concatenate(edges), np.concatenate(points)
 
 
-def callback(length: Callable[[Array], float], grain: float) -> Callable[..., float]:
-    """Answers to gmsh's question for sizes: ``length`` at a point ``(1, 3)`` [m], once for every cube of edge grain [m]."""
-    known = dict[tuple[int, int, int], float]()
-    inverse = 1.0 / (MM * grain)
+def callback(lengths: Placing, grain: float, block: tuple[int, int, int]) -> Callable[..., float]:
+    """Answers to gmsh's question for sizes: ``lengths`` at points ``(n, 3)`` [m], once for every cube of edge grain [m], as
+    many at once as a block has along x, y and z."""
+    known = dict[tuple[int, int, int], list[float]]()
+    inverse, (a, b, c) = 1.0 / (MM * grain), block
+    cubes = np.array(list(product(*map(range, block))))
 
     def answer(_dim: int, _tag: int, x: float, y: float, z: float, lc: float) -> float:
-        key = (round(x * inverse), round(y * inverse), round(z * inverse))
-        if key not in known:
-            known[key] = MM * length(grain * np.array([key]))
-        return min(known[key], lc)
+        i, j, k = round(x * inverse), round(y * inverse), round(z * inverse)
+        key = (i // a, j // b, k // c)
+        own = known.get(key)
+        if own is None:
+            own = known[key] = (MM * lengths(grain * (np.multiply(key, block) + cubes))).tolist()
+        return min(own[((i % a) * b + j % b) * c + k % c], lc)
 
     return answer
 
@@ -364,11 +371,11 @@ def fill(shell: Shell, algorithm: int) -> Filled:
     near = np.bincount(ends[:, 0], long) / np.bincount(ends[:, 0])
     tree = cKDTree(points)
 
-    def length(x: Array) -> float:
-        distance, node = tree.query(x[0])
-        return float(min(shell.size(x)[0], near[node] + INWARD * distance))
+    def lengths(x: Array) -> Array:
+        distance, node = tree.query(x)
+        return np.asarray(np.minimum(shell.size(x), near[node] + INWARD * distance))
 
-    cells, inner = tetrahedra(shell.gmsh, points, tris, callback(length, 0.6 * shell.fine), algorithm)
+    cells, inner = tetrahedra(shell.gmsh, points, tris, callback(lengths, 0.6 * shell.fine, VOLUME_BLOCK), algorithm)
     cells = turned_right(np.concatenate([points, inner]), cells)
     corners = np.concatenate([shell.points, inner])
     cells = freed(shell, corners, cells)
@@ -394,7 +401,7 @@ def graded(near: Array, fine: float, coarse: float, first: float, last: float) -
     tree = cKDTree(near)
 
     def size(x: Array) -> Array:
-        share = (tree.query(x)[0] - first) / (last - first)
+        share = (tree.query(x, distance_upper_bound=last)[0] - first) / (last - first)
         return np.asarray(fine + (coarse - fine) * np.minimum(np.maximum(share, 0.0), 1.0))
 
     return size

@@ -24,11 +24,11 @@ SEMI = (0.40e-3, 0.105e-3)
 ZONE = (0.62, 0.17)
 
 
-def lines(b_over_h):
-    """Elements of a second-order patch with so many nodes across the short semi-axis."""
+def lines(b_over_h, growth=1.7):
+    """Elements of a second-order patch with so many nodes across the short semi-axis; growth: beside the contact zone."""
     step = 2.0 * SEMI[1] / b_over_h / WIDTH[1]
-    across = graded(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], 1.7)
-    return Lines(across, growing(0.0, 1.0, 0.6 * step, 1.8), graded(ZONE[1], step, 1.7))
+    across = graded(ZONE[0], 2.0 * SEMI[0] / b_over_h / WIDTH[0], growth)
+    return Lines(across, growing(0.0, 1.0, 0.6 * step, 1.8), graded(ZONE[1], step, growth))
 
 
 @cache

@@ -14,6 +14,8 @@ from hifi.shaft import ShaftSection
 from meshes.groove_map import GrooveMap
 from meshes.parts import FREEDOMS, Load, Support
 
+pytestmark = pytest.mark.xdist_group("cut shafts")
+
 SCENE = catalogue.scene("lin-case1")
 RIGHT = replace(GrooveMap.of(SCENE), phase=0.7)
 HANDS = {"right": RIGHT, "left": replace(RIGHT, rg=-RIGHT.rg), "two starts": replace(RIGHT, starts=2)}
@@ -118,27 +120,46 @@ def test_ends_without_a_beam_beyond_stay(stations):
     assert np.abs(upper).max() < least
 
 
-def test_a_meshed_shaft_is_beam_and_cuts(monkeypatch):
-    """A shaft of another length and phase than those that the cut comes from: a tenth of what the cuts do is left, by the
-    mesh and by the coupling of shear and bending that no beam here has; of what bends it under an axial force, 6 %."""
-    m, steel, hole, size = HANDS["left"], SCENE.screw.material, 4e-3, 6e-3
-    meshed, known = cell._flexibility, {}
+@pytest.fixture(scope="module")
+def meshed():
+    """Left-hand shaft of a bore of 8 mm, meshed: its section and cut, and flexibilities, each length meshed once."""
+    m, steel, bore, mesh = HANDS["left"], SCENE.screw.material, 4e-3, cell._flexibility
+    known = {}
 
     def once(*given):
-        """Shafts of one length are meshed once."""
-        return known[length] if (length := round(given[-1], 9)) in known else known.setdefault(length, meshed(*given))
+        return known[length] if (length := round(given[-1], 9)) in known else known.setdefault(length, mesh(*given))
 
-    monkeypatch.setattr(cell, "_flexibility", once)
-    found = cell.homogenise(m, 16e-3, hole, hole, steel, size)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cell, "_flexibility", once)
+        found = cell.homogenise(m, 16e-3, bore, bore, steel, 8e-3)
+    return found, lambda length: once(m, 16e-3, bore, steel, 8e-3, length), known
+
+
+def test_a_homogenised_shaft_lies_between_root_and_lands(meshed):
+    found, m = meshed[0], HANDS["left"]
+    root = m.R - m.radius[0] * np.cos(np.pi / 4)
+    assert all(root < r < 16e-3 for r in found.radii)
+    assert found.radii[0] < found.radii[1] < found.radii[2]  # axial, bending, torsion
+    assert abs(found.coupling) < 0.02
+    # volume: the axial section can be no stiffer than the mean cross-section (Voigt)
+    groove = 0.5 * 3.254e-3**2 * (np.pi - 0.9)
+    area = np.pi * (16e-3**2 - 4e-3**2) - 2.0 * np.pi * m.R * groove / 20e-3 * 0.8
+    assert 1.02 * SCENE.screw.material.youngs_modulus * area > found.section.EA
+
+
+def test_a_meshed_shaft_is_beam_and_cuts(meshed):
+    """A shaft of another length and phase than those that the cut comes from: a tenth of what the cuts do is left, by the
+    mesh and by the coupling of shear and bending that no beam here has; of what bends it under an axial force, 6 %."""
+    (found, flexibility, known), m = meshed, HANDS["left"]
     leads = int(np.ceil(2.4 * m.R / 20e-3))
-    short, long = (cell._flexibility(m, 16e-3, hole, steel, size, k * leads * 20e-3) for k in (1, 2))
+    short, long = (flexibility(k * leads * 20e-3) for k in (1, 2))
     assert len(known) == 3
     mesh = (long - short) / (leads * 20e-3)  # as stiff as this mesh: what it has too much is not the cut's
     uniform = np.diag([1 / found.section.kGA] * 2 + [mesh[2, 2]] + [0.5 * (mesh[3, 3] + mesh[4, 4])] * 2 + [mesh[5, 5]])
     uniform[2, 5] = uniform[5, 2] = mesh[2, 5]
     length = 2.5 * 20e-3
     T, scale = transport(length), np.outer(UNIT, UNIT)
-    F = cell._flexibility(m, 16e-3, hole, steel, size, length) / scale
+    F = flexibility(length) / scale
     stake = F - uniform_cantilever(length, uniform) / scale
     left = stake - (T @ at_low(found.cut, m, m.z0 - length / 2) @ T.T + at_high(found.cut, m, m.z0 + length / 2)) / scale
     assert np.linalg.norm(stake) > 0.02 * np.linalg.norm(F)

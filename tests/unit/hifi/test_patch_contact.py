@@ -18,7 +18,7 @@ pytestmark = pytest.mark.xdist_group("condensed patches")
 def indentation(kind, where, fine=None, b_over_h=None):
     """Mean indentation [um] under a total of 225 N spread like Hertz's pressure, the socket held."""
     if kind == "Q2":
-        grid = lines(b_over_h)
+        grid = lines(b_over_h, 3.0)
         place, centre = places(0)[where]
         mesh = build_patch(grid, ZONE, place, socket())
         axes = [np.union1d(x, 0.5 * (x[1:] + x[:-1])) for x in (grid.across, grid.along)]

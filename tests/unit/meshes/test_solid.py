@@ -1,4 +1,4 @@
-"""Dimensions that only the 3D reference needs, the homogenised shaft, and compliances of held bodies."""
+"""Dimensions that only the 3D reference needs, and compliances of held bodies."""
 
 from dataclasses import replace
 
@@ -8,8 +8,6 @@ import scipy.sparse as sp
 
 from compare.scenes import catalogue
 from hifi import response
-from hifi.cell import homogenise
-from meshes.groove_map import GrooveMap
 from meshes.parts import Solid
 from meshes.solid import dimensions
 
@@ -47,20 +45,6 @@ def test_the_stretch_ends_where_the_screw_does():
 def test_dimensions_without_groove_or_wall_are_refused(solid, key):
     with pytest.raises(ValueError, match=key):
         dimensions(replace(catalogue.scene("lin-case1"), solid=solid))
-
-
-def test_homogenised_shaft_lies_between_root_and_lands():
-    scene = catalogue.scene("lin-case1")
-    m, steel = GrooveMap.of(scene), scene.screw.material
-    found = homogenise(m, 16e-3, 0.0, 1.5e-3, steel, 8e-3)
-    root = m.R - m.radius[0] * np.cos(np.pi / 4)
-    assert all(root < r < 16e-3 for r in found.radii)
-    assert found.radii[0] < found.radii[1] < found.radii[2]  # axial, bending, torsion
-    assert abs(found.coupling) < 0.02
-    # volume: the axial section can be no stiffer than the mean cross-section (Voigt)
-    groove = 0.5 * 3.254e-3**2 * (np.pi - 0.9)
-    area = np.pi * 16e-3**2 - 2.0 * np.pi * m.R * groove / (20e-3) * 0.8
-    assert 1.02 * steel.youngs_modulus * area > found.section.EA
 
 
 def test_compliance_of_many_rows():
