@@ -44,9 +44,8 @@ class Tube:
 class TubeCompliance:
     """Motion [m/N] of the loaded grid line by loads on it at stations z ``(k,)`` [m]: for each harmonic the parts ``PARTS``
     of a symmetric matrix, side by side ``(harmonics, k, 6 k)``. Of a shaft held by its section, for harmonics 0 and 1, by
-    loads on the
-    mean motions of its high end (`lowfi.compliance.fourier.end_motions`): ends ``(2, 3, k)``, the line (r, t, z), and
-    own ``(2, 2)``, these motions themselves."""
+    loads on the mean motions of its high end (`lowfi.compliance.fourier.end_motions`): ends ``(2, 3, k)``, the line
+    (r, t, z), and own ``(2, 2)``, these motions themselves."""
 
     tube: Tube
     z: Array
