@@ -12,6 +12,7 @@ from hifi.rolling.verification import (
     Creep,
     carter,
     deviations,
+    ellipse_patch,
     linear_coefficients,
     mindlin,
     slip_everywhere,
@@ -67,6 +68,14 @@ def test_lateral_and_longitudinal_creep_are_alike_without_poisson():
     assert c[0] == pytest.approx(c[1], rel=1e-9)
     with pytest.raises(ValueError, match="even number of cells"):
         linear_coefficients(1.0, 0.0, (16, 15))
+
+
+def test_half_of_the_cells_gives_the_coefficients_of_all():
+    given = 2.0, 0.28, (12, 10)
+    patch = ellipse_patch(*given)
+    units = np.stack([Creep(*row).slip(patch.at) for row in np.eye(3)], axis=1)
+    F = units.T @ np.linalg.solve(patch.transport, units)
+    assert linear_coefficients(*given) == pytest.approx([F[0, 0], F[1, 1], F[1, 2], F[2, 2]], rel=1e-10)
 
 
 @pytest.mark.parametrize("spin", [0.0, 30.0, 400.0])

@@ -57,7 +57,8 @@ def test_finer_cells_converge() -> None:
 
 @pytest.mark.slow
 def test_3d_shafts_converge_to_it() -> None:
-    """One lead of 3D shaft, as the difference of two and one, stiffer the coarser its cells."""
+    """One lead of 3D shaft, as the difference of two and one, stiffer the coarser its cells; its coupling of stretch and
+    twist, a few thousandths of either, has the sign of the section's and comes near it more slowly."""
     bore, lead = 4e-3, 2.0 * np.pi * MAP.rg
     A, EI = helical_stiffness(MAP, LAND, bore, STEEL)
     yielding = np.linalg.inv(A)
@@ -66,9 +67,10 @@ def test_3d_shafts_converge_to_it() -> None:
         short, long = (_flexibility(MAP, LAND, bore, STEEL, size, k * lead) for k in (1, 2))
         mesh = (long - short) / lead
         bend = 0.5 * (mesh[3, 3] + mesh[4, 4])
-        off.append([1.0 - mesh[2, 2] / yielding[0, 0], 1.0 - mesh[5, 5] / yielding[1, 1], 1.0 - bend * EI])
+        own = 1.0 - mesh[2, 2] / yielding[0, 0], 1.0 - mesh[5, 5] / yielding[1, 1], 1.0 - bend * EI
+        off.append([*own, 1.0 - mesh[2, 5] / yielding[0, 1]])
     assert np.all(np.array(off) > 0.0)
-    assert np.all(np.array(off) < 0.025)
+    assert np.all(np.array(off) < [0.025, 0.025, 0.025, 0.5])
     assert np.all(np.array(off[1]) < 0.8 * np.array(off[0]))
 
 
