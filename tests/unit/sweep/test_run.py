@@ -42,7 +42,8 @@ def lines():
     return sum(path.read_bytes().count(b"\\n") for path in (folder / store.RECORDS).glob("*.lines"))
 
 
-for _ in range(kills):  # each at a random number of stored samples and a random moment after
+killed = 0
+while killed < kills and before < 0.7 * {samples}:  # at a random number of stored samples and a random moment after
     child = os.fork()
     if child == 0:
         sweeping.run_samples(what, folder, Engine(workers=workers), print)
@@ -50,14 +51,14 @@ for _ in range(kills):  # each at a random number of stored samples and a random
     until = before + random.uniform(0.0, 0.8 * {samples} / (kills + 2))
     while lines() < min(until, {samples}):
         time.sleep(0.002)
-    time.sleep(random.uniform(0.0, 0.02))
+    time.sleep(random.uniform(0.0, 0.005))
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
+    killed += 1
     now = len(list(store.read(folder)))
     assert now >= before, (now, before)
     before = now
-assert before < {samples}, "no kill came in time"
-print(before)
+assert before < {samples} and killed >= (kills + 1) // 2, (before, killed)  # however fast the machine
 sweeping.run_samples(what, folder, Engine(workers=workers), print)
 """
 
@@ -88,8 +89,8 @@ def killed(folder, kills, workers, samples):
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
-    """Records of a sweep of 100 samples that nobody kills."""
-    found, _ = run(tmp_path_factory.mktemp("undisturbed") / "a", 100)
+    """Records of a sweep of 200 samples that nobody kills."""
+    found, _ = run(tmp_path_factory.mktemp("undisturbed") / "a", 200)
     assert all(record["status"] == "converged" for record in found.values())
     return found
 
@@ -97,9 +98,9 @@ def undisturbed(tmp_path_factory):
 @pytest.mark.slow
 @pytest.mark.parametrize(("kills", "workers"), [(20, 1), (1, 2)], ids=["twenty kills", "workers that outlive the run"])
 def test_a_killed_sweep_loses_and_repeats_nothing(kills, workers, tmp_path, undisturbed):
-    killed(tmp_path / "a", kills, workers, 100)
+    killed(tmp_path / "a", kills, workers, 200)
     numbers = sorted(record["sample"] for record in store.read(tmp_path / "a"))
-    assert numbers == list(range(100))
+    assert numbers == list(range(200))
     assert store.load(tmp_path / "a") == undisturbed
 
 
